@@ -1,0 +1,43 @@
+# make demo: set up and run the main job.  make test: set up and check everything.  make help: the rest.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/ready
+
+.PHONY: help setup demo test lint types format bench recordings clean
+
+help:  ## list the commands
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
+
+$(READY): pyproject.toml constraints.txt
+	@$(PYTHON) -m venv $(VENV) || { echo "python3 cannot make virtual environments: apt-get install python3-venv"; exit 1; }
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+	@touch $@
+
+setup: $(READY)  ## install everything into .venv
+
+demo: $(READY)  ## learn give, show and hide from the shipped recordings
+	@$(BIN)/taskgist demo
+
+lint: $(READY)  ## linters
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(READY)  ## strict types
+	$(BIN)/mypy
+
+test: lint types  ## linters, types and tests
+	$(BIN)/pytest -n auto
+
+format: $(READY)  ## format the code and mend what the linter can mend
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+bench: $(READY)  ## speed, as ratios against peers
+	$(BIN)/python -m benchmarks
+
+recordings: $(READY)  ## make the shipped recordings anew (see docs/recordings.md)
+	$(BIN)/python tools/make_recordings.py
+
+clean:  ## remove what setup made
+	rm -rf $(VENV) build dist

@@ -1,0 +1,1 @@
+"""taskgist: learn what a task means for another person, from one to a few demonstrations."""

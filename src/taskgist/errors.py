@@ -1,0 +1,105 @@
+"""The exception tree: one base, a class per meaning, each message with its way out.
+
+The text is built in ``__str__`` from plain fields, so that an error survives pickling and a process pool.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from pathlib import Path
+
+
+class TaskgistError(Exception):
+    """Base of every error that taskgist raises on purpose."""
+
+
+class InputError(TaskgistError):
+    """Bad input: says where it stands, what is wrong, and the way out.
+
+    Args:
+        problem: What is wrong, in one clause.
+        where: File (and line or record) that holds it, if any.
+        field: Name of the field, column or option, if any.
+        value: The offending value, if any.
+        hint: The way out.
+    """
+
+    def __init__(
+        self,
+        problem: str,
+        *,
+        where: str | Path | None = None,
+        field: str | None = None,
+        value: object = None,
+        hint: str | None = None,
+    ) -> None:
+        super().__init__(problem)
+        self.problem = problem
+        self.where = None if where is None else str(where)
+        self.field = field
+        self.value = value
+        self.hint = hint
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Restore keyword fields when unpickled."""
+        return (_rebuild, (type(self), self.problem, self.where, self.field, self.value, self.hint))
+
+    def __str__(self) -> str:
+        place = ": ".join(part for part in (self.where, self.field) if part)
+        text = f"{place}: {self.problem}" if place else self.problem
+        if self.value is not None:
+            text += f" (got {self.value!r})"
+        return f"{text}; {self.hint}" if self.hint else text
+
+
+class SceneError(InputError):
+    """A scene, model or profile that cannot be used."""
+
+
+class MappingError(InputError):
+    """An import mapping, or the tables that it names, that cannot be used."""
+
+
+class RecordingError(InputError):
+    """A recording that cannot be read, or does not hold what was asked of it."""
+
+
+class LabelError(InputError):
+    """A label that is missing, outside of its recording, or not supported."""
+
+
+class FactsError(InputError):
+    """Facts from elsewhere that do not fit the hypothesis tree."""
+
+
+class KnowledgeError(InputError):
+    """Knowledge that cannot be read, or does not fit the present settings or tree."""
+
+
+class UnknownNameError(InputError):
+    """A name that does not exist; the message offers the nearest one and lists the known ones.
+
+    Args:
+        kind: What was looked for: "agent", "object", "task".
+        name: The name that was given.
+        known: The names that exist.
+        where: File that was searched, if any.
+    """
+
+    def __init__(self, kind: str, name: str, known: Iterable[str], where: str | Path | None = None) -> None:
+        self.kind, self.name, self.known = kind, name, tuple(sorted(known))
+        near = difflib.get_close_matches(name, self.known, n=1)
+        guess = f"did you mean {near[0]!r}? " if near else ""
+        listed = ", ".join(self.known) or "none"
+        super().__init__(f"no {kind} {name!r}", where=where, hint=f"{guess}(known: {listed})")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Restore from the constructor's own arguments when unpickled."""
+        return (type(self), (self.kind, self.name, self.known, self.where))
+
+
+def _rebuild(
+    kind: type[InputError], problem: str, where: str | None, field: str | None, value: object, hint: str | None
+) -> InputError:
+    return kind(problem, where=where, field=field, value=value, hint=hint)
