@@ -1,0 +1,147 @@
+"""Every threshold and default, named, with its unit and source, in one place.
+
+Settings are immutable values that are passed down explicitly. The ``digest`` of those that shape facts travels with every
+explanation, so that facts inferred with other settings are never counted together by accident.
+
+Sources: "paper" is Pandey & Alami; "authors' code" their published C++ implementation; "ours" a choice of taskgist, whose
+reason stands beside it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import math
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Vision:
+    """How visibility is measured (5.1.1)."""
+
+    negligible_score: float = 1e-4
+    """Fraction of the image below which a visibility score is "≈ 0" (ours: 8 of 76,800 pixels)."""
+    bins_per_doubling: float = 1.0
+    """Logarithmic bins of the score per doubling (ours: one bin per factor of two)."""
+    change_tolerance: float = 0.25
+    """Relative change below which two scores are Almost_Same, Eq. 12 (ours)."""
+
+
+@dataclass(frozen=True)
+class Reach:
+    """When an object counts as reachable (5.1.2)."""
+
+    cell_m: float = 0.05
+    """Edge of a workspace cell; an object is reached by any of its cells (authors' code: 5 cm)."""
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """How grasps are sampled and tested (5.1.3)."""
+
+    cell_m: float = 0.03
+    """Spacing of the points of an object's surface at which grasps are tried (ours)."""
+    approaches: int = 8
+    """Directions tried around the closing axis of each pair of opposite points (ours)."""
+    clearance_m: float = 0.005
+    """Gap kept between fingers and object before closing (ours)."""
+    facing: float = 0.0
+    """Least cosine between the approach and the direction shoulder → grasp: none is approached from behind (ours)."""
+
+
+@dataclass(frozen=True)
+class Efforts:
+    """Sampled virtual actions of each effort level (Eq. 1-6, Fig. 6)."""
+
+    lean_step_rad: float = 0.25
+    """Step of the torso's lean (authors' code)."""
+    turn_step_rad: float = math.radians(15.0)
+    """Step of the torso's turn (ours)."""
+    head_steps: int = 6
+    """Steps from the present head direction to the one aimed at the object (ours)."""
+    move_radius_m: float = 2.0
+    """Farthest displacement considered (ours: a few steps)."""
+    move_step_m: float = 0.25
+    """Grid of floor positions, anchored at the agent (ours)."""
+    collision_m: float = 0.01
+    """A contact deeper than the present one by more than this blocks (tracked bodies touch and interpenetrate; ours)."""
+    state_bin_rad: float = math.radians(15.0)
+    """Bin of the joint angles that make the symbol of an attained state S (ours)."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Holding, support, containment and motion (5.2.2, 5.3)."""
+
+    grip_m: float = 0.03
+    """Largest gap between hand and a held object (ours: fit errors of tracked hands are of this order)."""
+    support_m: float = 0.015
+    """Largest gap between an object and what it rests on (ours)."""
+    lift_m: float = 0.05
+    """Virtual lift with which the direction of a support is measured, robust to interpenetration (ours)."""
+    support_slope_rad: float = math.radians(30.0)
+    """Steepest contact that still supports (ours)."""
+    container_walls: float = 0.9
+    """Share of horizontal directions in which a container's own wall must stand (ours)."""
+    container_m: float = 0.6
+    """Farthest wall of a container from what is inside (ours)."""
+    sitting_thigh_rad: float = math.radians(45.0)
+    """Thighs inclined further than this from the vertical sit (ours)."""
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Facts over time: minimum durations and hysteresis (ours; paper 5.3.2 leaves them open)."""
+
+    minimum_s: float = 0.2
+    """A placement, hand or motion fact is confirmed when it has lasted this long; it is backdated to its onset."""
+    motion_window_s: float = 0.2
+    """Window over which an object's speed is measured."""
+    moving_m_s: float = 0.10
+    """Speed above which a static object starts to move."""
+    static_m_s: float = 0.05
+    """Speed below which a moving object comes to rest."""
+
+
+@dataclass(frozen=True)
+class Learning:
+    """The m-estimate and its bands (Eq. 27, 33-35). These shape verdicts, not facts, and stay out of the digest."""
+
+    m: int = 2
+    """Equivalent sample size a + b (paper 6.3: 2)."""
+    prior: tuple[int, int] = (1, 2)
+    """Prior probability of a value as an exact fraction, a = m × prior (paper 6.3: a = 1)."""
+    band: str = "narrow"
+    """Named confusion band; see ``BANDS``."""
+
+
+BANDS: dict[str, tuple[tuple[int, int], tuple[int, int]]] = {
+    "narrow": ((3, 10), (1, 10)),
+    "wide": ((6, 10), (1, 10)),
+}
+"""Named bands (l1, l2) as exact fractions: d1 = Q − l1·Q, d2 = Q − l2·Q. narrow: Eq. 34-35; wide: 7.3 (10-60 %)."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """All settings, by the stage that uses them."""
+
+    vision: Vision = field(default_factory=Vision)
+    reach: Reach = field(default_factory=Reach)
+    grasp: Grasp = field(default_factory=Grasp)
+    efforts: Efforts = field(default_factory=Efforts)
+    contact: Contact = field(default_factory=Contact)
+    timing: Timing = field(default_factory=Timing)
+    learning: Learning = field(default_factory=Learning)
+
+    @property
+    def digest(self) -> str:
+        """Short digest of the settings that shape facts, 12 hexadecimal digits."""
+        shaping = {name: value for name, value in dataclasses.asdict(self).items() if name != "learning"}
+        text = json.dumps(shaping, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+DEFAULT = Settings()
+"""The settings used where none are given."""
