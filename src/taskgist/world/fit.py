@@ -1,0 +1,227 @@
+"""Fitting a body to tracked points: inverse kinematics over landmarks, by mink.
+
+Trackers deliver points (and sometimes directions) of body parts; a body wants joint angles. Each landmark is a site of the agent's
+model with the tracker's own name for it (``left_elbow``, ``nose``), so a fit is a sum of named tasks, solved by Newton steps under
+joint limits::
+
+    fitter = Fitter(scene, "P1")
+    fit = fitter.fit(state, points={"head": (0.1, 0, 1.6)}, directions={"face": (1, 0, 0)})
+    fit.state, fit.errors_m["head"]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+
+import mink
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from taskgist.errors import UnknownNameError
+from taskgist.world.agent import Agent
+from taskgist.world.scene import Scene
+from taskgist.world.state import State
+
+Array = NDArray[np.float64]
+
+ARMS = ("girdle", "shoulder", "elbow", "forearm", "wrist")
+MOVING: Mapping[str, tuple[str, ...]] = {
+    "arms": ARMS,
+    "upper_body": ("torso", *ARMS),
+    "trunk_and_arms": ("torso", "head", *ARMS),
+}
+"""Named sets of joints that a fit may move, by words in the joints' names; ``body`` moves everything, the root too."""
+
+AXES: Mapping[str, tuple[str, tuple[float, float, float]]] = {
+    "face": ("eye", (1.0, 0.0, 0.0)),
+    "head_up": ("eye", (0.0, 0.0, 1.0)),
+    "left_hand": ("left_wrist", (0.0, 0.0, -1.0)),
+    "right_hand": ("right_wrist", (0.0, 0.0, -1.0)),
+    "left_palm": ("left_wrist", (0.0, -1.0, 0.0)),
+    "right_palm": ("right_wrist", (0.0, 1.0, 0.0)),
+    "left_thumb": ("left_wrist", (1.0, 0.0, 0.0)),
+    "right_thumb": ("right_wrist", (1.0, 0.0, 0.0)),
+    "pelvis": ("pelvis", (1.0, 0.0, 0.0)),
+    "pelvis_up": ("pelvis", (0.0, 0.0, 1.0)),
+    "chest": ("chest", (1.0, 0.0, 0.0)),
+}
+"""Directions that a fit may ask for: a landmark, and the axis of its frame. Hands: towards the fingers, out of the palm, thumb."""
+
+DIRECTION_COST_M = 0.15
+"""Lever with which an error of direction (radians) counts like an error of place (metres)."""
+POSTURE_COST = 1e-3
+"""Pull towards the start for joints that nothing else decides."""
+STIFF: Mapping[str, float] = {"girdle": 20.0, "torso": 10.0, "torso_side": 40.0, "head_roll": 40.0, "wrist": 3.0}
+"""How much more reluctantly joints move than others, by words in their names: people bend sideways last (ours)."""
+CONVERGED_RAD = 2e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted state and how well it meets its targets.
+
+    Attributes:
+        state: The state with the agent fitted.
+        errors_m: Distance in metres between each landmark and its target.
+        errors_rad: Angle between each direction and its target.
+    """
+
+    state: State
+    errors_m: Mapping[str, float]
+    errors_rad: Mapping[str, float]
+
+
+class Fitter:
+    """Fits one agent of a scene, other things staying where they are.
+
+    Args:
+        scene: The scene.
+        agent: Name of the agent to fit.
+        moving: A name of ``MOVING``, ``"body"``, or the names of the joints that may move.
+        weights: Relative cost of a landmark or direction; 1 where none is given.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        agent: str,
+        *,
+        moving: str | Collection[str] = "body",
+        weights: Mapping[str, float] | None = None,
+    ) -> None:
+        self._scene = scene
+        self._agent = scene.agent(agent)
+        self._weights = dict(weights or {})
+        self._configuration = mink.Configuration(scene.model)
+        self._limits = [mink.ConfigurationLimit(scene.model)]
+        self._frozen = self._freeze(moving)
+
+    def _freeze(self, moving: str | Collection[str]) -> mink.DofFreezingTask:
+        """Hold every degree of freedom that must not move."""
+        model, agent = self._scene.model, self._agent
+        chosen = set(_chosen(agent, moving))
+        free: set[int] = set()
+        for joint in range(model.njnt):
+            name = str(model.joint(joint).name).removeprefix(f"{agent.name}/")
+            of_agent = int(model.jnt_bodyid[joint]) in agent.bodies
+            root = of_agent and int(model.jnt_bodyid[joint]) == agent.root_body
+            if (root and moving == "body") or (of_agent and not root and name in chosen):
+                start = int(model.jnt_dofadr[joint])
+                free.update(range(start, start + (6 if root else 1)))
+        return mink.DofFreezingTask(model, dof_indices=[d for d in range(model.nv) if d not in free])
+
+    def fit(
+        self,
+        state: State,
+        *,
+        points: Mapping[str, ArrayLike] | None = None,
+        directions: Mapping[str, ArrayLike] | None = None,
+        iterations: int = 30,
+    ) -> Fit:
+        """Fit the agent.
+
+        Args:
+            state: Where to start from; everything but the agent's moving joints stays.
+            points: Targets of landmarks in the world, metres, (3,) each; those that are not finite are left out.
+            directions: Targets of directions (``AXES``) in the world, (3,) each.
+            iterations: Most Newton steps.
+
+        Raises:
+            UnknownNameError: The model has no such landmark or direction.
+        """
+        wanted = {name: np.asarray(p, dtype=float) for name, p in (points or {}).items() if np.all(np.isfinite(p))}
+        aimed = {name: np.asarray(d, dtype=float) for name, d in (directions or {}).items() if np.all(np.isfinite(d))}
+        tasks = [*self._point_tasks(wanted), *self._direction_tasks(aimed)]
+        posture = mink.PostureTask(self._scene.model, cost=self._posture_cost())
+        configuration = self._configuration
+        configuration.update(np.array(state.qpos))
+        posture.set_target(configuration.q)
+        for _ in range(iterations):
+            velocity = mink.solve_ik(
+                configuration,
+                [*tasks, posture],
+                1.0,
+                "daqp",
+                damping=1e-6,
+                limits=self._limits,
+                constraints=[self._frozen],
+            )
+            step = np.clip(velocity, -0.5, 0.5)
+            configuration.integrate_inplace(step, 1.0)
+            if np.abs(step).max() < CONVERGED_RAD:
+                break
+        fitted = State(configuration.q, state.time_s, state.untracked)
+        return Fit(fitted, self._point_errors(wanted), self._direction_errors(aimed))
+
+    def _posture_cost(self) -> Array:
+        model = self._scene.model
+        cost = np.full(model.nv, POSTURE_COST)
+        for joint in self._agent.joints:
+            stiffness = max((factor for word, factor in STIFF.items() if word in joint), default=1.0)
+            cost[int(model.joint(f"{self._agent.name}/{joint}").dofadr[0])] *= stiffness
+        return cost
+
+    def _point_tasks(self, points: Mapping[str, Array]) -> list[mink.FrameTask]:
+        tasks = []
+        for name, point in points.items():
+            cost = self._weights.get(name, 1.0)
+            task = mink.FrameTask(self._site(name), "site", position_cost=cost, orientation_cost=0.0, lm_damping=1e-3)
+            task.set_target(mink.SE3.from_translation(point))
+            tasks.append(task)
+        return tasks
+
+    def _direction_tasks(self, directions: Mapping[str, Array]) -> list[mink.AxisAlignTask]:
+        tasks = []
+        for name, direction in directions.items():
+            site, axis = self._axis(name)
+            cost = DIRECTION_COST_M * self._weights.get(name, 1.0)
+            task = mink.AxisAlignTask(self._site(site), "site", axis=axis, cost=cost, lm_damping=1e-3)
+            task.set_target(direction)
+            tasks.append(task)
+        return tasks
+
+    def _point_errors(self, points: Mapping[str, Array]) -> dict[str, float]:
+        data = self._configuration.data
+        return {name: float(np.linalg.norm(data.site(self._site(name)).xpos - p)) for name, p in points.items()}
+
+    def _direction_errors(self, directions: Mapping[str, Array]) -> dict[str, float]:
+        errors = {}
+        for name, direction in directions.items():
+            site, axis = self._axis(name)
+            matrix = self._configuration.data.site(self._site(site)).xmat.reshape(3, 3)
+            cosine = float(matrix @ np.array(axis) @ direction / np.linalg.norm(direction))
+            errors[name] = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+        return errors
+
+    def _axis(self, name: str) -> tuple[str, tuple[float, float, float]]:
+        if name not in AXES:
+            raise UnknownNameError("direction", name, AXES, where=self._agent.name)
+        return AXES[name]
+
+    def _site(self, landmark: str) -> str:
+        name = f"{self._agent.name}/{landmark}"
+        if mujoco.mj_name2id(self._scene.model, mujoco.mjtObj.mjOBJ_SITE, name) < 0:
+            raise UnknownNameError("landmark", landmark, landmarks(self._scene, self._agent.name))
+        return name
+
+
+def landmarks(scene: Scene, agent: str) -> tuple[str, ...]:
+    """Names of the landmarks that an agent's model has."""
+    prefix = f"{agent}/"
+    names = (str(scene.model.site(s).name) for s in range(scene.model.nsite))
+    return tuple(name.removeprefix(prefix) for name in names if name.startswith(prefix))
+
+
+def _chosen(agent: Agent, moving: str | Collection[str]) -> Iterable[str]:
+    if not isinstance(moving, str):
+        for joint in moving:
+            if joint not in agent.joints:
+                raise UnknownNameError("joint", joint, agent.joints, where=agent.name)
+        return moving
+    if moving == "body":
+        return agent.joints
+    if moving not in MOVING:
+        raise UnknownNameError("set of joints", moving, ("body", *MOVING))
+    return [joint for joint in agent.joints if any(word in joint for word in MOVING[moving])]

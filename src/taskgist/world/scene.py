@@ -1,0 +1,208 @@
+"""A scene: a room with objects (a MuJoCo model), and the agents placed in it.
+
+A scene file is a short TOML document beside the model::
+
+    [scene]
+    name = "living room"
+    model = "room.xml"                 # MJCF (or URDF) of room and objects
+    objects = ["cup", "box"]           # optional; default: every free body
+    estimated = ["table"]              # optional: bodies that nobody measured
+
+    [agents.P1]
+    profile = "human"                  # built in, or the file of your own
+    position_m = [-0.8, 0.0]           # floor point beneath the pelvis (or base)
+    yaw_deg = 0                        # heading; 0 looks along +x
+    posture = "sitting"                # the seat is found beneath; default: standing
+    body = { stature_m = 1.75 }        # optional sizes, see world/anthropometry.py
+    joints_deg = { head_tilt = -20 }   # optional
+
+What can be derived is not asked for: supports, containers and seats come from geometry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+
+import mujoco
+import numpy as np
+
+from taskgist.errors import SceneError, UnknownNameError
+from taskgist.world.agent import Agent
+from taskgist.world.assembly import Assembled, assemble
+from taskgist.world.scene_file import SceneFile, bundle_from_path, parse_scene_file
+from taskgist.world.state import State
+
+SCENE_FILE = "scene.toml"
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A compiled scene. Immutable; states of it are separate values.
+
+    Attributes:
+        name: Name for people.
+        model: The compiled MuJoCo model of room, objects and agents.
+        initial: The state in which the scene file places everything.
+        bundle: Every file that makes the scene, by relative name: ``Scene.from_bundle(scene.bundle)`` is the same
+        scene. estimated: Bodies whose place or shape nobody measured. owners: What each geom belongs to, by geom
+        index: an agent, an object or a piece of furniture.
+    """
+
+    name: str
+    model: mujoco.MjModel
+    initial: State
+    bundle: Mapping[str, bytes]
+    estimated: frozenset[str]
+    owners: tuple[str, ...]
+    _agents: Mapping[str, Agent]
+    _objects: Mapping[str, int]
+
+    @classmethod
+    def load(cls, path: str | Path) -> Scene:
+        """Read a scene file.
+
+        Raises:
+            SceneError: The file, its model or a profile is missing or cannot be used.
+        """
+        return cls.from_bundle(bundle_from_path(Path(path)), where=str(path))
+
+    @classmethod
+    def from_bundle(cls, bundle: Mapping[str, bytes], *, where: str = SCENE_FILE) -> Scene:
+        """A scene from its files in memory; ``bundle`` maps relative names to contents, ``scene.toml`` among them.
+
+        Raises:
+            SceneError: As ``load``.
+        """
+        if SCENE_FILE not in bundle:
+            raise SceneError("no scene.toml in the scene's files", where=where)
+        file = parse_scene_file(bundle[SCENE_FILE].decode("utf-8"), where=where)
+        assembled = assemble(file, bundle)
+        return _scene(file, assembled)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Scene.from_bundle, (dict(self.bundle),)
+
+    @property
+    def agents(self) -> tuple[str, ...]:
+        """Names of the agents, in the file's order."""
+        return tuple(self._agents)
+
+    @property
+    def objects(self) -> tuple[str, ...]:
+        """Names of the objects that facts can be said of."""
+        return tuple(self._objects)
+
+    @property
+    def nq(self) -> int:
+        """Number of generalised positions."""
+        return int(self.model.nq)
+
+    def agent(self, name: str) -> Agent:
+        """The agent of that name.
+
+        Raises:
+            UnknownNameError: There is none.
+        """
+        if name not in self._agents:
+            raise UnknownNameError("agent", name, self._agents)
+        return self._agents[name]
+
+    def object_body(self, name: str) -> int:
+        """Body index of an object.
+
+        Raises:
+            UnknownNameError: There is none.
+        """
+        if name not in self._objects:
+            raise UnknownNameError("object", name, self._objects)
+        return self._objects[name]
+
+    def object_geoms(self, name: str) -> np.ndarray:
+        """Geom indices of an object, (n,)."""
+        self.object_body(name)
+        return self.geoms_of(name)
+
+    def geoms_of(self, owner: str) -> np.ndarray:
+        """Geom indices of an agent, object or piece of furniture, (n,)."""
+        return self._geoms_by_owner.get(owner, np.array([], dtype=np.intp))
+
+    @cached_property
+    def _geoms_by_owner(self) -> Mapping[str, np.ndarray]:
+        by_owner: dict[str, list[int]] = {}
+        for geom, owner in enumerate(self.owners):
+            by_owner.setdefault(owner, []).append(geom)
+        return {owner: np.array(geoms) for owner, geoms in by_owner.items()}
+
+    def object_slice(self, name: str) -> slice:
+        """Slice of qpos (7) of an object: position in metres and wxyz."""
+        joint = self.model.body_jntadr[self.object_body(name)]
+        start = int(self.model.jnt_qposadr[joint])
+        return slice(start, start + 7)
+
+    def base_slice(self, agent: str) -> slice:
+        """Slice of qpos (7) of an agent's root: position in metres and wxyz."""
+        return self.agent(agent).base
+
+    def joints(self, agent: str) -> tuple[str, ...]:
+        """Names of an agent's scalar joints, without its prefix."""
+        return tuple(self.agent(agent).joints)
+
+    def joint_indices(self, agent: str) -> np.ndarray:
+        """Indices into qpos of those joints, in the same order."""
+        return np.array(list(self.agent(agent).joints.values()), dtype=np.intp)
+
+    def parts(self, agent: str) -> tuple[str, ...]:
+        """Names of the parts of an agent that a tracker may lose."""
+        return tuple(self.agent(agent).parts)
+
+
+def _scene(file: SceneFile, assembled: Assembled) -> Scene:
+    model = assembled.model
+    objects = _objects(file, model, set(assembled.agents))
+    return Scene(
+        name=file.name,
+        model=model,
+        initial=assembled.initial,
+        bundle=MappingProxyType(dict(assembled.bundle)),
+        estimated=frozenset(file.estimated),
+        owners=_owners(model, set(assembled.agents), set(objects)),
+        _agents=MappingProxyType(assembled.agents),
+        _objects=MappingProxyType(objects),
+    )
+
+
+def _objects(file: SceneFile, model: mujoco.MjModel, agents: set[str]) -> dict[str, int]:
+    free = {
+        str(model.body(b).name): b
+        for b in range(1, model.nbody)
+        if model.body_jntnum[b] == 1
+        and int(model.jnt_type[model.body_jntadr[b]]) == int(mujoco.mjtJoint.mjJNT_FREE)
+        and str(model.body(b).name).partition("/")[0] not in agents
+    }
+    for name in file.objects or ():
+        if name not in free:
+            raise UnknownNameError("object (a free body of the model)", name, free, where=file.where)
+    return {name: free[name] for name in (file.objects or free)}
+
+
+def _owners(model: mujoco.MjModel, agents: set[str], objects: set[str]) -> tuple[str, ...]:
+    return tuple(_owner(model, geom, agents, objects) for geom in range(model.ngeom))
+
+
+def _owner(model: mujoco.MjModel, geom: int, agents: set[str], objects: set[str]) -> str:
+    """Agent, object or top-level piece of furniture; geoms of the world body stand for themselves."""
+    body = int(model.geom_bodyid[geom])
+    if body == 0:
+        return str(model.geom(geom).name) or "room"
+    chain = [body]
+    while (parent := int(model.body_parentid[chain[-1]])) != 0:
+        chain.append(parent)
+    names = [str(model.body(b).name) for b in chain]
+    agent = names[-1].partition("/")[0]
+    if agent in agents:
+        return agent
+    return next((name for name in names if name in objects), names[-1] or "room")

@@ -1,0 +1,200 @@
+"""The stage: the one class that wraps MuJoCo's model and data. Everything that needs geometry asks it.
+
+A stage shows one state at a time. Showing another is cheap (kinematics only) and changes neither states nor scene::
+
+    stage = Stage(scene).show(state)
+    eye = stage.eye(scene.agent("P2"))
+    geoms, distances_m = stage.cast(eye.position, directions, exclude_body=...)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Self
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from taskgist.world.agent import GHOST_GROUP, Agent, ArmIndices
+from taskgist.world.scene import Scene
+from taskgist.world.state import State
+
+Array = NDArray[np.float64]
+SEEN_GROUPS = np.array([1, 1, 1, 0, 0, 0], dtype=np.uint8)
+"""Geom groups that rays meet: MuJoCo shows 0-2 by default and keeps 3 for collision shapes."""
+NO_GEOM = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """A place and an orientation in the world.
+
+    Attributes:
+        position: Metres, (3,).
+        matrix: Rotation, (3, 3); its columns are the frame's axes in the world.
+    """
+
+    position: Array
+    matrix: Array
+
+    def to_world(self, points: ArrayLike) -> Array:
+        """Points (..., 3) of this frame, in the world."""
+        return np.asarray(np.asarray(points) @ self.matrix.T + self.position)
+
+    def to_local(self, points: ArrayLike) -> Array:
+        """Points (..., 3) of the world, in this frame."""
+        return np.asarray((np.asarray(points) - self.position) @ self.matrix)
+
+
+class Stage:
+    """A scene brought into a state."""
+
+    def __init__(self, scene: Scene, state: State | None = None) -> None:
+        self.scene = scene
+        self._data = mujoco.MjData(scene.model)
+        self.state = scene.initial if state is None else state
+        self.show(self.state)
+
+    def show(self, state: State) -> Self:
+        """Bring the scene into a state."""
+        self.state = state
+        self._data.qpos[:] = state.qpos
+        mujoco.mj_kinematics(self.scene.model, self._data)
+        return self
+
+    @contextmanager
+    def showing(self, state: State) -> Iterator[Self]:
+        """Bring the scene into a state for a while."""
+        before = self.state
+        try:
+            yield self.show(state)
+        finally:
+            self.show(before)
+
+    def eye(self, agent: Agent) -> Pose:
+        """The agent's eye: x looks forward, z up."""
+        return self.site(agent.eye_site)
+
+    def shoulder(self, arm: ArmIndices) -> Pose:
+        """The arm's shoulder, in the frame of what carries the arm (x forward, z up of the torso)."""
+        parent = int(self.scene.model.body_parentid[self.scene.model.body(self._root_of(arm)).id])
+        return Pose(self._data.site_xpos[arm.shoulder_site].copy(), self._data.xmat[parent].reshape(3, 3).copy())
+
+    def _root_of(self, arm: ArmIndices) -> str:
+        prefix = str(self.scene.model.body(arm.hand_body).name).partition("/")[0]
+        return f"{prefix}/{arm.profile.root}"
+
+    def site(self, site: int) -> Pose:
+        """Pose of a site."""
+        return Pose(self._data.site_xpos[site].copy(), self._data.site_xmat[site].reshape(3, 3).copy())
+
+    def geom(self, geom: int) -> Pose:
+        """Pose of a shape."""
+        return Pose(self._data.geom_xpos[geom].copy(), self._data.geom_xmat[geom].reshape(3, 3).copy())
+
+    def body(self, body: int) -> Pose:
+        """Pose of a body."""
+        return Pose(self._data.xpos[body].copy(), self._data.xmat[body].reshape(3, 3).copy())
+
+    def body_position(self, body: int) -> Array:
+        """Position of a body's frame in metres, (3,)."""
+        return np.array(self._data.xpos[body])
+
+    def body_axis(self, body: int, axis: int) -> Array:
+        """One axis of a body's frame in the world, (3,)."""
+        return np.array(self._data.xmat[body].reshape(3, 3)[:, axis])
+
+    def geom_centers(self, geoms: ArrayLike) -> Array:
+        """Centres of shapes in metres, (n, 3)."""
+        return np.array(self._data.geom_xpos[np.asarray(geoms, dtype=np.intp)])
+
+    def cast(
+        self, origin: ArrayLike, directions: ArrayLike, *, exclude_body: int = -1
+    ) -> tuple[NDArray[np.int32], Array]:
+        """Cast rays.
+
+        Args:
+            origin: Where all rays start, metres, (3,).
+            directions: Unit vectors in the world, (n, 3).
+            exclude_body: A body that rays pass through, or −1.
+
+        Returns:
+            The first geom that each ray meets (−1: none), (n,), and its distance in metres (−1: none), (n,).
+        """
+        rays = np.ascontiguousarray(directions, dtype=float)
+        geoms = np.full(len(rays), NO_GEOM, dtype=np.int32)
+        distances = np.full(len(rays), -1.0)
+        if len(rays):
+            mujoco.mj_multiRay(
+                self.scene.model,
+                self._data,
+                np.asarray(origin, dtype=float),
+                rays.ravel(),
+                SEEN_GROUPS,
+                True,
+                exclude_body,
+                geoms,
+                distances,
+                None,
+                len(rays),
+                mujoco.mjMAXVAL,
+            )
+        return geoms, distances
+
+    def normal(self, origin: ArrayLike, direction: ArrayLike, *, exclude_body: int = -1) -> Array | None:
+        """Outward normal (3,) of the surface that one ray meets; None where it meets nothing."""
+        normal = np.zeros(3)
+        hit = mujoco.mj_ray(
+            self.scene.model,
+            self._data,
+            np.asarray(origin, dtype=float),
+            np.asarray(direction, dtype=float),
+            SEEN_GROUPS,
+            True,
+            exclude_body,
+            np.zeros(1, np.int32),
+            normal,
+        )
+        return normal if hit >= 0 else None
+
+    def distance(self, geom_a: int, geom_b: int, *, limit_m: float) -> float:
+        """Signed distance in metres between two shapes (negative: how deep they overlap), at most ``limit_m``."""
+        if not self._near(geom_a, geom_b, limit_m):
+            return limit_m
+        return float(mujoco.mj_geomDistance(self.scene.model, self._data, geom_a, geom_b, limit_m, None))
+
+    def near_pairs(self, geoms: ArrayLike, others: ArrayLike, *, limit_m: float) -> list[tuple[int, int]]:
+        """Pairs of shapes whose bounding spheres come closer than ``limit_m``; planes are near to everything."""
+        a, b = np.asarray(geoms, dtype=np.intp), np.asarray(others, dtype=np.intp)
+        radius = self.scene.model.geom_rbound
+        gaps = np.linalg.norm(self._data.geom_xpos[a][:, None] - self._data.geom_xpos[b][None], axis=2)
+        near = gaps - radius[a][:, None] - radius[b][None] < limit_m
+        near |= (radius[b] == 0)[None] | (radius[a] == 0)[:, None]
+        return [(int(a[i]), int(b[j])) for i, j in np.argwhere(near)]
+
+    def closest(self, geoms: ArrayLike, others: ArrayLike, *, limit_m: float) -> tuple[float, int, int]:
+        """The smallest signed distance in metres between two sets of shapes, at most ``limit_m``, and the pair (−1: none)."""
+        best = (limit_m, NO_GEOM, NO_GEOM)
+        for geom, other in self.near_pairs(geoms, others, limit_m=limit_m):
+            gap = float(mujoco.mj_geomDistance(self.scene.model, self._data, geom, other, limit_m, None))
+            if gap < best[0]:
+                best = (gap, geom, other)
+        return best
+
+    def place_ghosts(self, arm: ArmIndices, poses: Iterable[Pose]) -> None:
+        """Put the shapes of a virtual grasp somewhere; the next ``show`` puts them back."""
+        for ghost, pose in zip(arm.ghosts, poses, strict=True):
+            self._data.geom_xpos[ghost] = pose.position
+            self._data.geom_xmat[ghost] = pose.matrix.ravel()
+
+    def solid_geoms(self) -> NDArray[np.intp]:
+        """Indices of the shapes that block: all but ghosts and those that the model lets nothing collide with."""
+        model = self.scene.model
+        touching = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
+        return np.flatnonzero(touching & (model.geom_group != GHOST_GROUP))
+
+    def _near(self, geom_a: int, geom_b: int, limit_m: float) -> bool:
+        return bool(self.near_pairs([geom_a], [geom_b], limit_m=limit_m))

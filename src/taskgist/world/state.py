@@ -1,0 +1,54 @@
+"""A state: an immutable snapshot of where everything is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Where everything in a scene is at one time.
+
+    Attributes:
+        qpos: Generalised positions in MuJoCo's order, (nq,), read-only.
+        time_s: Seconds since the recording's origin.
+        untracked: What is not known: an object ("cup"), an agent ("P1") or a part of one ("P1/left_arm").
+            Its numbers in ``qpos`` are fillers.
+    """
+
+    qpos: NDArray[np.float64]
+    time_s: float = 0.0
+    untracked: frozenset[str] = frozenset()
+
+    def __post_init__(self) -> None:
+        qpos = np.array(self.qpos, dtype=float)
+        qpos.flags.writeable = False
+        object.__setattr__(self, "qpos", qpos)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return State, (np.array(self.qpos), self.time_s, self.untracked)
+
+    def replace(
+        self, changes: Mapping[int, float] | None = None, *, at: slice | None = None, to: ArrayLike = ()
+    ) -> State:
+        """A state with some positions changed.
+
+        Args:
+            changes: New values by index into qpos.
+            at: A slice of qpos to replace as a whole, with ``to``.
+            to: Values for ``at``.
+        """
+        qpos = np.array(self.qpos)
+        for index, value in (changes or {}).items():
+            qpos[index] = value
+        if at is not None:
+            qpos[at] = to
+        return State(qpos, self.time_s, self.untracked)
+
+    def known(self, names: Iterable[str]) -> bool:
+        """Whether all of these objects, agents and parts were tracked (a part of an untracked agent was not)."""
+        return not any(name in self.untracked or name.partition("/")[0] in self.untracked for name in names)
