@@ -2,7 +2,7 @@
 
 from taskgist.world.agent import Agent, ArmIndices
 from taskgist.world.anthropometry import HumanSize
-from taskgist.world.contacts import container_of, object_points, support_of
+from taskgist.world.contacts import container_of, object_points, overlaps, support_of
 from taskgist.world.fit import Fit, Fitter, landmarks
 from taskgist.world.holding import Holding, hand_gap_m, hand_known, holding_of, rests_on
 from taskgist.world.postures import posture_of, seat_position, with_posture
@@ -34,6 +34,7 @@ __all__ = [
     "holding_of",
     "landmarks",
     "object_points",
+    "overlaps",
     "posture_of",
     "rests_on",
     "seat_position",

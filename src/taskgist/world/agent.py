@@ -21,12 +21,16 @@ Indices = NDArray[np.intp]
 
 @dataclass(frozen=True, eq=False)
 class ArmIndices:
-    """One arm: its profile and its indices. ``ghosts`` are the geoms of a virtual grasp: palm, fingers, thumb."""
+    """One arm: its profile and its indices.
+
+    ``ghosts`` are the geoms of a virtual grasp: palm, fingers, thumb; ``carrier_body`` is what the arm hangs on.
+    """
 
     profile: Arm
     shoulder_site: int
     palm_site: int
     hand_body: int
+    carrier_body: int
     geoms: Indices
     hand_geoms: Indices
     ghosts: Indices
@@ -158,6 +162,7 @@ def _resolve_arm(model: mujoco.MjModel, find: _Finder, arm: Arm) -> ArmIndices:
         shoulder_site=find.site(arm.shoulder, "arms.shoulder"),
         palm_site=find.site(arm.palm, "arms.palm"),
         hand_body=hand,
+        carrier_body=int(model.body_parentid[root]),
         geoms=_geoms_of(model, subtree(model, root)),
         hand_geoms=_geoms_of(model, subtree(model, hand)),
         ghosts=np.array(ghosts, dtype=np.intp),

@@ -116,3 +116,25 @@ def _body_owner(stage: Stage, geom: int) -> str | None:
         return None
     owner = stage.scene.owners[geom]
     return None if owner in stage.scene.agents else owner
+
+
+def overlaps(stage: Stage, *, deeper_than_m: float) -> dict[tuple[str, str], float]:
+    """Owners whose shapes overlap, with the depth in metres; furniture among itself, and the floor, are left out."""
+    scene = stage.scene
+    movable = {*scene.agents, *scene.objects}
+    solid = stage.solid_geoms()
+    deepest: dict[tuple[str, str], float] = {}
+    for geom, other in stage.near_pairs(solid, solid, limit_m=0.0):
+        pair = tuple(sorted((scene.owners[geom], scene.owners[other])))
+        if (
+            geom >= other
+            or pair[0] == pair[1]
+            or not movable & set(pair)
+            or stage.is_plane(geom)
+            or stage.is_plane(other)
+        ):
+            continue
+        depth = -stage.distance(geom, other, limit_m=0.0)
+        if depth > deeper_than_m:
+            deepest[pair[0], pair[1]] = max(depth, deepest.get((pair[0], pair[1]), 0.0))
+    return deepest

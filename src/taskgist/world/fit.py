@@ -80,6 +80,7 @@ class Fitter:
         scene: The scene.
         agent: Name of the agent to fit.
         moving: A name of ``MOVING``, ``"body"``, or the names of the joints that may move.
+        root: Whether the root moves too; by default with ``"body"`` only.
         weights: Relative cost of a landmark or direction; 1 where none is given.
     """
 
@@ -89,6 +90,7 @@ class Fitter:
         agent: str,
         *,
         moving: str | Collection[str] = "body",
+        root: bool | None = None,
         weights: Mapping[str, float] | None = None,
     ) -> None:
         self._scene = scene
@@ -96,9 +98,9 @@ class Fitter:
         self._weights = dict(weights or {})
         self._configuration = mink.Configuration(scene.model)
         self._limits = [mink.ConfigurationLimit(scene.model)]
-        self._frozen = self._freeze(moving)
+        self._frozen = self._freeze(moving, root=moving == "body" if root is None else root)
 
-    def _freeze(self, moving: str | Collection[str]) -> mink.DofFreezingTask:
+    def _freeze(self, moving: str | Collection[str], *, root: bool) -> mink.DofFreezingTask:
         """Hold every degree of freedom that must not move."""
         model, agent = self._scene.model, self._agent
         chosen = set(_chosen(agent, moving))
@@ -106,10 +108,10 @@ class Fitter:
         for joint in range(model.njnt):
             name = str(model.joint(joint).name).removeprefix(f"{agent.name}/")
             of_agent = int(model.jnt_bodyid[joint]) in agent.bodies
-            root = of_agent and int(model.jnt_bodyid[joint]) == agent.root_body
-            if (root and moving == "body") or (of_agent and not root and name in chosen):
+            is_root = of_agent and int(model.jnt_bodyid[joint]) == agent.root_body
+            if (is_root and root) or (of_agent and not is_root and name in chosen):
                 start = int(model.jnt_dofadr[joint])
-                free.update(range(start, start + (6 if root else 1)))
+                free.update(range(start, start + (6 if is_root else 1)))
         return mink.DofFreezingTask(model, dof_indices=[d for d in range(model.nv) if d not in free])
 
     def fit(

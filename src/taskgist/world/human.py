@@ -78,8 +78,9 @@ def _head(s: HumanSize, height_m: float) -> Iterator[str]:
     yield _hinge("head_tilt", "0 -1 0", (-60, 60))
     yield _hinge("head_roll", "1 0 0", (-45, 45))
     yield _geom("head", "ellipsoid", (deep, wide, tall), SKIN, (0, 0, tall))
-    yield _site("skull_base")
+    yield _site("head_base")
     yield _site("head", (0, 0, tall))
+    yield _site("head_top", (0, 0, s.head_m))
     yield _site("eye", eye)
     yield _site("nose", (1.15 * deep, 0, 0.40 * s.head_m))
     for side, sign in (("left", 1), ("right", -1)):

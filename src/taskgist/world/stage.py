@@ -9,6 +9,7 @@ A stage shows one state at a time. Showing another is cheap (kinematics only) an
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ from taskgist.world.state import State
 Array = NDArray[np.float64]
 SEEN_GROUPS = np.array([1, 1, 1, 0, 0, 0], dtype=np.uint8)
 """Geom groups that rays meet: MuJoCo shows 0-2 by default and keeps 3 for collision shapes."""
+UNSEEN_GROUP = 3
 NO_GEOM = -1
 
 
@@ -55,6 +57,7 @@ class Stage:
     def __init__(self, scene: Scene, state: State | None = None) -> None:
         self.scene = scene
         self._data = mujoco.MjData(scene.model)
+        self._alone: tuple[tuple[int, ...], mujoco.MjModel] | None = None
         self.state = scene.initial if state is None else state
         self.show(self.state)
 
@@ -80,12 +83,13 @@ class Stage:
 
     def shoulder(self, arm: ArmIndices) -> Pose:
         """The arm's shoulder, in the frame of what carries the arm (x forward, z up of the torso)."""
-        parent = int(self.scene.model.body_parentid[self.scene.model.body(self._root_of(arm)).id])
-        return Pose(self._data.site_xpos[arm.shoulder_site].copy(), self._data.xmat[parent].reshape(3, 3).copy())
+        return Pose(
+            self._data.site_xpos[arm.shoulder_site].copy(), self._data.xmat[arm.carrier_body].reshape(3, 3).copy()
+        )
 
-    def _root_of(self, arm: ArmIndices) -> str:
-        prefix = str(self.scene.model.body(arm.hand_body).name).partition("/")[0]
-        return f"{prefix}/{arm.profile.root}"
+    def joint_axis(self, agent: Agent, joint: str) -> Array:
+        """Axis of one of the agent's joints in the world, a unit vector (3,)."""
+        return np.array(self._data.xaxis[self.scene.model.joint(f"{agent.name}/{joint}").id])
 
     def site(self, site: int) -> Pose:
         """Pose of a site."""
@@ -112,7 +116,13 @@ class Stage:
         return np.array(self._data.geom_xpos[np.asarray(geoms, dtype=np.intp)])
 
     def cast(
-        self, origin: ArrayLike, directions: ArrayLike, *, exclude_body: int = -1
+        self,
+        origin: ArrayLike,
+        directions: ArrayLike,
+        *,
+        exclude_body: int = -1,
+        only: ArrayLike | None = None,
+        normals: Array | None = None,
     ) -> tuple[NDArray[np.int32], Array]:
         """Cast rays.
 
@@ -120,6 +130,8 @@ class Stage:
             origin: Where all rays start, metres, (3,).
             directions: Unit vectors in the world, (n, 3).
             exclude_body: A body that rays pass through, or −1.
+            only: The only shapes that rays meet, where given: what would be seen if nothing else were there.
+            normals: Filled with the outward normals of what is met, (n, 3), where given.
 
         Returns:
             The first geom that each ray meets (−1: none), (n,), and its distance in metres (−1: none), (n,).
@@ -129,7 +141,7 @@ class Stage:
         distances = np.full(len(rays), -1.0)
         if len(rays):
             mujoco.mj_multiRay(
-                self.scene.model,
+                self._model_of(only),
                 self._data,
                 np.asarray(origin, dtype=float),
                 rays.ravel(),
@@ -138,11 +150,24 @@ class Stage:
                 exclude_body,
                 geoms,
                 distances,
-                None,
+                None if normals is None else normals.reshape(-1),
                 len(rays),
                 mujoco.mjMAXVAL,
             )
         return geoms, distances
+
+    def _model_of(self, only: ArrayLike | None) -> mujoco.MjModel:
+        """The model, or for rays that meet only some shapes, our own copy of it in which no other shape is seen."""
+        if only is None:
+            return self.scene.model
+        shapes = tuple(int(geom) for geom in np.asarray(only))
+        if self._alone is None or self._alone[0] != shapes:
+            model = copy.copy(self.scene.model) if self._alone is None else self._alone[1]
+            groups = np.full(model.ngeom, UNSEEN_GROUP)
+            groups[list(shapes)] = self.scene.model.geom_group[list(shapes)]
+            model.geom_group[:] = groups
+            self._alone = (shapes, model)
+        return self._alone[1]
 
     def normal(self, origin: ArrayLike, direction: ArrayLike, *, exclude_body: int = -1) -> Array | None:
         """Outward normal (3,) of the surface that one ray meets; None where it meets nothing."""
@@ -184,6 +209,13 @@ class Stage:
                 best = (gap, geom, other)
         return best
 
+    def overlaps(self, geoms: ArrayLike, others: ArrayLike) -> Iterator[tuple[int, int, float]]:
+        """Pairs of shapes, one of each set, that overlap, and how deep in metres."""
+        for geom, other in self.near_pairs(geoms, others, limit_m=0.0):
+            gap = float(mujoco.mj_geomDistance(self.scene.model, self._data, geom, other, 0.0, None))
+            if gap < 0.0:
+                yield geom, other, -gap
+
     def place_ghosts(self, arm: ArmIndices, poses: Iterable[Pose]) -> None:
         """Put the shapes of a virtual grasp somewhere; the next ``show`` puts them back."""
         for ghost, pose in zip(arm.ghosts, poses, strict=True):
@@ -195,6 +227,10 @@ class Stage:
         model = self.scene.model
         touching = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
         return np.flatnonzero(touching & (model.geom_group != GHOST_GROUP))
+
+    def is_plane(self, geom: int) -> bool:
+        """Whether a shape is an endless plane, such as the floor."""
+        return bool(self.scene.model.geom_rbound[geom] == 0)
 
     def _near(self, geom_a: int, geom_b: int, limit_m: float) -> bool:
         return bool(self.near_pairs([geom_a], [geom_b], limit_m=limit_m))

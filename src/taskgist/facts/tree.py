@@ -1,0 +1,169 @@
+"""The hypothesis tree: everything that a demonstration could have been about (5, Fig. 11, Eq. 24-26).
+
+**The problem.** A demonstration changes the world in countless ways, and only some of the changes are what the task
+is about. Nobody tells the learner which. So it begins with the whole tree of predicates that it can observe, from
+concrete to abstract, and demonstrations prune it.
+
+**The shape.** Each *subtree* speaks of one aspect of the world, from the target agent's point of view. Level 3
+holds what the aspect is at the start (¹) and at the end (²); level 2 how the two compare; level 1, where it says
+more than level 2, what that change means for the agent. The three abilities have, below each effort, the state in
+which the ability holds and the action that leads there. Drawn for *see*::
+
+    see.nature                 Supportive                          level 1, Eq. 11
+    └─ see.class               Becomes_Easier                      level 2, Eq. 10
+       ├─ see.effort.1         Head_Torso_Effort                   level 3, Fig. 6
+       │  ├─ see.state.1       ...
+       │  └─ see.action.1      Pan_Head, Turn_Torso
+       └─ see.effort.2         No_Effort_Required
+          ├─ see.state.2       ...
+          └─ see.action.2      No_Action_Required
+
+If the object is hidden at first in some demonstrations and merely out of sight in others, ``see.effort.1`` differs
+and will be pruned, while ``see.class`` stays; if in some it was seen from the beginning, only ``see.nature`` stays.
+Pruning from below, the learner finds the level of abstraction at which the demonstrations agree.
+
+**A tree is data.** It is a tuple of ``Subtree`` declarations: attributes (which observations fill) with functions
+for level 2 and 1. ``instantiate`` turns the observations of one demonstration into the value of each node. Leaving
+subtrees or levels out (8.3, 8.4) and adding a user's own (end of 5.3) give new trees; ``version`` tells them apart,
+and knowledge carries it.
+
+**Unknown.** What could not be observed is unknown, and so is what follows from it, unless the rest settles it: a
+hand that surely holds the object does, whatever the untracked one may do.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, field, replace
+
+from taskgist.errors import FactsError, UnknownNameError
+from taskgist.facts.attributes import Attribute
+from taskgist.facts.frozen import FrozenMap, canonical_text
+from taskgist.facts.subtree import Node, Snapshot, Subtree
+from taskgist.facts.values import Observation, Value
+from taskgist.settings import DEFAULT, Settings
+
+LEVELS = ("nature", "action")
+"""Levels that ``HypothesisTree.without`` can leave out (8.4): level 1, and level 3 of the abilities."""
+
+
+@dataclass(frozen=True)
+class HypothesisTree:
+    """A forest of subtrees: the hypothesis space of every task.
+
+    Args:
+        subtrees: The declarations, in canonical order.
+        edition: The human half of the version.
+
+    Raises:
+        FactsError: Two subtrees share a name, or two attributes of different kinds do.
+    """
+
+    subtrees: tuple[Subtree, ...]
+    edition: str = "1"
+    nodes: tuple[Node, ...] = field(init=False, compare=False, repr=False)
+    """All nodes, subtree by subtree, parents before children, initial before final."""
+    attributes: FrozenMap[str, Attribute] = field(init=False, compare=False, repr=False)
+    """The attributes that observations may fill, by name."""
+    version: str = field(init=False, compare=False)
+    """Edition and digest of the structure, such as ``"1-3f9a01bc"``."""
+    _by_name: FrozenMap[str, Node] = field(init=False, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        nodes = tuple(node for subtree in self.subtrees for node in subtree.nodes())
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "attributes", _attributes(self.subtrees))
+        object.__setattr__(self, "_by_name", FrozenMap({node.name: node for node in nodes}))
+        object.__setattr__(self, "version", f"{self.edition}-{_structure_digest(self)}")
+        if len(self._by_name) < len(nodes):
+            names = ", ".join(subtree.name for subtree in self.subtrees)
+            raise FactsError("two nodes of one name", field=names, hint="give each subtree its own name")
+
+    def node(self, name: str) -> Node:
+        """The node of this name.
+
+        Raises:
+            UnknownNameError: There is none.
+        """
+        _refuse_unknown("node", [name], self._by_name)
+        return self._by_name[name]
+
+    def children(self, node: str) -> tuple[Node, ...]:
+        """The nodes directly below, in canonical order."""
+        self.node(node)
+        return tuple(other for other in self.nodes if other.parent == node)
+
+    def ancestors(self, node: str) -> tuple[Node, ...]:
+        """The nodes above, from the nearest to the root."""
+        parent = self.node(node).parent
+        return () if parent is None else (self.node(parent), *self.ancestors(parent))
+
+    def without(self, *, subtrees: Collection[str] = (), levels: Collection[str] = ()) -> HypothesisTree:
+        """This tree less some subtrees or levels, for ablations (8.3, 8.4).
+
+        Args:
+            subtrees: Names of subtrees to leave out.
+            levels: Of ``LEVELS``: ``"nature"`` leaves level 1 out, ``"action"`` effort, state and action.
+
+        Raises:
+            UnknownNameError: There is no such subtree or level.
+        """
+        _refuse_unknown("subtree", subtrees, [subtree.name for subtree in self.subtrees])
+        _refuse_unknown("level", levels, LEVELS)
+        kept = (subtree for subtree in self.subtrees if subtree.name not in subtrees)
+        return replace(self, subtrees=tuple(_pruned(subtree, levels) for subtree in kept))
+
+    def extended(self, *subtrees: Subtree) -> HypothesisTree:
+        """This tree with further subtrees behind its own.
+
+        Raises:
+            FactsError: A name is taken.
+        """
+        return replace(self, subtrees=(*self.subtrees, *subtrees))
+
+    def instantiate(
+        self, start: Snapshot, end: Snapshot, settings: Settings = DEFAULT
+    ) -> dict[str, Observation[Value]]:
+        """Value and evidence of each node for one demonstration, in canonical order.
+
+        Args:
+            start: Observations of the initial world state, by attribute; what is missing is unknown.
+            end: Observations of the final world state.
+            settings: Bins and tolerances of the scores.
+
+        Raises:
+            UnknownNameError: There is no such attribute.
+            FactsError: An attribute cannot take such a value.
+        """
+        _refuse_unknown("attribute", [*start, *end], self.attributes)
+        values: dict[str, Observation[Value]] = {}
+        for subtree in self.subtrees:
+            values.update(subtree.instantiate(start, end, settings))
+        return {node.name: values[node.name] for node in self.nodes}
+
+
+def _attributes(subtrees: Iterable[Subtree]) -> FrozenMap[str, Attribute]:
+    attributes: dict[str, Attribute] = {}
+    for attribute in (attribute for subtree in subtrees for attribute in subtree.attributes()):
+        if attributes.setdefault(attribute.name, attribute) != attribute:
+            raise FactsError("two attributes of one name", field=attribute.name, hint="rename one of them")
+    return FrozenMap(attributes)
+
+
+def _structure_digest(tree: HypothesisTree) -> str:
+    nodes = [[node.name, node.level, node.parent, node.instant, list(node.values)] for node in tree.nodes]
+    versions = [[subtree.name, subtree.attribute.name, subtree.version] for subtree in tree.subtrees]
+    return hashlib.sha256(canonical_text([nodes, versions]).encode()).hexdigest()[:8]
+
+
+def _pruned(subtree: Subtree, levels: Collection[str]) -> Subtree:
+    nature = None if "nature" in levels else subtree.nature
+    leaf = None if "action" in levels and subtree.action_level else subtree.leaf
+    return replace(subtree, nature=nature, leaf=leaf)
+
+
+def _refuse_unknown(kind: str, names: Iterable[str], known: Collection[str]) -> None:
+    for name in names:
+        if name not in known:
+            raise UnknownNameError(kind, name, known)

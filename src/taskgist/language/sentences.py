@@ -1,0 +1,121 @@
+"""Sentences: what a task means, why a node counts or does not, and what there is to ask."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from taskgist.language.phrases import listed, phrase, topic
+from taskgist.learning import Judgement, Literal, Question, Understanding, Verdict, clause_of
+
+
+def meaning(understanding: Understanding) -> str:
+    """What the task means, in one sentence: the effects for the target agent, then how it begins."""
+    clause = clause_of(understanding)
+    told = f"“{understanding.task}” means"
+    if not clause.literals:
+        return f"{told} nothing yet: the demonstrations have nothing in common."
+    effects = [_told(understanding, literal) for literal in clause.effects]
+    before = [_told(understanding, literal) for literal in clause.preconditions]
+    sentence = f"{told} for the target agent: {listed(effects)}" if effects else f"{told} no effect yet"
+    return f"{sentence}; beforehand, {listed(before)}." if before else f"{sentence}."
+
+
+def indifference(understanding: Understanding) -> str:
+    """What does not matter, is not clear yet, or was never observed; empty if there is nothing of the kind."""
+    roots = [each for each in understanding.judgements.values() if each.node.parent is None]
+    beginnings = {
+        Verdict.IRRELEVANT: "It does not matter",
+        Verdict.CONFUSING: "Not clear yet is",
+        Verdict.UNOBSERVED: "Never observed was",
+    }
+    sentences = []
+    for verdict, beginning in beginnings.items():
+        topics = [topic(each.node) for each in roots if each.verdict is verdict]
+        if topics:
+            conjunction = "or" if verdict is Verdict.IRRELEVANT else "and"
+            sentences.append(f"{beginning} {listed(topics, conjunction)}.")
+    return " ".join(sentences)
+
+
+def why(understanding: Understanding, node: str) -> str:
+    """Why a node counts or does not: the verdict, the values with their demonstrations, and the figures.
+
+    Args:
+        understanding: Of the task.
+        node: Name of a node.
+
+    Raises:
+        UnknownNameError: There is no such node.
+    """
+    judgement = understanding.judgements[understanding.tree.node(node).name]
+    parts = [_verdict(understanding, judgement)]
+    if judgement.counts:
+        parts.append(_observed(understanding, judgement))
+    parts.append(_answered(judgement) if judgement.answer else _figures(judgement))
+    return " ".join(part for part in parts if part)
+
+
+def asked(question: Question) -> str:
+    """A question to a person, with the values in conflict and the demonstrations behind each (6.4 iii)."""
+    told = [
+        f"{phrase(question.node, choice.value)} (in {listed(choice.demonstrations)})" for choice in question.choices
+    ]
+    when = " at the start" if question.node.instant == 1 else ""
+    title = question.node.title
+    return f"What does “{question.task}” mean{when}: that {listed(told, 'or that')}; or does {title} not matter?"
+
+
+def _told(understanding: Understanding, literal: Literal) -> str:
+    return phrase(understanding.tree.node(literal.node), literal.value)
+
+
+def _verdict(understanding: Understanding, judgement: Judgement) -> str:
+    title = judgement.node.title
+    if judgement.kept and judgement.value is not None:
+        beforehand = "beforehand, " if judgement.node.instant == 1 else ""
+        return f"{title} counts: {beforehand}{phrase(judgement.node, judgement.value)}."
+    if judgement.verdict is Verdict.RELEVANT:
+        above = next(
+            node.title
+            for node in understanding.tree.ancestors(judgement.node.name)
+            if understanding.judgements[node.name].verdict is not Verdict.RELEVANT
+        )
+        return f"{title} agrees, but does not count, because {above} above it does not."
+    reasons = {
+        Verdict.IRRELEVANT: "does not matter",
+        Verdict.CONFUSING: "is not clear yet",
+        Verdict.UNOBSERVED: "was never observed",
+    }
+    return f"{title} {reasons[judgement.verdict]}."
+
+
+def _observed(understanding: Understanding, judgement: Judgement) -> str:
+    name = judgement.node.name
+    told = []
+    for value, n in judgement.counts.items():
+        names = [each.demonstration for each in understanding.demonstrations(name, value)]
+        told.append(f"{value} in {n} of {judgement.estimate.N} ({', '.join(names)})")
+    return f"Observed: {'; '.join(told)}."
+
+
+def _figures(judgement: Judgement) -> str:
+    estimate = judgement.estimate
+    limits = f"d1 = {_number(estimate.d1)}, d2 = {_number(estimate.d2)}"
+    relation = {
+        Verdict.RELEVANT: "lies above d2",
+        Verdict.IRRELEVANT: "does not exceed d1",
+        Verdict.CONFUSING: "lies between d1 and d2",
+    }
+    if estimate.verdict not in relation:
+        return ""
+    evidence = f"{_number(estimate.Q)} − {_number(estimate.NRE)} = {_number(estimate.CF)}"
+    return f"Its consistency factor {evidence} {relation[estimate.verdict]} ({limits})."
+
+
+def _answered(judgement: Judgement) -> str:
+    assert judgement.answer is not None
+    return f"So said {judgement.answer.author} at {judgement.answer.time}."
+
+
+def _number(fraction: Fraction) -> str:
+    return f"{float(fraction):.3g}"

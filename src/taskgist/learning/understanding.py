@@ -1,0 +1,123 @@
+"""The understanding of a task: the largest consistent subtree of the hypothesis tree (6.4, 7.3).
+
+**The question.** Some demonstrations of a task have been explained: every node of the tree has a value in each of
+them. Which nodes are what the task is about, and which merely happened?
+
+**The rule.** A node at which the demonstrations agree is relevant, one at which they contradict each other is not.
+How much agreement is enough is weighed by the m-estimate, which grows with experience: ``Q`` is how likely the most
+frequent value v_h is to be seen again, ``NRE`` the same for the other values that were seen, and the consistency
+factor ``CF = Q − NRE``. At or below ``d1`` the node is irrelevant, above ``d2`` relevant; between, it is
+*confusing* and becomes a question. What was never known is *unobserved*.
+
+**A worked example** (Table 2). In three demonstrations of *show* the cup ends in the performer's hand, in a fourth
+on a box. After three, ``Q = (3+1)/(3+2) = 4/5`` and ``NRE = 0``: ``CF = 4/5 > d2 = 18/25``, *In_Hand* is relevant.
+After the fourth, ``Q = 4/6``, ``NRE = 2/6``, and ``CF = 1/3 < d1 = 7/15``: irrelevant; it does not matter where the
+cup ends.
+
+**The subtree.** A node is *kept* if it and all nodes above it are relevant. (What changes above cannot be meant
+below: a final state that happened to be the same, below a class that differs, is no meaning.) Nothing is thrown
+away, though: all nodes stay with their counts, and one that was pruned may come back with further demonstrations.
+
+**Answers.** What a person has said about a node stands above its counts until it is withdrawn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from taskgist.errors import KnowledgeError
+from taskgist.facts import STANDARD_TREE, FrozenMap, HypothesisTree, Node
+from taskgist.learning.answers import Answer, in_force
+from taskgist.learning.estimate import Estimate, Rule, Verdict, canonical_key, weigh
+from taskgist.learning.experience import Experience
+from taskgist.learning.explanation import Explanation
+from taskgist.settings import DEFAULT, Learning
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What is understood of one node."""
+
+    node: Node
+    estimate: Estimate
+    """What the demonstrations say."""
+    counts: FrozenMap[str, int]
+    """Demonstrations by value, most frequent first, ties in canonical order."""
+    answer: Answer | None
+    """What a person said, if anything holds."""
+    verdict: Verdict
+    """The answer's verdict, else that of the demonstrations."""
+    value: str | None
+    """Desired value: the answer's, else v_h; None if nothing is known."""
+    kept: bool
+    """Whether the node belongs to the largest consistent subtree."""
+
+
+@dataclass(frozen=True)
+class Understanding:
+    """What a task means, as far as the demonstrations tell; each verdict can be traced to its evidence."""
+
+    task: str
+    tree: HypothesisTree
+    judgements: FrozenMap[str, Judgement]
+    """By name of the node, in canonical order."""
+    experience: Experience
+
+    def demonstrations(self, node: str, value: str) -> tuple[Explanation, ...]:
+        """The explanations behind a value of a node; their nodes hold the evidence."""
+        return self.experience.behind(self.tree.node(node).name, value)
+
+    @property
+    def kept(self) -> tuple[Judgement, ...]:
+        """The largest consistent subtree, in canonical order."""
+        return tuple(judgement for judgement in self.judgements.values() if judgement.kept)
+
+
+def understand(
+    experience: Experience,
+    tree: HypothesisTree = STANDARD_TREE,
+    settings: Learning = DEFAULT.learning,
+    answers: Iterable[Answer] = (),
+) -> Understanding:
+    """Judge every node of the tree by the experience of a task.
+
+    Args:
+        experience: Explanations of the task. Empty is allowed: then all is unobserved.
+        tree: The nodes to judge; may leave out subtrees or levels of the tree that the explanations were made with.
+        settings: Parameters of the m-estimate and the band.
+        answers: What people said; answers on other tasks, or on nodes that the tree lacks, have no effect.
+
+    Raises:
+        KnowledgeError: An answer calls a node relevant that has no value.
+    """
+    rule = Rule.of(settings)
+    holding = in_force(answer for answer in answers if answer.task == experience.task)
+    judgements: dict[str, Judgement] = {}
+    for node in tree.nodes:  # parents come first
+        above = node.parent is None or judgements[node.parent].kept
+        judgements[node.name] = _judge(node, experience, rule, holding.get(node.name), above=above)
+    return Understanding(experience.task, tree, FrozenMap(judgements), experience)
+
+
+def _judge(node: Node, experience: Experience, rule: Rule, answer: Answer | None, *, above: bool) -> Judgement:
+    counts = experience.counts.get(node.name, FrozenMap())
+    estimate = weigh(counts, rule, node.values)
+    verdict = answer.verdict if answer and answer.verdict else estimate.verdict
+    value = answer.value if answer and answer.value else estimate.value
+    if verdict is Verdict.RELEVANT and value is None:
+        hint = "answer with a value, or withdraw the answer"
+        raise KnowledgeError(
+            "relevant without a value", where=f"answer on {experience.task}", field=node.name, hint=hint
+        )
+    return Judgement(
+        node=node,
+        estimate=estimate,
+        counts=FrozenMap(
+            dict(sorted(counts.items(), key=lambda item: (-item[1], canonical_key(item[0], node.values))))
+        ),
+        answer=answer,
+        verdict=verdict,
+        value=value,
+        kept=above and verdict is Verdict.RELEVANT,
+    )

@@ -1,0 +1,130 @@
+"""Knowledge that lasts: saved, loaded, and added to, so that a failure loses nothing.
+
+A path means a SQLite file. It comes into being complete, under its name, or not at all. Whatever is added later, by
+one process or several, is added in one transaction, as a union.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+from sqlalchemy.engine import Connection
+
+from taskgist.errors import KnowledgeError
+from taskgist.learning import Answer, Context, Explanation, Knowledge
+from taskgist.store import tables
+from taskgist.store.address import Address, file_of, shown, transaction
+
+
+def load(address: Address, *, expected: Context | None = None) -> Knowledge:
+    """Knowledge as it was saved.
+
+    Args:
+        address: Path of a knowledge file, or URL of a database.
+        expected: Settings and tree that its explanations must have been made with; None takes any.
+
+    Raises:
+        KnowledgeError: There is none, it is damaged, foreign, of another version, or made with other settings or
+            another tree than expected.
+    """
+    path = file_of(address)
+    if path is not None and not path.is_file():
+        hint = "learn something first: it is made by learning"
+        raise KnowledgeError("no such knowledge file", where=shown(address), hint=hint)
+    with transaction(address, writing=False) as connection:
+        tables.check(connection, shown(address))
+        knowledge = tables.read(connection, shown(address))
+    _check_context(knowledge, expected, shown(address))
+    return knowledge
+
+
+def save(knowledge: Knowledge, address: Address) -> None:
+    """Let a file or database hold this knowledge, in place of what it held.
+
+    Args:
+        knowledge: What is to be kept.
+        address: Path of a knowledge file, new or to be replaced, or URL of a database.
+
+    Raises:
+        KnowledgeError: What lies there is not taskgist's, or cannot be written.
+    """
+    path = file_of(address)
+    if path is not None and not path.exists() and _created(path, knowledge):
+        return
+    with transaction(address) as connection:
+        _prepare(connection, address)
+        tables.write(connection, knowledge)
+
+
+def update(
+    address: Address,
+    explanations: Iterable[Explanation] = (),
+    answers: Iterable[Answer] = (),
+    *,
+    allow_mixed: bool = False,
+) -> Knowledge:
+    """Add to the knowledge at an address, which is made if it does not exist; all is added, or nothing.
+
+    Args:
+        address: Path of a knowledge file, or URL of a database.
+        explanations: Demonstrations to add; those that are known already change nothing.
+        answers: Answers to add.
+        allow_mixed: Add explanations that were made with other settings or another tree.
+
+    Returns:
+        The knowledge as it is now.
+
+    Raises:
+        KnowledgeError: As ``load`` and ``Knowledge.add``. Nothing has been written then.
+    """
+    added = Knowledge().add(*explanations, allow_mixed=allow_mixed).answer(*answers)
+    path = file_of(address)
+    if path is not None and not path.exists() and _created(path, added):
+        return added
+    with transaction(address) as connection:
+        _prepare(connection, address)
+        known = tables.read(connection, shown(address))
+        wanted = known.merge(added, allow_mixed=allow_mixed)
+        tables.append(connection, known=known, wanted=wanted)
+    return wanted
+
+
+def _prepare(connection: Connection, address: Address) -> None:
+    """A server's database may be empty and gets the tables; a file must have them, lest a foreign one be changed."""
+    if file_of(address) is None:
+        tables.create(connection)
+    tables.check(connection, shown(address))
+
+
+def _created(path: Path, knowledge: Knowledge) -> bool:
+    """Make a new file, whole or not at all; false if somebody else made one of this name meanwhile."""
+    try:
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
+            draft = Path(folder) / "draft"
+            with transaction(draft) as connection:
+                tables.create(connection)
+                tables.write(connection, knowledge)
+            return _named(draft, path)
+    except OSError as error:
+        hint = "choose a folder that exists and that you may write to"
+        raise KnowledgeError(f"cannot be written: {error.strerror}", where=path, hint=hint) from error
+
+
+def _named(draft: Path, path: Path) -> bool:
+    try:
+        path.hardlink_to(draft)  # unlike a renaming, this never replaces what another process has just made
+    except FileExistsError:
+        return False
+    except OSError:  # a file system without links
+        draft.replace(path)
+    return True
+
+
+def _check_context(knowledge: Knowledge, expected: Context | None, where: str) -> None:
+    others = knowledge.contexts - {expected}
+    if expected is not None and others:
+        hint = "use the settings and the tree that made it, or learn anew from the recordings into another file"
+        made = "; ".join(sorted(map(str, others)))
+        raise KnowledgeError(f"made with {made}, while {expected} is in use", where=where, hint=hint)
