@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from tests.learning.learning_samples import study
 
 from taskgist.facts import UNKNOWN, Observation, Value
 from taskgist.learning import Clause, Experience, Literal, clause_of, understand
+from tests.learning.learning_samples import study
 
 CLAUSE = Clause("show", (Literal("a", "A", "1", None), Literal("b", "B", "2", 1)))
 

@@ -9,11 +9,11 @@ import random
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.learning.learning_samples import STUDY, Told, explained, explanations, study
 
 from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts import UNKNOWN, FrozenMap, Observation
 from taskgist.learning import Context, Experience, Explanation, Knowledge, clause_of, understand
+from tests.learning.learning_samples import STUDY, Told, explained, explanations, study
 
 FEW = settings(max_examples=40, deadline=None, derandomize=True)
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 from hypothesis import given, settings
-from tests.learning.learning_samples import STUDY, explained, explanations
 
 from taskgist.errors import KnowledgeError
 from taskgist.learning import Explanation, explanation_from_json
+from tests.learning.learning_samples import STUDY, explained, explanations
 
 
 @settings(max_examples=25, deadline=None, derandomize=True)

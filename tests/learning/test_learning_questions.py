@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 
 import pytest
-from tests.learning.learning_samples import STUDY, Told, explained, study
 
 from taskgist.errors import KnowledgeError
 from taskgist.learning import (
@@ -20,6 +19,7 @@ from taskgist.learning import (
     understand,
 )
 from taskgist.settings import Learning
+from tests.learning.learning_samples import STUDY, Told, explained, study
 
 WIDE = Learning(band="wide")
 NOON, LATER = "2024-05-01T12:00:00+00:00", "2024-05-01T13:00:00+00:00"

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from tests.learning.learning_samples import STUDY, study
 
 from taskgist.facts import STANDARD_TREE
 from taskgist.learning import Clause, Verdict, clause_of, understand
+from tests.learning.learning_samples import STUDY, study
 
 SEATED = {"Initial_Posture": "Sitting", "Final_Posture": "Sitting"}
 POSTURE_KEPT = {"Relative_Posture": "Maintained"}

@@ -5,11 +5,12 @@ from taskgist.world.anthropometry import HumanSize
 from taskgist.world.contacts import container_of, object_points, overlaps, support_of
 from taskgist.world.fit import Fit, Fitter, landmarks
 from taskgist.world.holding import Holding, hand_gap_m, hand_known, holding_of, rests_on
+from taskgist.world.holding_watch import HoldingWatch
 from taskgist.world.postures import posture_of, seat_position, with_posture
 from taskgist.world.profile import AgentProfile, Arm, Eye, Hand, Posture, builtin_profiles
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Pose, Stage
-from taskgist.world.state import State
+from taskgist.world.state import Hold, State
 
 __all__ = [
     "Agent",
@@ -20,7 +21,9 @@ __all__ = [
     "Fit",
     "Fitter",
     "Hand",
+    "Hold",
     "Holding",
+    "HoldingWatch",
     "HumanSize",
     "Pose",
     "Posture",

@@ -1,8 +1,8 @@
 """Fitting a body to tracked points: inverse kinematics over landmarks, by mink.
 
-Trackers deliver points (and sometimes directions) of body parts; a body wants joint angles. Each landmark is a site of the agent's
-model with the tracker's own name for it (``left_elbow``, ``nose``), so a fit is a sum of named tasks, solved by Newton steps under
-joint limits::
+Trackers deliver points (and sometimes directions) of body parts; a body wants joint angles. Each landmark is a site
+of the agent's model with the tracker's own name for it (``left_elbow``, ``nose``), so a fit is a sum of named tasks,
+solved by Newton steps under joint limits::
 
     fitter = Fitter(scene, "P1")
     fit = fitter.fit(state, points={"head": (0.1, 0, 1.6)}, directions={"face": (1, 0, 0)})
@@ -47,7 +47,8 @@ AXES: Mapping[str, tuple[str, tuple[float, float, float]]] = {
     "pelvis_up": ("pelvis", (0.0, 0.0, 1.0)),
     "chest": ("chest", (1.0, 0.0, 0.0)),
 }
-"""Directions that a fit may ask for: a landmark, and the axis of its frame. Hands: towards the fingers, out of the palm, thumb."""
+"""Directions that a fit may ask for: a landmark, and the axis of its frame. Of hands: to the fingers, out of the palm, to
+the thumb."""
 
 DIRECTION_COST_M = 0.15
 """Lever with which an error of direction (radians) counts like an error of place (metres)."""

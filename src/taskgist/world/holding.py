@@ -12,6 +12,7 @@ from taskgist.settings import Contact
 from taskgist.world.agent import Agent, ArmIndices
 from taskgist.world.contacts import container_of, support_of
 from taskgist.world.stage import Stage
+from taskgist.world.state import Hold
 
 
 @dataclass(frozen=True)
@@ -54,9 +55,20 @@ def holding_of(stage: Stage, name: str, settings: Contact) -> Holding | None:
         for arm in agent.arms:
             if not hand_known(stage, agent, arm):
                 complete = False
-            elif hand_gap_m(stage, arm, name, limit_m=settings.grip_m) < settings.grip_m:
+            elif _holds(stage, Hold(agent_name, arm.profile.side, name), arm, settings):
                 hands.append((agent_name, arm.profile.side))
     return Holding(tuple(hands), None, None, complete)
+
+
+def _holds(stage: Stage, hold: Hold, arm: ArmIndices, settings: Contact) -> bool:
+    if stage.state.holding is not None:
+        return hold in stage.state.holding
+    return is_near(stage, arm, hold.object, settings)
+
+
+def is_near(stage: Stage, arm: ArmIndices, name: str, settings: Contact) -> bool:
+    """Whether a hand is close enough to an object to hold it."""
+    return hand_gap_m(stage, arm, name, limit_m=settings.grip_m) < settings.grip_m
 
 
 def hand_known(stage: Stage, agent: Agent, arm: ArmIndices) -> bool:

@@ -201,7 +201,7 @@ class Stage:
         return [(int(a[i]), int(b[j])) for i, j in np.argwhere(near)]
 
     def closest(self, geoms: ArrayLike, others: ArrayLike, *, limit_m: float) -> tuple[float, int, int]:
-        """The smallest signed distance in metres between two sets of shapes, at most ``limit_m``, and the pair (−1: none)."""
+        """The smallest signed distance in metres between two sets of shapes, at most ``limit_m``, and the pair."""
         best = (limit_m, NO_GEOM, NO_GEOM)
         for geom, other in self.near_pairs(geoms, others, limit_m=limit_m):
             gap = float(mujoco.mj_geomDistance(self.scene.model, self._data, geom, other, limit_m, None))

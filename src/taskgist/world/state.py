@@ -9,6 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
+@dataclass(frozen=True, order=True)
+class Hold:
+    """One hand holds one object."""
+
+    agent: str
+    side: str
+    object: str
+
+
 @dataclass(frozen=True, eq=False)
 class State:
     """Where everything in a scene is at one time.
@@ -18,11 +27,14 @@ class State:
         time_s: Seconds since the recording's origin.
         untracked: What is not known: an object ("cup"), an agent ("P1") or a part of one ("P1/left_arm").
             Its numbers in ``qpos`` are fillers.
+        holding: Who holds what, where it was decided over time (``HoldingWatch``); None leaves it to the distances of
+            this one state.
     """
 
     qpos: NDArray[np.float64]
     time_s: float = 0.0
     untracked: frozenset[str] = frozenset()
+    holding: frozenset[Hold] | None = None
 
     def __post_init__(self) -> None:
         qpos = np.array(self.qpos, dtype=float)
@@ -30,7 +42,7 @@ class State:
         object.__setattr__(self, "qpos", qpos)
 
     def __reduce__(self) -> tuple[object, ...]:
-        return State, (np.array(self.qpos), self.time_s, self.untracked)
+        return State, (np.array(self.qpos), self.time_s, self.untracked, self.holding)
 
     def replace(
         self, changes: Mapping[int, float] | None = None, *, at: slice | None = None, to: ArrayLike = ()
@@ -47,7 +59,11 @@ class State:
             qpos[index] = value
         if at is not None:
             qpos[at] = to
-        return State(qpos, self.time_s, self.untracked)
+        return State(qpos, self.time_s, self.untracked, self.holding)
+
+    def with_holding(self, holding: Iterable[Hold] | None) -> State:
+        """The same state with another word on who holds what."""
+        return State(self.qpos, self.time_s, self.untracked, None if holding is None else frozenset(holding))
 
     def known(self, names: Iterable[str]) -> bool:
         """Whether all of these objects, agents and parts were tracked (a part of an untracked agent was not)."""

@@ -1,0 +1,46 @@
+"""``taskgist check``: is a recording fit to learn from?"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+from taskgist.cli.files import RecordingsArgument, recordings_in
+from taskgist.cli.output import FAILED, OK, JsonOption, command, console, print_json, progress_bar
+from taskgist.recording import read
+from taskgist.study import Checkup
+from taskgist.study import check as check_recording
+
+STYLES = {"unfit": "bold red", "warning": "yellow", "note": "cyan"}
+
+
+@command
+def check(recordings: RecordingsArgument, as_json: JsonOption = False) -> int:
+    """Say whether recordings are fit to learn from.
+
+    Looks for gaps, lost parts, overlapping bodies, a missing label, and facts that are unknown at its ends.
+
+    The exit code is 1 if any is not.
+
+    Example: taskgist check handover.mcap
+    """
+    paths = recordings_in(recordings)
+    results: dict[str, Checkup] = {}
+    for path in paths:
+        recording = read(path)
+        with progress_bar(quiet=as_json) as progress:
+            results[str(path)] = check_recording(recording, progress=progress)
+        if not as_json:
+            _print(str(path), results[str(path)])
+    if as_json:
+        print_json([{"recording": name, "fit": result.fit, **asdict(result)} for name, result in results.items()])
+    return OK if all(result.fit for result in results.values()) else FAILED
+
+
+def _print(name: str, result: Checkup) -> None:
+    verdict = "[green]fit to learn from[/]" if result.fit else "[bold red]not fit to learn from[/]"
+    console.print(f"{name}: {verdict}")
+    for finding in result.findings:
+        remedy = f" → {finding.remedy}" if finding.remedy else ""
+        console.print(
+            f"  [{STYLES[finding.severity]}]{finding.severity:8}[/] {finding.about}: {finding.problem}{remedy}"
+        )

@@ -1,0 +1,83 @@
+"""``taskgist demo``: the main job, on the recordings that come with taskgist."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
+from taskgist.cli.understanding import print_understanding, understanding_document
+from taskgist.errors import InputError
+from taskgist.learning import Explanation, Knowledge
+from taskgist.recording import Recording, read
+from taskgist.store import save
+from taskgist.study import explain_all, label_of, shipped_recordings
+from taskgist.view import before_after_picture
+from taskgist.world import Stage
+
+TASKS = {
+    "give": "five real handovers between people (KTH, MIT licence)",
+    "show": "four simulated demonstrations (no public recordings exist)",
+    "hide": "three simulated demonstrations (no public recordings exist)",
+}
+
+
+@command
+def demo(
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for pictures and knowledge; made if new.")] = Path(
+        "taskgist-demo"
+    ),
+    as_json: JsonOption = False,
+) -> None:
+    """Learn give, show and hide from the shipped recordings: print what each means, save what the target agents see.
+
+    Example: taskgist demo -o /tmp/demo
+    """
+    _make_folder(out)
+    knowledge, documents = Knowledge(), {}
+    for task, source in TASKS.items():
+        recordings = [read(path) for path in shipped_recordings(task)]
+        with progress_bar(quiet=as_json) as progress:
+            explanations = list(explain_all(recordings, progress=progress))
+            progress("drawing", 1.0)
+            picture = _picture(recordings[-1], out / f"{task}.png")
+        knowledge = knowledge.add(*explanations)
+        documents[task] = _report(knowledge, task, source, explanations, picture, as_json=as_json)
+    save(knowledge, out / "knowledge.db")
+    if as_json:
+        print_json({"knowledge": str(out / "knowledge.db"), "tasks": documents})
+    else:
+        console.print(f"knowledge kept in {out / 'knowledge.db'}; try: taskgist explain show -k {out / 'knowledge.db'}")
+
+
+def _report(
+    knowledge: Knowledge, task: str, source: str, explanations: list[Explanation], picture: Path, *, as_json: bool
+) -> dict[str, Any]:
+    understanding = knowledge.understand(task)
+    if not as_json:
+        console.rule(f"{task}: {source}", align="left")
+        names = ", ".join(explanation.demonstration for explanation in explanations)
+        console.print(f"demonstrations: {names}")
+        console.print()
+        print_understanding(understanding)
+        console.print(f"picture: {picture}")
+        console.print()
+    return {**understanding_document(understanding), "picture": str(picture)}
+
+
+def _picture(recording: Recording, path: Path) -> Path:
+    label = label_of(recording)
+    states = (recording.at(label.start_s), recording.at(label.end_s))
+    title = f"{label.task}: {label.performing_agent} → {label.target_agent}, {label.target_object} ({recording.name})"
+    return before_after_picture(
+        Stage(recording.scene), states, label.target_agent, label.target_object, path, title=title
+    )
+
+
+def _make_folder(out: Path) -> None:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot be made: {error.strerror}", where=out, field="--out", hint="name a folder") from error

@@ -1,0 +1,126 @@
+"""``taskgist facts``: what can be said of a recording."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+from rich.table import Table
+
+from taskgist.cli.files import RecordingArgument
+from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
+from taskgist.errors import LabelError
+from taskgist.facts import STANDARD_TREE, UNKNOWN, Observation, known_predicates, thaw
+from taskgist.learning import Explanation, explain
+from taskgist.observe import snapshot
+from taskgist.recording import Recording, read
+from taskgist.settings import DEFAULT
+from taskgist.study import Timeline, episode_of, observe_recording, timeline
+from taskgist.world import Stage
+
+
+@command
+def facts(
+    recording: RecordingArgument,
+    agent: Annotated[str | None, typer.Option(help="From whose perspective; default: the label's target.")] = None,
+    object: Annotated[str | None, typer.Option("--object", help="Of which object; default: the label's.")] = None,  # noqa: A002
+    at: Annotated[float | None, typer.Option(help="Only at this time, with evidence; seconds.")] = None,
+    every: Annotated[float, typer.Option(min=0.02, help="Seconds between samples of the timeline.")] = 0.5,
+    as_json: JsonOption = False,
+) -> None:
+    """Show every attribute of an agent and an object over time, and the effect between the label's start and end.
+
+    Example: taskgist facts handover.mcap
+
+    Example: taskgist facts handover.mcap --agent giver --object baton --at 2.0
+    """
+    opened = read(recording)
+    agent, object = _subject(opened, agent, object)  # noqa: A001
+    with progress_bar(quiet=as_json) as progress:
+        observer = observe_recording(opened, progress=progress)
+        if at is not None:
+            stage = Stage(opened.scene, opened.at(at))
+            observed = snapshot(stage, observer, agent=agent, name=object, predicates=known_predicates())
+            _print_instant(agent, object, at, observed, as_json=as_json)
+            return
+        line = timeline(
+            opened, observer, agent=agent, name=object, every_s=every, predicates=known_predicates(), progress=progress
+        )
+        effect = _effect(opened, agent, object, observer)
+    if as_json:
+        print_json(_timeline_document(line, effect))
+    else:
+        _print_timeline(line)
+        _print_effect(effect)
+
+
+def _subject(recording: Recording, agent: str | None, name: str | None) -> tuple[str, str]:
+    label = recording.label
+    if (agent is None or name is None) and label is None:
+        raise LabelError("the recording has no label", where=recording.name, hint="name --agent and --object")
+    agent = agent or (label.target_agent if label else "")
+    name = name or (label.target_object if label else "")
+    recording.scene.agent(agent)
+    recording.scene.object_body(name)
+    return agent, name
+
+
+def _effect(recording: Recording, agent: str, name: str, observer: Any) -> Explanation | None:
+    """The explanation between the label's ends, for the agent and object asked for."""
+    label = recording.label
+    if label is None or name != label.target_object or agent != label.target_agent:
+        return None
+    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in known_predicates()))
+    episode = episode_of(recording, label=label, predicates=known_predicates(), observer=observer)
+    return explain(episode, tree, DEFAULT)
+
+
+def _print_instant(agent: str, name: str, at: float, observed: dict[str, Observation[Any]], *, as_json: bool) -> None:
+    if as_json:
+        print_json(
+            {"agent": agent, "object": name, "time_s": at, "attributes": {k: o.to_json() for k, o in observed.items()}}
+        )
+        return
+    table = Table(title=f"{name} for {agent} at {at:.2f} s", title_justify="left", box=None)
+    for column in ("attribute", "value", "why"):
+        table.add_column(column, overflow="fold")
+    for attribute, observation in observed.items():
+        value = "unknown" if observation.value is UNKNOWN else observation.to_json()["value"]
+        table.add_row(attribute, _value_text(value), str(thaw(observation.evidence.get("reason", ""))))  # type: ignore[arg-type]
+    console.print(table)
+
+
+def _value_text(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{key}: {item or 'unknown'}" for key, item in value.items())
+    return f"{value:.4f}" if isinstance(value, float) else str(value)
+
+
+def _timeline_document(line: Timeline, effect: Explanation | None) -> dict[str, Any]:
+    rows = {
+        attribute: [{"value": i.value, "start_s": round(i.start_s, 4), "end_s": round(i.end_s, 4)} for i in intervals]
+        for attribute, intervals in line.rows.items()
+    }
+    values = {name: node.to_json() for name, node in effect.nodes.items()} if effect else None
+    return {"agent": line.agent, "object": line.name, "every_s": line.every_s, "timeline": rows, "effect": values}
+
+
+def _print_timeline(line: Timeline) -> None:
+    console.print(f"[bold]{line.name} for {line.agent}[/], sampled every {line.every_s:g} s")
+    for attribute, intervals in line.rows.items():
+        if attribute.endswith(".state"):
+            continue  # joint angles: --at shows them
+        console.print(f"  [bold]{attribute}[/]")
+        for i in intervals:
+            console.print(f"    {i.start_s:6.2f} - {i.end_s:6.2f} s  {'unknown' if i.value is None else i.value}")
+
+
+def _print_effect(effect: Explanation | None) -> None:
+    if effect is None:
+        return
+    console.print(f"[bold]effect[/] of {effect.task!r} between the label's start and end")
+    for node in STANDARD_TREE.nodes:
+        if node.level < 3:
+            value = effect.nodes[node.name].value
+            indent = "    " if node.parent is None else "      "
+            console.print(f"{indent}{node.title} = {'unknown' if value is UNKNOWN else value}")

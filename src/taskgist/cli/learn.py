@@ -1,0 +1,65 @@
+"""``taskgist learn``: demonstrations into a knowledge file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from taskgist.cli.files import read_all
+from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
+from taskgist.cli.understanding import print_understanding, understanding_document
+from taskgist.errors import RecordingError
+from taskgist.facts import STANDARD_TREE, Predicate, known_predicates, read_facts
+from taskgist.learning import Explanation, explain
+from taskgist.settings import DEFAULT
+from taskgist.store import update
+from taskgist.study import explain_all
+
+KNOWLEDGE = Path("knowledge.db")
+
+
+@command
+def learn(
+    demonstrations: Annotated[
+        list[Path] | None,
+        typer.Argument(help="Labelled recordings (.mcap), folders of them, or facts from elsewhere (.json)."),
+    ] = None,
+    knowledge: Annotated[Path, typer.Option("--knowledge", "-k", help="The knowledge file; made if new.")] = KNOWLEDGE,
+    as_json: JsonOption = False,
+) -> None:
+    """Learn what tasks mean from labelled demonstrations, and keep it in a knowledge file.
+
+    Demonstrations are added to what the file holds; one that it knows already changes nothing.
+
+    Example: taskgist learn give_1.mcap give_2.mcap -k knowledge.db
+
+    Example: taskgist learn facts.json
+    """
+    if not demonstrations:
+        raise RecordingError(
+            "no demonstrations to learn from", hint="name at least one labelled recording or facts file"
+        )
+    predicates = known_predicates()
+    explanations = [_from_facts(path, predicates) for path in demonstrations if path.suffix == ".json"]
+    paths = [path for path in demonstrations if path.suffix != ".json"]
+    if paths:
+        with progress_bar(quiet=as_json) as progress:
+            explanations += explain_all(read_all(paths), predicates=predicates, progress=progress)
+    known = update(knowledge, explanations)
+    tasks = sorted({explanation.task for explanation in explanations})
+    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in predicates))
+    if as_json:
+        learned = {task: understanding_document(known.understand(task, tree)) for task in tasks}
+        print_json({"knowledge": str(knowledge), "tasks": learned})
+        return
+    for task in tasks:
+        print_understanding(known.understand(task, tree), whole_tree=False)
+        console.print()
+    console.print(f"kept in {knowledge}; for the whole tree: taskgist explain TASK -k {knowledge}")
+
+
+def _from_facts(path: Path, predicates: tuple[Predicate, ...]) -> Explanation:
+    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in predicates))
+    return explain(read_facts(path, tree), tree, DEFAULT)

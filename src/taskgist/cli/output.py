@@ -1,0 +1,67 @@
+"""What the commands print with: console, progress bars, JSON, and errors that end with the right exit code."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from typing import Annotated, Any, ParamSpec
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from taskgist.errors import TaskgistError
+
+P = ParamSpec("P")
+
+OK, FAILED, MISUSED = 0, 1, 2
+"""Exit codes: done; done, and the answer is no; bad input or use."""
+
+console = Console(highlight=False, soft_wrap=True)
+errors = Console(stderr=True, highlight=False, soft_wrap=True)
+
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
+
+
+def print_json(document: Any) -> None:
+    """Print one JSON document on standard output."""
+    sys.stdout.write(json.dumps(document, ensure_ascii=False, indent=2) + "\n")
+
+
+@contextmanager
+def progress_bar(*, quiet: bool = False) -> Iterator[Callable[[str, float], None]]:
+    """A progress bar on standard error, gone when done; yields a function of (what, share from 0 to 1).
+
+    Args:
+        quiet: Show nothing.
+    """
+    columns = (TextColumn("{task.description}"), BarColumn(bar_width=30), TimeElapsedColumn())
+    with Progress(*columns, console=errors, transient=True, disable=quiet or not errors.is_terminal) as bar:
+        task = bar.add_task("", total=1.0)
+
+        def update(what: str, share: float) -> None:
+            bar.update(task, description=what, completed=share)
+
+        yield update
+
+
+def command(function: Callable[P, int | None]) -> Callable[P, None]:
+    """Make a function a command: expected errors become a message and exit code 2, a returned number the exit code."""
+
+    @wraps(function)
+    def run(*args: P.args, **kwargs: P.kwargs) -> None:
+        try:
+            code = function(*args, **kwargs)
+        except TaskgistError as error:
+            errors.print(f"[bold red]error:[/] {_escaped(str(error))}")
+            raise typer.Exit(MISUSED) from error
+        raise typer.Exit(code or OK)
+
+    return run
+
+
+def _escaped(text: str) -> str:
+    return text.replace("[", r"\[")

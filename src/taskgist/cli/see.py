@@ -1,0 +1,67 @@
+"""``taskgist see``: a picture of what an agent sees."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from taskgist.cli.output import JsonOption, command, console, print_json
+from taskgist.errors import RecordingError
+from taskgist.perspective import Visibility, visibility
+from taskgist.recording import read
+from taskgist.view import see_picture
+from taskgist.world import Scene, Stage, State
+
+
+@command
+def see(
+    where: Annotated[Path, typer.Argument(help="A scene (.toml) or a recording (.mcap).", show_default=False)],
+    agent: Annotated[str, typer.Option(help="Whose eyes.", show_default=False)],
+    at: Annotated[float | None, typer.Option(help="Time in a recording, seconds; default: its start.")] = None,
+    object: Annotated[str | None, typer.Option("--object", help="An object to mark.")] = None,  # noqa: A002
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="The PNG file; default: beside, by agent.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Save a picture of what an agent sees, and say which objects are visible to it. No display is needed.
+
+    Example: taskgist see kitchen.toml --agent P2 --object cup
+
+    Example: taskgist see handover.mcap --agent taker --at 3.2 -o taker.png
+    """
+    scene, state = _scene_and_state(where, at)
+    body = scene.agent(agent)
+    stage = Stage(scene, state)
+    if object is not None:
+        scene.object_body(object)
+    path = out or where.with_name(f"{where.stem}_{body.name}_sees.png")
+    see_picture(stage, agent, path, target=object)
+    seen = {name: visibility(stage, agent, name) for name in scene.objects}
+    if as_json:
+        objects = {name: ({"visibility": v.score, **v.evidence} if v else None) for name, v in seen.items()}
+        print_json({"picture": str(path), "agent": agent, "time_s": state.time_s, "objects": objects})
+        return
+    console.print(f"saved {path}")
+    for name, visible in seen.items():
+        console.print(f"  {name:20} {_sentence(visible)}")
+
+
+def _sentence(visible: Visibility | None) -> str:
+    if visible is None:
+        return "unknown: it was not tracked"
+    if not visible.visible_px:
+        hidden_by = ", ".join(owner for owner, _ in visible.occluders)
+        return f"not visible: hidden by {hidden_by}" if hidden_by else "not visible: out of the field of view"
+    where = "in the gaze cone" if visible.in_gaze_cone else "beside the gaze cone"
+    return f"visibility score {100 * visible.score:.2f} %, {where}, {100 * visible.visible_share:.0f} % of it unoccluded"
+
+
+def _scene_and_state(where: Path, at: float | None) -> tuple[Scene, State]:
+    if where.suffix == ".toml":
+        if at is not None:
+            raise RecordingError("a scene has no time", where=where, field="--at", value=at, hint="leave --at out")
+        scene = Scene.load(where)
+        return scene, scene.initial
+    recording = read(where)
+    return recording.scene, recording.at(float(recording.times_s[0]) if at is None else at)

@@ -1,0 +1,87 @@
+"""All attributes of the tree at one instant: the seam between geometry and symbols (level 3).
+
+``snapshot`` gathers what ``Observer`` has confirmed over time, what ``perspective`` finds in the state, and what a
+user's own predicates observe. A predicate's function is called as ``observe(stage, agent, object)`` with the stage in
+that state, and returns a value of its attribute, a truth value, an ``Observation``, or ``UNKNOWN``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from taskgist.errors import FactsError
+from taskgist.facts import UNKNOWN, Observation, Predicate, Raw
+from taskgist.facts import vocabulary as v
+from taskgist.observe.abilities import ability_observations
+from taskgist.observe.observer import Observer
+from taskgist.settings import DEFAULT, Settings
+from taskgist.world import Stage
+
+Snapshot = dict[str, Observation[Raw]]
+
+
+def snapshot(
+    stage: Stage,
+    observer: Observer,
+    *,
+    agent: str,
+    name: str,
+    settings: Settings = DEFAULT,
+    predicates: Iterable[Predicate] = (),
+) -> Snapshot:
+    """Every attribute from one agent's perspective of one object, in the state that the stage shows.
+
+    Args:
+        stage: The scene in a state; afterwards it shows the same state with who holds what decided.
+        observer: One that has seen the states up to this one (or, offline, all of them).
+        agent: From whose perspective.
+        name: The object.
+        settings: All settings.
+        predicates: A user's own predicates to observe too.
+    """
+    stage.show(observer.decided(stage.state))
+    observations = ability_observations(stage, agent, name, settings)
+    observations |= status_observations(observer, agent, name, stage.state.time_s)
+    for predicate in predicates:
+        if predicate.observe is not None:
+            observations[predicate.subtree.attribute.name] = _observed(predicate, stage, agent, name)
+    return observations
+
+
+def status_observations(observer: Observer, agent: str, name: str, time_s: float) -> Snapshot:
+    """The attributes that need time but no perspective: posture, hands, placement, motion."""
+    placed = observer.placement(name).at(time_s)
+    return {
+        "posture": Observation(observer.posture(agent).at(time_s) or UNKNOWN),
+        "hands": _hands(observer, agent, name, time_s),
+        "placement": Observation((placed and placed.symbol) or UNKNOWN, {"by": list(placed.by) if placed else []}),
+        "motion": Observation(observer.motion(name).at(time_s) or UNKNOWN),
+    }
+
+
+def _hands(observer: Observer, agent: str, name: str, time_s: float) -> Observation[Raw]:
+    statuses: dict[str, str | None] = {}
+    evidence: dict[str, str] = {}
+    for side in observer.sides(agent):
+        use = observer.hand(agent, side).at(time_s)
+        status = use.symbol if use else None
+        if use and use.of:
+            evidence[side] = use.of
+        if status == v.HOLDING_OBJECT and use and use.of != name:
+            status = v.HOLDING_OTHER
+        statuses[side] = status
+    return Observation(statuses or UNKNOWN, evidence)
+
+
+def _observed(predicate: Predicate, stage: Stage, agent: str, name: str) -> Observation[Raw]:
+    assert predicate.observe is not None
+    value = predicate.observe(stage, agent, name)
+    if isinstance(value, Observation):
+        return value
+    if value is UNKNOWN or isinstance(value, str | bool):
+        return Observation(value)
+    raise FactsError(
+        "a predicate's function gives a text, a truth value, an Observation or UNKNOWN",
+        field=predicate.subtree.name,
+        value=value,
+    )

@@ -1,0 +1,81 @@
+"""Confirmation: facts that must last before they count.
+
+A raw fact flickers: a tracked hand trembles at the edge of a contact, an object wobbles when it is put down. A
+``Confirmation`` takes one raw value per frame, as they come, and lets a change count only after the new value has
+lasted for a minimum duration. The change is then backdated to its onset. Until that moment the new value is
+*provisional*: the old one still stands.
+
+Example, with a minimum of 0.2 s and frames every 0.1 s::
+
+    raw        A A A B A A A B B B B
+    confirmed  A A A A A A A B B B B      the lone B never counted, the last B counts from its first frame on
+
+Live and offline are the same code fed the same frames, so what was confirmed live stands offline.
+"""
+
+from __future__ import annotations
+
+import bisect
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+V = TypeVar("V", bound=Hashable)
+
+
+@dataclass(frozen=True)
+class Interval(Generic[V]):
+    """A value that holds from ``start_s`` until ``end_s``, in seconds; the last one's end is the last frame seen."""
+
+    value: V
+    start_s: float
+    end_s: float
+
+
+class Confirmation(Generic[V]):
+    """Confirms the values of one fact over time.
+
+    Args:
+        minimum_s: How long a value must last to be confirmed, in seconds.
+    """
+
+    def __init__(self, minimum_s: float) -> None:
+        self._minimum_s = minimum_s
+        self._onsets: list[float] = []
+        self._values: list[V] = []
+        self._run: tuple[V, float] | None = None
+        self._now_s = 0.0
+        self._first_s = 0.0
+
+    def update(self, time_s: float, value: V) -> None:
+        """Take the raw value of the next frame."""
+        if self._run is None:
+            self._first_s = time_s
+        if self._run is None or self._run[0] != value:
+            self._run = (value, time_s)
+        self._now_s = time_s
+        onset = self._run[1]
+        if time_s - onset >= self._minimum_s - 1e-9 and (not self._values or self._values[-1] != value):
+            # Before the first confirmed value nothing else was known, so it reaches back to the first frame.
+            self._onsets.append(onset if self._values else self._first_s)
+            self._values.append(value)
+
+    @property
+    def provisional(self) -> V | None:
+        """The raw value of the last frame, where it is not confirmed (yet)."""
+        if self._run is None or (self._values and self._values[-1] == self._run[0]):
+            return None
+        return self._run[0]
+
+    @property
+    def intervals(self) -> tuple[Interval[V], ...]:
+        """The confirmed values in order; each ends where the next begins."""
+        ends = [*self._onsets[1:], self._now_s]
+        return tuple(
+            Interval(value, start, end) for value, start, end in zip(self._values, self._onsets, ends, strict=True)
+        )
+
+    def at(self, time_s: float) -> V | None:
+        """The confirmed value at a time; None before anything was confirmed."""
+        index = bisect.bisect_right(self._onsets, time_s + 1e-9) - 1
+        return self._values[index] if index >= 0 else None

@@ -1,0 +1,29 @@
+"""Study: whole runs over recordings, from geometry to knowledge."""
+
+from taskgist.study.checkup import Checkup, Finding, check
+from taskgist.study.episodes import Progress, episode_of, explain_recording, label_of, observe_recording, silent
+from taskgist.study.learn import explain_all, learn
+from taskgist.study.proposal import Grip, grips_of, propose_label
+from taskgist.study.shipped import shipped_recordings
+from taskgist.study.timeline import Timeline, attribute_nodes, timeline
+
+__all__ = [
+    "Checkup",
+    "Finding",
+    "Grip",
+    "Progress",
+    "Timeline",
+    "attribute_nodes",
+    "check",
+    "episode_of",
+    "explain_all",
+    "explain_recording",
+    "grips_of",
+    "label_of",
+    "learn",
+    "observe_recording",
+    "propose_label",
+    "shipped_recordings",
+    "silent",
+    "timeline",
+]

@@ -1,0 +1,115 @@
+"""From a labelled recording to an explanation: world → perspective → observe → facts, in one place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from taskgist.errors import LabelError
+from taskgist.facts import STANDARD_TREE, Episode, HypothesisTree, Predicate
+from taskgist.learning import Explanation, explain
+from taskgist.observe import Observer, snapshot
+from taskgist.recording import Label, Recording
+from taskgist.settings import DEFAULT, Settings
+from taskgist.world import Stage
+
+Progress = Callable[[str, float], None]
+"""Called with what is being done and how far it is, from 0 to 1."""
+
+
+def silent(_what: str, _share: float) -> None:
+    """Progress that nobody watches."""
+
+
+def label_of(recording: Recording, name: str = "") -> Label:
+    """The recording's label.
+
+    Raises:
+        LabelError: It has none.
+    """
+    if recording.label is None:
+        raise LabelError(
+            "the recording has no label", where=name or recording.name, hint="set one: taskgist label RECORDING --help"
+        )
+    return recording.label
+
+
+def observe_recording(recording: Recording, settings: Settings = DEFAULT, progress: Progress = silent) -> Observer:
+    """An observer that has seen a whole recording."""
+    observer = Observer(recording.scene, settings)
+    count = len(recording.times_s)
+    for index in range(count):
+        observer.update(recording.state(index))
+        progress("watching", (index + 1) / count)
+    observer.finish()
+    return observer
+
+
+def episode_of(
+    recording: Recording,
+    *,
+    label: Label | None = None,
+    settings: Settings = DEFAULT,
+    predicates: Iterable[Predicate] = (),
+    observer: Observer | None = None,
+    progress: Progress = silent,
+) -> Episode:
+    """What was observed at both ends of a demonstration, from the target agent's perspective.
+
+    Args:
+        recording: A recording.
+        label: Instead of the recording's own.
+        settings: All settings.
+        predicates: A user's own predicates.
+        observer: One that has seen the whole recording, if there is one already.
+        progress: Told how far it is.
+
+    Raises:
+        LabelError: There is no label.
+    """
+    label = label or label_of(recording)
+    predicates = tuple(predicates)
+    observer = observer or observe_recording(recording, settings, progress)
+    stage = Stage(recording.scene)
+    ends = []
+    for share, time_s in ((0.5, label.start_s), (1.0, label.end_s)):
+        stage.show(recording.at(time_s))
+        ends.append(
+            snapshot(
+                stage,
+                observer,
+                agent=label.target_agent,
+                name=label.target_object,
+                settings=settings,
+                predicates=predicates,
+            )
+        )
+        progress("taking perspective", share)
+    return Episode(
+        task=label.task,
+        demonstration=recording.name,
+        performing_agent=label.performing_agent,
+        target_agent=label.target_agent,
+        target_object=label.target_object,
+        start=ends[0],
+        end=ends[1],
+        source=f"{recording.digest} {label.start_s:.4f}-{label.end_s:.4f} s",
+    )
+
+
+def explain_recording(
+    recording: Recording,
+    *,
+    tree: HypothesisTree = STANDARD_TREE,
+    settings: Settings = DEFAULT,
+    predicates: Iterable[Predicate] = (),
+    progress: Progress = silent,
+) -> Explanation:
+    """The explanation of a labelled recording; predicates join the tree.
+
+    Raises:
+        LabelError: There is no label.
+    """
+    predicates = tuple(predicates)
+    whole = tree.extended(*(predicate.subtree for predicate in predicates))
+    episode = episode_of(recording, settings=settings, predicates=predicates, progress=progress)
+    return explain(episode, whole, settings)

@@ -1,0 +1,149 @@
+"""Proposing a label from the facts: who did what for whom, from when to when.
+
+The object that is taken in a hand or set in motion is the target object; who takes it first performs; the target agent
+is who holds it in the end, if that is somebody else, and otherwise the other agent. The label starts while the
+object still lies still, just before anything touches it, and ends when the performer lets go (a handover), or
+when the object has come to rest where it stays. What the task is called only people know; a handover is proposed as
+*give*.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from taskgist.errors import LabelError
+from taskgist.facts import vocabulary as v
+from taskgist.observe import HandUse, Interval, Observer
+from taskgist.recording import Label, Recording
+
+BEFORE_S = 0.3
+"""How long before the first event a label starts."""
+AFTER_S = 0.3
+"""How long after the object has come to rest a label ends."""
+
+
+@dataclass(frozen=True)
+class Grip:
+    """One hand holds the object from ``start_s`` until ``end_s``, in seconds."""
+
+    agent: str
+    side: str
+    start_s: float
+    end_s: float
+
+
+def grips_of(observer: Observer, recording: Recording, name: str) -> tuple[Grip, ...]:
+    """Who holds an object when, in order of time."""
+    grips = [
+        Grip(agent, side, interval.start_s, interval.end_s)
+        for agent in recording.scene.agents
+        for side in observer.sides(agent)
+        for interval in _holding(observer.hand(agent, side).intervals, name)
+    ]
+    return tuple(sorted(grips, key=lambda grip: (grip.start_s, grip.agent, grip.side)))
+
+
+def _holding(intervals: tuple[Interval[HandUse], ...], name: str) -> list[Interval[HandUse]]:
+    return [i for i in intervals if i.value.symbol == v.HOLDING_OBJECT and i.value.of == name]
+
+
+def propose_label(
+    recording: Recording,
+    observer: Observer,
+    *,
+    task: str | None = None,
+    target_object: str | None = None,
+    performing_agent: str | None = None,
+    target_agent: str | None = None,
+) -> Label:
+    """Propose a label; what is given is kept.
+
+    Args:
+        recording: The recording.
+        observer: One that has seen all of it.
+        task: Name of the task.
+        target_object: The object.
+        performing_agent: Who performs.
+        target_agent: For whom.
+
+    Raises:
+        LabelError: Nothing happens that would tell, or it does not tell which task it is.
+    """
+    name = target_object or _moved_most(recording)
+    grips = grips_of(observer, recording, name)
+    performer = performing_agent or _performer(recording, grips, target_agent)
+    receiver = _receiver(grips, performer)
+    target = target_agent or receiver or _other(recording, performer)
+    handover = _handover(grips, performer, target)
+    name_of_task = task or ("give" if handover else None)
+    if name_of_task is None:
+        raise LabelError("the facts do not tell which task this is", field="task", hint="name it: --task show")
+    start, start_how = _start(recording, observer, name, grips)
+    end, end_how = handover or _rest(recording, observer, name, after_s=start)
+    return Label(name_of_task, performer, target, name, start, end, f"proposed: {start_how}; {end_how}")
+
+
+def _moved_most(recording: Recording) -> str:
+    def path(name: str) -> float:
+        places = recording.qpos[:, recording.scene.object_slice(name)][:, :3]
+        known = recording.tracked.get(name)
+        places = places if known is None else places[np.asarray(known)]
+        return float(np.linalg.norm(places - places[:1], axis=1).max(initial=0.0))
+
+    moved = {name: path(name) for name in recording.scene.objects}
+    best = max(moved, key=lambda name: moved[name], default=None)
+    if best is None or moved[best] < 0.02:
+        raise LabelError("no object moves in this recording", field="target_object", hint="name it: --object NAME")
+    return best
+
+
+def _performer(recording: Recording, grips: tuple[Grip, ...], target_agent: str | None) -> str:
+    if grips:
+        return next((grip.agent for grip in grips if grip.agent != target_agent), grips[0].agent)
+    if target_agent is not None:
+        return _other(recording, target_agent)
+    raise LabelError("nobody is seen to hold the object", field="performing_agent", hint="name it: --performer P1")
+
+
+def _receiver(grips: tuple[Grip, ...], performer: str) -> str | None:
+    return next((grip.agent for grip in grips if grip.agent != performer), None)
+
+
+def _other(recording: Recording, agent: str) -> str:
+    others = [name for name in recording.scene.agents if name != agent]
+    if len(others) != 1:
+        raise LabelError("which agent is the target is not clear", field="target_agent", hint="name it: --target P2")
+    return others[0]
+
+
+def _handover(grips: tuple[Grip, ...], performer: str, target: str) -> tuple[float, str] | None:
+    """The moment at which the target agent holds the object and the performer no longer does."""
+    taken = next((grip.start_s for grip in grips if grip.agent == target), None)
+    if taken is None:
+        return None
+    released = max((g.end_s for g in grips if g.agent == performer and g.start_s <= taken), default=None)
+    if released is None:
+        return None
+    return max(released, taken), f"ends when {performer} lets go and {target} holds it"
+
+
+def _start(recording: Recording, observer: Observer, name: str, grips: tuple[Grip, ...]) -> tuple[float, str]:
+    """Just before the object is first moved or held, while it still lies still."""
+    first = float(recording.times_s[0])
+    moving = [i.start_s for i in observer.motion(name).intervals if i.value == v.MOVING and i.start_s > first]
+    events = [*moving[:1], *(grip.start_s for grip in grips if grip.start_s > first)]
+    event = min(events, default=first)
+    still = [i for i in observer.motion(name).intervals if i.value == v.STATIC and i.start_s < event]
+    earliest = still[-1].start_s if still else first
+    return max(first, earliest, event - BEFORE_S), f"starts {BEFORE_S} s before the object is moved"
+
+
+def _rest(recording: Recording, observer: Observer, name: str, *, after_s: float) -> tuple[float, str]:
+    """Just after the object has last come to rest."""
+    last = float(recording.times_s[-1])
+    still = [i.start_s for i in observer.motion(name).intervals if i.value == v.STATIC and i.start_s > after_s]
+    if not still:
+        return last, "ends with the recording"
+    return min(last, still[-1] + AFTER_S), f"ends {AFTER_S} s after the object comes to rest"

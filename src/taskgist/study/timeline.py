@@ -1,0 +1,110 @@
+"""The timeline of a recording: every attribute of one agent and object, as intervals of equal value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from taskgist.facts import STANDARD_TREE, HypothesisTree, Predicate, Unknown, Value
+from taskgist.observe import Interval as Interval
+from taskgist.observe import Observer, snapshot
+from taskgist.recording import Recording
+from taskgist.settings import DEFAULT, Settings
+from taskgist.study.episodes import Progress, silent
+from taskgist.world import Stage
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """Every attribute over time, from one agent's perspective of one object.
+
+    Attributes:
+        agent: Whose perspective.
+        name: Which object.
+        every_s: How often attributes were sampled, in seconds.
+        rows: By attribute: intervals of equal symbol, in order; None is unknown.
+    """
+
+    agent: str
+    name: str
+    every_s: float
+    rows: dict[str, tuple[Interval[str | None], ...]]
+
+
+def timeline(
+    recording: Recording,
+    observer: Observer,
+    *,
+    agent: str,
+    name: str,
+    every_s: float = 0.5,
+    tree: HypothesisTree = STANDARD_TREE,
+    settings: Settings = DEFAULT,
+    predicates: Iterable[Predicate] = (),
+    progress: Progress = silent,
+) -> Timeline:
+    """Sample every attribute through a recording.
+
+    Args:
+        recording: The recording.
+        observer: One that has seen all of it.
+        agent: Whose perspective.
+        name: Which object.
+        every_s: Seconds between samples.
+        tree: Gives the symbols; ``predicates`` extend it.
+        settings: All settings.
+        predicates: A user's own predicates.
+        progress: Told how far it is.
+    """
+    predicates = tuple(predicates)
+    whole = tree.extended(*(predicate.subtree for predicate in predicates))
+    stage = Stage(recording.scene)
+    first, last = float(recording.times_s[0]), float(recording.times_s[-1])
+    times = [*np.arange(first, last, every_s), last]
+    samples: dict[str, list[tuple[float, str | None]]] = {}
+    for number, time_s in enumerate(times):
+        stage.show(recording.at(float(time_s)))
+        observed = snapshot(stage, observer, agent=agent, name=name, settings=settings, predicates=predicates)
+        for attribute, symbol in symbols(whole, observed, settings).items():
+            samples.setdefault(attribute, []).append((float(time_s), symbol))
+        progress("taking perspective", (number + 1) / len(times))
+    return Timeline(agent, name, every_s, {key: _intervals(row, last) for key, row in samples.items()})
+
+
+def symbols(tree: HypothesisTree, observed: dict[str, object], settings: Settings) -> dict[str, str | None]:
+    """The symbol of each attribute of a snapshot, in the tree's order; None is unknown."""
+    nodes = tree.instantiate(observed, observed, settings)  # type: ignore[arg-type]
+    return {
+        attribute: _text(nodes[node].value)
+        for attribute, node in attribute_nodes(tree).items()
+        if attribute in observed
+    }
+
+
+def attribute_nodes(tree: HypothesisTree) -> dict[str, str]:
+    """The node of instant 2 that shows each attribute's symbol."""
+    nodes: dict[str, str] = {}
+    for subtree in tree.subtrees:
+        leaves = [subtree.leaf] if subtree.leaf else []
+        while leaves:
+            leaf = leaves.pop(0)
+            nodes[leaf.attribute.name] = f"{subtree.name}.{leaf.part}.2"
+            leaves.extend(leaf.children)
+    return nodes
+
+
+def _text(value: Value) -> str | None:
+    return None if isinstance(value, Unknown) else value
+
+
+def _intervals(samples: list[tuple[float, str | None]], last_s: float) -> tuple[Interval[str | None], ...]:
+    intervals: list[Interval[str | None]] = []
+    for time_s, value in samples:
+        if intervals and intervals[-1].value == value:
+            continue
+        if intervals:
+            intervals[-1] = Interval(intervals[-1].value, intervals[-1].start_s, time_s)
+        intervals.append(Interval(value, time_s, last_s))
+    return tuple(intervals)

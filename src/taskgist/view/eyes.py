@@ -1,0 +1,174 @@
+"""Pictures of what an agent sees, with the target object marked."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Ellipse
+from numpy.typing import NDArray
+
+from taskgist.perspective import visibility
+from taskgist.settings import DEFAULT, Settings
+from taskgist.view.rendering import HIGHLIGHT, looking, pinhole, render
+from taskgist.view.saving import save_figure
+from taskgist.world import Stage, State
+
+EYE_WIDTH_PX = 640
+OVERVIEW_PX = (640, 400)
+OVERVIEW_FOV_RAD = (math.radians(55), math.radians(36))
+
+
+def see_picture(
+    stage: Stage,
+    agent: str,
+    path: Path,
+    *,
+    target: str | None = None,
+    settings: Settings = DEFAULT,
+    title: str | None = None,
+) -> Path:
+    """Save what an agent sees in the state that the stage shows.
+
+    Args:
+        stage: The scene in a state.
+        agent: Whose eyes.
+        path: The PNG file to write.
+        target: An object to mark.
+        settings: For the visibility score in the title.
+        title: Instead of the default title.
+    """
+    figure = Figure(figsize=(7, 6.2), layout="constrained")
+    axes = figure.subplots()
+    draw_eye(axes, stage, agent, target, settings, title or f"{agent} at {stage.state.time_s:.2f} s")
+    return save_figure(figure, path)
+
+
+def before_after_picture(
+    stage: Stage,
+    states: tuple[State, State],
+    agent: str,
+    target: str,
+    path: Path,
+    *,
+    settings: Settings = DEFAULT,
+    title: str = "",
+) -> Path:
+    """Save a demonstration's start and end: the room from the side, and what the target agent sees.
+
+    Args:
+        stage: The scene; shows the last state afterwards.
+        states: Start and end.
+        agent: The target agent.
+        target: The target object.
+        path: The PNG file to write.
+        settings: For the visibility scores in the titles.
+        title: Title of the whole picture.
+    """
+    figure = Figure(figsize=(12, 8.6), layout="constrained")
+    figure.suptitle(title, fontsize=13)
+    grid = figure.subplots(2, 2, gridspec_kw={"height_ratios": [1, 1.25]})
+    camera = overview_camera(stage, states)
+    for column, (name, state) in enumerate(zip(("start", "end"), states, strict=True)):
+        stage.show(state)
+        draw_overview(grid[0, column], stage, camera, target, f"{name}, {state.time_s:.2f} s")
+        draw_eye(grid[1, column], stage, agent, target, settings, f"what {agent} sees at the {name}")
+    return save_figure(figure, path)
+
+
+def draw_eye(axes: Axes, stage: Stage, agent: str, target: str | None, settings: Settings, title: str) -> None:
+    """Draw what an agent sees; the dashed circle is its gaze cone."""
+    body = stage.scene.agent(agent)
+    eye = body.profile.eye
+    height = round(EYE_WIDTH_PX * eye.image_px[1] / eye.image_px[0])
+    marked = stage.scene.object_geoms(target) if target else ()
+    image = render(
+        stage,
+        stage.eye(body),
+        pinhole(eye.fov_rad, EYE_WIDTH_PX, height),
+        exclude_body=body.eye_exclude_body,
+        highlight=[int(geom) for geom in marked],
+    )
+    axes.imshow(np.clip(image.rgb, 0, 1))
+    axes.set_title(f"{title}{_score_text(stage, agent, target, settings)}", fontsize=10)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    _draw_gaze(axes, eye.fov_rad, eye.gaze_cone_rad, EYE_WIDTH_PX, height)
+    if target:
+        _mark(axes, np.isin(image.geoms, marked), target)
+
+
+def draw_overview(
+    axes: Axes, stage: Stage, camera: tuple[NDArray[np.float64], NDArray[np.float64]], target: str, title: str
+) -> None:
+    """Draw the room from the side, the target object in the colour of attention."""
+    marked = [int(geom) for geom in stage.scene.object_geoms(target)]
+    image = render(stage, looking(*camera), pinhole(OVERVIEW_FOV_RAD, *OVERVIEW_PX), highlight=marked)
+    axes.imshow(np.clip(image.rgb, 0, 1))
+    axes.set_title(title, fontsize=10)
+    axes.set_axis_off()
+
+
+def overview_camera(stage: Stage, states: tuple[State, ...]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A place from which all agents and objects are in the picture, and the point to look at; metres."""
+    scene = stage.scene
+    points = [state.qpos[scene.base_slice(agent)][:3] for state in states for agent in scene.agents]
+    points += [state.qpos[scene.object_slice(name)][:3] for state in states for name in scene.objects]
+    cloud = np.array(points)
+    middle = (cloud.min(axis=0) + cloud.max(axis=0)) / 2
+    middle[2] = 0.85
+    across = _across(cloud[: len(scene.agents)])
+    width = float(np.ptp(cloud[:, :2] @ across[:2])) + 0.9
+    away = np.array([across[1], -across[0], 0.0])
+    distance = max(2.2, width / (2 * math.tan(OVERVIEW_FOV_RAD[0] / 2)) + 0.6)
+    return middle + away * distance + 0.35 * distance * across + np.array([0, 0, 0.85]), middle
+
+
+def _across(agents: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit direction from the first agent to the last, along which a picture is wide."""
+    line = agents[-1] - agents[0] if len(agents) > 1 else np.array([1.0, 0.0, 0.0])
+    line[2] = 0.0
+    length = float(np.linalg.norm(line))
+    return line / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
+
+
+def _score_text(stage: Stage, agent: str, target: str | None, settings: Settings) -> str:
+    if target is None:
+        return ""
+    seen = visibility(stage, agent, target, settings)
+    if seen is None:
+        return f"\n{target}: unknown"
+    hidden = f", {100 * (1 - seen.visible_share):.0f} % occluded" if seen.unoccluded_px else ""
+    return f"\n{target}: visibility score {100 * seen.score:.2f} %{hidden}"
+
+
+def _draw_gaze(axes: Axes, fov_rad: tuple[float, float], cone_rad: float, width: int, height: int) -> None:
+    if cone_rad >= max(fov_rad) / 2:
+        return
+    across = width * math.tan(cone_rad) / math.tan(fov_rad[0] / 2)
+    down = height * math.tan(cone_rad) / math.tan(fov_rad[1] / 2)
+    middle = (width / 2 - 0.5, height / 2 - 0.5)
+    axes.add_patch(Ellipse(middle, across, down, fill=False, linestyle="--", linewidth=1, edgecolor="black", alpha=0.6))
+
+
+def _mark(axes: Axes, mask: NDArray[np.bool_], name: str) -> None:
+    """Outline the visible pixels of the target and name it."""
+    if not mask.any():
+        axes.text(0.02, 0.03, f"{name} is not visible", transform=axes.transAxes, fontsize=10, backgroundcolor="white")
+        return
+    axes.contour(mask, levels=[0.5], colors=["black"], linewidths=1.0)
+    rows, columns = np.nonzero(mask)
+    axes.annotate(
+        name,
+        (float(columns.mean()), float(rows.min())),
+        xytext=(0, 28),
+        textcoords="offset points",
+        ha="center",
+        fontsize=10,
+        color="black",
+        bbox={"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": tuple(HIGHLIGHT)},
+        arrowprops={"arrowstyle": "->", "color": "black"},
+    )
