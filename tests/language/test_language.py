@@ -52,10 +52,28 @@ def understood(band: str = "narrow") -> Understanding:
 
 def test_the_meaning_is_one_sentence() -> None:
     assert meaning(understood()) == (
-        "“show” means for the target agent: it keeps its posture, the object ends at rest, it sees more of the object"
-        " than before, seeing the object takes no effort afterwards, and its hands end free of objects; beforehand,"
-        " the object is at rest, it sees next to nothing of the object, and its hands are free of objects."
+        "“show” means for the target agent: seeing the object takes no effort afterwards, it sees more of the object"
+        " than before, its hands end free of objects, the object ends at rest, and it keeps its posture; beforehand,"
+        " it sees next to nothing of the object, its hands are free of objects, and the object is at rest."
     )
+
+
+def test_reaching_and_grasping_alike_are_said_once() -> None:
+    def end(grasp: str) -> dict[str, Observation[Raw]]:
+        return {"reach.effort": Observation("Arm_Effort"), "grasp.effort": Observation(grasp)}
+
+    def told(grasp: str) -> str:
+        only = explain(Episode("put", "put 1", "P1", "P2", "cup", {}, end(grasp), source="test"))
+        answers = [
+            Answer("put", f"{ability}.{part}", Verdict.RELEVANT, "ann", "2024-05-01T12:00:00+00:00", value)
+            for ability in ("reach", "grasp")
+            for part, value in (("nature", "Supportive"), ("class", "Becomes_Easier"))
+        ]
+        return meaning(understand(Experience.of("put", [only]), answers=answers))
+
+    assert told("Arm_Effort").count("takes stretching out an arm") == 1
+    assert "reaching and grasping the object takes" in told("Arm_Effort")
+    assert told("Whole_Body_Effort").count("takes") == 2
 
 
 def test_what_does_not_matter_is_said_apart_from_what_nobody_knows() -> None:
@@ -154,7 +172,7 @@ def test_no_standard_node_falls_back_to_its_title() -> None:
     [
         ("reach.effort.1", REACH_EFFORTS[3], "reaching the object takes standing up or sitting down"),
         ("reach.effort.2", REACH_EFFORTS[5], "reaching the object is not possible by any known effort afterwards"),
-        ("grasp.action.2", "Lean_Torso", "grasping the object takes these actions: lean torso afterwards"),
+        ("grasp.action.2", "Lean_Torso", "grasping the object takes leaning afterwards"),
         ("visibility.score.2", "≈ 0", "it sees next to nothing of the object afterwards"),
         ("visibility.score.1", "1.3-2.6 %", "the object fills 1.3-2.6 % of its view"),
         (

@@ -24,17 +24,14 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for name, function in {
-    "demo": demo,
-    "import": import_,
-    "label": label,
-    "check": check,
-    "facts": facts,
-    "learn": learn,
-    "explain": explain,
-    "see": see,
-}.items():
-    app.command(name)(function)
+app.command("demo")(demo)
+app.command("import")(import_)
+app.command("label")(label)
+app.command("check")(check)
+app.command("facts")(facts)
+app.command("learn")(learn)
+app.command("explain")(explain)
+app.command("see")(see)
 
 
 def main() -> None:

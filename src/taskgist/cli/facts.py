@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Any
 
 import typer
@@ -12,7 +13,7 @@ from taskgist.cli.output import JsonOption, command, console, print_json, progre
 from taskgist.errors import LabelError
 from taskgist.facts import STANDARD_TREE, UNKNOWN, Observation, known_predicates, thaw
 from taskgist.learning import Explanation, explain
-from taskgist.observe import snapshot
+from taskgist.observe import Observer, snapshot
 from taskgist.recording import Recording, read
 from taskgist.settings import DEFAULT
 from taskgist.study import Timeline, episode_of, observe_recording, timeline
@@ -65,11 +66,13 @@ def _subject(recording: Recording, agent: str | None, name: str | None) -> tuple
     return agent, name
 
 
-def _effect(recording: Recording, agent: str, name: str, observer: Any) -> Explanation | None:
-    """The explanation between the label's ends, for the agent and object asked for."""
+def _effect(recording: Recording, agent: str, name: str, observer: Observer) -> Explanation | None:
+    """The explanation between the label's ends, as if agent and object asked for were its targets."""
     label = recording.label
-    if label is None or name != label.target_object or agent != label.target_agent:
+    if label is None:
         return None
+    other = label.target_agent if agent == label.performing_agent else label.performing_agent
+    label = replace(label, performing_agent=other, target_agent=agent, target_object=name)
     tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in known_predicates()))
     episode = episode_of(recording, label=label, predicates=known_predicates(), observer=observer)
     return explain(episode, tree, DEFAULT)
@@ -86,7 +89,7 @@ def _print_instant(agent: str, name: str, at: float, observed: dict[str, Observa
         table.add_column(column, overflow="fold")
     for attribute, observation in observed.items():
         value = "unknown" if observation.value is UNKNOWN else observation.to_json()["value"]
-        table.add_row(attribute, _value_text(value), str(thaw(observation.evidence.get("reason", ""))))  # type: ignore[arg-type]
+        table.add_row(attribute, _value_text(value), str(thaw(observation.evidence.get("reason", ""))))
     console.print(table)
 
 
@@ -118,7 +121,8 @@ def _print_timeline(line: Timeline) -> None:
 def _print_effect(effect: Explanation | None) -> None:
     if effect is None:
         return
-    console.print(f"[bold]effect[/] of {effect.task!r} between the label's start and end")
+    about = f"on {effect.target_object} for {effect.target_agent}"
+    console.print(f"[bold]effect[/] of {effect.task!r} {about}, between the label's start and end")
     for node in STANDARD_TREE.nodes:
         if node.level < 3:
             value = effect.nodes[node.name].value

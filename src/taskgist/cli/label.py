@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -74,14 +75,14 @@ def _single(values: list[str] | None, field: str) -> str | None:
     return values[0] if values else None
 
 
-def _label(fields: dict[str, object], where: Path) -> Label:
+def _label(fields: Mapping[str, object], where: Path) -> Label:
     missing = [key for key, value in fields.items() if value is None]
     if missing:
         raise LabelError(f"missing: {', '.join(missing)}", where=where, hint="give them, or add --propose")
     return Label(**fields)  # type: ignore[arg-type]
 
 
-def _how(before: object, changes: dict[str, object], *, propose: bool) -> str:
+def _how(before: object, changes: Mapping[str, object], *, propose: bool) -> str:
     by_hand = f"by hand: {', '.join(sorted(changes))}" if changes else ""
     return "; ".join(text for text in ((str(before or "") if propose else ""), by_hand) if text)
 

@@ -54,7 +54,9 @@ def _sentence(visible: Visibility | None) -> str:
         hidden_by = ", ".join(owner for owner, _ in visible.occluders)
         return f"not visible: hidden by {hidden_by}" if hidden_by else "not visible: out of the field of view"
     where = "in the gaze cone" if visible.in_gaze_cone else "beside the gaze cone"
-    return f"visibility score {100 * visible.score:.2f} %, {where}, {100 * visible.visible_share:.0f} % of it unoccluded"
+    return (
+        f"visibility score {100 * visible.score:.2f} %, {where}, {100 * visible.visible_share:.0f} % of it unoccluded"
+    )
 
 
 def _scene_and_state(where: Path, at: float | None) -> tuple[Scene, State]:

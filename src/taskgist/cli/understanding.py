@@ -42,7 +42,7 @@ def print_tree(understanding: Understanding) -> None:
     """Print every node: best value, count, m-estimate Q, consistency factor CF and verdict; kept nodes stand out."""
     console.print("node = best value   n/N  Q: m-estimate  CF: consistency factor  verdict (●: kept)")
     for root in (node for node in understanding.tree.nodes if node.parent is None):
-        console.print(_branch(understanding, root))
+        console.print(_branch(understanding, root), no_wrap=True, overflow="ignore", crop=False)
 
 
 def _branch(understanding: Understanding, node: Node) -> Tree:

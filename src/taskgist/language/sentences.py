@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 
+from taskgist.language.changes import ABILITIES
 from taskgist.language.phrases import listed, phrase, topic
 from taskgist.learning import Judgement, Literal, Question, Understanding, Verdict, clause_of
 
@@ -14,8 +16,8 @@ def meaning(understanding: Understanding) -> str:
     told = f"“{understanding.task}” means"
     if not clause.literals:
         return f"{told} nothing yet: the demonstrations have nothing in common."
-    effects = [_told(understanding, literal) for literal in clause.effects]
-    before = [_told(understanding, literal) for literal in clause.preconditions]
+    effects = _spoken(understanding, clause.effects)
+    before = _spoken(understanding, clause.preconditions)
     sentence = f"{told} for the target agent: {listed(effects)}" if effects else f"{told} no effect yet"
     return f"{sentence}; beforehand, {listed(before)}." if before else f"{sentence}."
 
@@ -65,8 +67,36 @@ def asked(question: Question) -> str:
     return f"What does “{question.task}” mean{when}: that {listed(told, 'or that')}; or does {title} not matter?"
 
 
-def _told(understanding: Understanding, literal: Literal) -> str:
-    return phrase(understanding.tree.node(literal.node), literal.value)
+SPOKEN_ORDER = ("see", "visibility", "reach", "grasp", "hands", "placement", "motion", "posture")
+"""What people say first about a task; a user's own predicates come last."""
+
+
+def _spoken(understanding: Understanding, literals: Iterable[Literal]) -> list[str]:
+    """Phrases of literals in the order in which people would say them; joint angles are left to the clause."""
+    said = [literal for literal in literals if ".state." not in literal.node]
+    said.sort(key=lambda literal: _place(literal.node))
+    phrases = [phrase(understanding.tree.node(literal.node), literal.value) for literal in said]
+    return _joined(list(dict.fromkeys(phrases)))
+
+
+def _place(node: str) -> int:
+    subtree = node.partition(".")[0]
+    return SPOKEN_ORDER.index(subtree) if subtree in SPOKEN_ORDER else len(SPOKEN_ORDER)
+
+
+def _joined(phrases: list[str]) -> list[str]:
+    """What is said alike of reaching and of grasping is said once."""
+    reaching, grasping = (f"{ABILITIES[ability]} " for ability in ("reach", "grasp"))
+    both = {p.removeprefix(reaching) for p in phrases if p.startswith(reaching)}
+    both &= {p.removeprefix(grasping) for p in phrases if p.startswith(grasping)}
+    told = []
+    for said in phrases:
+        rest = said.removeprefix(reaching).removeprefix(grasping)
+        if rest == said or rest not in both:
+            told.append(said)
+        elif said.startswith(reaching):
+            told.append(f"reaching and grasping the object {rest}")
+    return told
 
 
 def _verdict(understanding: Understanding, judgement: Judgement) -> str:

@@ -22,6 +22,19 @@ EFFORTS = {
     "No_Possible_Known_Effort": "is not possible by any known effort",
 }
 
+ACTIONS = {
+    "Pan_Head": "turning the head",
+    "Tilt_Head": "tilting the head",
+    "Stretch_Out_Arm(left)": "stretching out the left arm",
+    "Stretch_Out_Arm(right)": "stretching out the right arm",
+    "Turn_Torso": "turning the torso",
+    "Lean_Torso": "leaning",
+    "Make_Standing": "standing up",
+    "Make_Sitting": "sitting down",
+    "Move_To": "going elsewhere",
+    "No_Possible_Known_Action": "more than any known action",
+}
+
 HANDS = {
     v.HOLDING_OBJECT: "holding the object",
     v.HOLDING_OTHER: "holding something else",
@@ -44,7 +57,8 @@ def action(doing: str) -> Phrase:
     """Phrase of the actions that an ability takes."""
 
     def told(value: str, instant: Instant) -> str:
-        what = "no effort" if value == v.NO_ACTION else f"these actions: {plain(value)}"
+        steps = (ACTIONS.get(step, plain(step)) for step in value.split(" + "))
+        what = "no effort" if value == v.NO_ACTION else " and ".join(dict.fromkeys(steps))
         return f"{doing} takes {what}{_after(instant)}"
 
     return told

@@ -32,7 +32,9 @@ def ability_observations(stage: Stage, agent: str, name: str, settings: Settings
     for ability in ABILITIES:
         observations |= _effort_observations(effort_from(here, name, ability), settings)
     seen = visibility(stage, agent, name, settings)
-    observations["visibility.score"] = Observation(UNKNOWN) if seen is None else Observation(seen.score, _plain(seen.evidence))
+    observations["visibility.score"] = (
+        Observation(UNKNOWN) if seen is None else Observation(seen.score, _plain(seen.evidence))
+    )
     return observations
 
 

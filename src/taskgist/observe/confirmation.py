@@ -45,19 +45,15 @@ class Confirmation(Generic[V]):
         self._values: list[V] = []
         self._run: tuple[V, float] | None = None
         self._now_s = 0.0
-        self._first_s = 0.0
 
     def update(self, time_s: float, value: V) -> None:
         """Take the raw value of the next frame."""
-        if self._run is None:
-            self._first_s = time_s
         if self._run is None or self._run[0] != value:
             self._run = (value, time_s)
         self._now_s = time_s
         onset = self._run[1]
         if time_s - onset >= self._minimum_s - 1e-9 and (not self._values or self._values[-1] != value):
-            # Before the first confirmed value nothing else was known, so it reaches back to the first frame.
-            self._onsets.append(onset if self._values else self._first_s)
+            self._onsets.append(onset)
             self._values.append(value)
 
     @property
@@ -70,7 +66,7 @@ class Confirmation(Generic[V]):
     @property
     def intervals(self) -> tuple[Interval[V], ...]:
         """The confirmed values in order; each ends where the next begins."""
-        ends = [*self._onsets[1:], self._now_s]
+        ends = [*self._onsets[1:], self._now_s][: len(self._onsets)]
         return tuple(
             Interval(value, start, end) for value, start, end in zip(self._values, self._onsets, ends, strict=True)
         )

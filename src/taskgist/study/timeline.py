@@ -1,19 +1,24 @@
-"""The timeline of a recording: every attribute of one agent and object, as intervals of equal value."""
+"""The timeline of a recording: every attribute of one agent and object, as intervals of equal value.
+
+What was watched over time (posture, hands, placement, motion) is exact to the frame; abilities, predicates and
+visibility are sampled.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from taskgist.facts import STANDARD_TREE, HypothesisTree, Predicate, Unknown, Value
-from taskgist.observe import Interval as Interval
-from taskgist.observe import Observer, snapshot
+from taskgist.observe import Interval, Observer, Snapshot, snapshot, status_observations
 from taskgist.recording import Recording
 from taskgist.settings import DEFAULT, Settings
 from taskgist.study.episodes import Progress, silent
 from taskgist.world import Stage
+
+Samples = dict[str, list[tuple[float, str | None]]]
 
 
 @dataclass(frozen=True)
@@ -23,7 +28,7 @@ class Timeline:
     Attributes:
         agent: Whose perspective.
         name: Which object.
-        every_s: How often attributes were sampled, in seconds.
+        every_s: How often abilities, predicates and visibility were sampled, in seconds.
         rows: By attribute: intervals of equal symbol, in order; None is unknown.
     """
 
@@ -63,19 +68,26 @@ def timeline(
     stage = Stage(recording.scene)
     first, last = float(recording.times_s[0]), float(recording.times_s[-1])
     times = [*np.arange(first, last, every_s), last]
-    samples: dict[str, list[tuple[float, str | None]]] = {}
+    samples: Samples = {}
     for number, time_s in enumerate(times):
         stage.show(recording.at(float(time_s)))
         observed = snapshot(stage, observer, agent=agent, name=name, settings=settings, predicates=predicates)
-        for attribute, symbol in symbols(whole, observed, settings).items():
-            samples.setdefault(attribute, []).append((float(time_s), symbol))
+        _collect(samples, float(time_s), symbols(whole, observed, settings))
         progress("taking perspective", (number + 1) / len(times))
-    return Timeline(agent, name, every_s, {key: _intervals(row, last) for key, row in samples.items()})
+    watched: Samples = {}
+    for time_s in map(float, recording.times_s):
+        _collect(watched, time_s, symbols(whole, status_observations(observer, agent, name, time_s), settings))
+    return Timeline(agent, name, every_s, {key: _intervals(row, last) for key, row in (samples | watched).items()})
 
 
-def symbols(tree: HypothesisTree, observed: dict[str, object], settings: Settings) -> dict[str, str | None]:
+def _collect(samples: Samples, time_s: float, found: Mapping[str, str | None]) -> None:
+    for attribute, symbol in found.items():
+        samples.setdefault(attribute, []).append((time_s, symbol))
+
+
+def symbols(tree: HypothesisTree, observed: Snapshot, settings: Settings) -> dict[str, str | None]:
     """The symbol of each attribute of a snapshot, in the tree's order; None is unknown."""
-    nodes = tree.instantiate(observed, observed, settings)  # type: ignore[arg-type]
+    nodes = tree.instantiate(observed, observed, settings)
     return {
         attribute: _text(nodes[node].value)
         for attribute, node in attribute_nodes(tree).items()

@@ -1,0 +1,110 @@
+"""A hand takes a cup from a table, carries it, and lets go of it in the air (a script without perspective)."""
+
+import numpy as np
+import pytest
+
+from taskgist.errors import UnknownNameError
+from taskgist.facts import UNKNOWN
+from taskgist.observe import Observer, snapshot
+from taskgist.settings import DEFAULT
+from taskgist.world import Fitter, Hold, Scene, Stage, State
+from tests.scenes import TABLE, agent, cylinder, scene
+
+RATE_HZ = 20.0
+TOP = 0.72
+
+
+@pytest.fixture(scope="module")
+def room() -> Scene:
+    return scene(
+        TABLE,
+        cylinder("cup", -0.25, -0.15, TOP + 0.05),
+        agents=agent("P1", -0.8, 0) + agent("P2", 0.8, 0, yaw_deg=180),
+    )
+
+
+@pytest.fixture(scope="module")
+def carried(room: Scene) -> list[State]:
+    """One second each: still, lifted by the hand, held, and the hand gone."""
+    fitter = Fitter(room, "P1", moving="arms", weights={"right_palm": 3.0})
+    arm = room.agent("P1").arm("right")
+    cup, states, state = np.array([-0.25, -0.15, TOP + 0.05]), [], room.initial
+    for frame in range(int(4 * RATE_HZ)):
+        time = frame / RATE_HZ
+        height = TOP + 0.08 + 0.3 * np.clip(time - 1, 0, 1)
+        target = np.array([-0.27, -0.16, height]) if time < 3 else np.array([-0.5, -0.4, 1.2])
+        state = fitter.fit(state, points={"right_palm": target}).state
+        if 1 <= time < 3:
+            cup = Stage(room, state).site(arm.palm_site).position + (0.02, 0.01, -0.03)
+        states.append(State(state.replace(at=room.object_slice("cup"), to=(*cup, 1, 0, 0, 0)).qpos, time))
+    return states
+
+
+def test_the_story_is_told_in_order(room: Scene, carried: list[State]) -> None:
+    observer = Observer.of(room, carried)
+    assert [i.value.symbol for i in observer.placement("cup").intervals] == ["On_Support", "In_Hand", "In_Air"]
+    held = observer.placement("cup").intervals[1]
+    assert held.value.by == ("P1's right hand",)
+    assert held.start_s == pytest.approx(1.1, abs=0.15)
+    assert held.end_s == pytest.approx(3.0, abs=0.15)
+    assert [i.value for i in observer.motion("cup").intervals] == ["Static", "Moving", "Static"]
+    assert {i.value.symbol for i in observer.hand("P2", "left").intervals} == {"Free_of_Object"}
+
+
+def test_live_facts_once_confirmed_equal_offline_facts(room: Scene, carried: list[State]) -> None:
+    offline, live = Observer.of(room, carried), Observer(room)
+    for state in carried:
+        live.update(state)
+        for now, then in (
+            (live.placement("cup"), offline.placement("cup")),
+            (live.motion("cup"), offline.motion("cup")),
+            (live.hand("P1", "right"), offline.hand("P1", "right")),
+        ):
+            confirmed = [(i.value, i.start_s) for i in now.intervals]
+            assert confirmed == [(i.value, i.start_s) for i in then.intervals[: len(confirmed)]]
+
+
+def test_holding_is_the_same_for_facts_and_perspective(room: Scene, carried: list[State]) -> None:
+    observer = Observer.of(room, carried)
+    held = snapshot(Stage(room, carried[50]), observer, agent="P1", name="cup")
+    assert held["reach.effort"].value == held["grasp.effort"].value == "No_Effort_Required"
+    assert held["hands"].value == {"left": "Free_of_Object", "right": "Holding_Object"}
+    assert observer.decided(carried[50]).holding == {Hold("P1", "right", "cup")}
+    assert observer.decided(carried[5]).holding == frozenset()
+
+
+def test_a_passing_hand_holds_nothing(room: Scene) -> None:
+    """Near, but faster than any grip slips."""
+    states = []
+    for frame in range(40):
+        time = frame / RATE_HZ
+        fit = Fitter(room, "P1", moving="arms").fit(
+            room.initial, points={"right_palm": (-0.3, -0.7 + 0.7 * time, 1.1)}
+        )
+        places = (-0.3, -0.15, 1.1)
+        states.append(State(fit.state.replace(at=room.object_slice("cup"), to=(*places, 1, 0, 0, 0)).qpos, time))
+    near = [Stage(room, s).closest(room.agent("P1").arm("right").hand_geoms, room.object_geoms("cup"), limit_m=0.03)[0] for s in states]
+    assert min(near) < DEFAULT.contact.grip_m
+    observer = Observer.of(room, states)
+    assert {i.value.symbol for i in observer.hand("P1", "right").intervals} == {"Free_of_Object"}
+
+
+def test_untracked_is_unknown_never_false(room: Scene, carried: list[State]) -> None:
+    lost = [State(s.qpos, s.time_s, frozenset({"cup"}) if s.time_s >= 2 else frozenset()) for s in carried]
+    observer = Observer.of(room, lost)
+    found = snapshot(Stage(room, lost[70]), observer, agent="P2", name="cup")
+    unknown = {name for name, observation in found.items() if observation.value is UNKNOWN}
+    assert {"placement", "motion", "visibility.score", "see.effort", "reach.effort", "grasp.effort"} <= unknown
+    armless = [State(s.qpos, s.time_s, frozenset({"P1/right_arm"})) for s in carried]
+    lone = Observer.of(room, armless)
+    assert lone.placement("cup").at(2.0) is not None
+    assert lone.placement("cup").at(2.0).symbol is None  # type: ignore[union-attr]
+    assert lone.hand("P1", "right").at(2.0).symbol is None  # type: ignore[union-attr]
+
+
+def test_unknown_names_are_named(room: Scene) -> None:
+    observer = Observer(room)
+    with pytest.raises(UnknownNameError, match="did you mean 'cup'"):
+        observer.placement("cups")
+    with pytest.raises(UnknownNameError, match="known: P1, P2"):
+        observer.posture("P3")
