@@ -41,7 +41,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "world": {"numpy", "mujoco", "mink"},
     "perspective": {"numpy"},
     "observe": {"numpy"},
-    "recording": {"numpy", "mcap"},
+    "recording": {"numpy", "mcap", "zstandard"},
     "demonstrator": {"numpy"},
     "study": {"numpy"},
     "view": {"numpy", "matplotlib"},

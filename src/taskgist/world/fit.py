@@ -53,10 +53,13 @@ the thumb."""
 DIRECTION_COST_M = 0.15
 """Lever with which an error of direction (radians) counts like an error of place (metres)."""
 POSTURE_COST = 1e-3
-"""Pull towards the start for joints that nothing else decides."""
+"""Pull towards the posture of rest for joints that nothing else decides."""
 STIFF: Mapping[str, float] = {"girdle": 20.0, "torso": 10.0, "torso_side": 40.0, "head_roll": 40.0, "wrist": 3.0}
 """How much more reluctantly joints move than others, by words in their names: people bend sideways last (ours)."""
 CONVERGED_RAD = 2e-4
+LONGEST_STEP = 0.5
+"""Radians or metres that one step may change a joint by."""
+HALVINGS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +104,7 @@ class Fitter:
         self._limits = [mink.ConfigurationLimit(scene.model)]
         self._frozen = self._freeze(moving, root=moving == "body" if root is None else root)
 
-    def _freeze(self, moving: str | Collection[str], *, root: bool) -> mink.DofFreezingTask:
+    def _freeze(self, moving: str | Collection[str], *, root: bool) -> list[mink.DofFreezingTask]:
         """Hold every degree of freedom that must not move."""
         model, agent = self._scene.model, self._agent
         chosen = set(_chosen(agent, moving))
@@ -113,7 +116,8 @@ class Fitter:
             if (is_root and root) or (of_agent and not is_root and name in chosen):
                 start = int(model.jnt_dofadr[joint])
                 free.update(range(start, start + (6 if is_root else 1)))
-        return mink.DofFreezingTask(model, dof_indices=[d for d in range(model.nv) if d not in free])
+        frozen = [d for d in range(model.nv) if d not in free]
+        return [mink.DofFreezingTask(model, dof_indices=frozen)] if frozen else []
 
     def fit(
         self,
@@ -121,6 +125,7 @@ class Fitter:
         *,
         points: Mapping[str, ArrayLike] | None = None,
         directions: Mapping[str, ArrayLike] | None = None,
+        rest: State | None = None,
         iterations: int = 30,
     ) -> Fit:
         """Fit the agent.
@@ -129,6 +134,7 @@ class Fitter:
             state: Where to start from; everything but the agent's moving joints stays.
             points: Targets of landmarks in the world, metres, (3,) each; those that are not finite are left out.
             directions: Targets of directions (``AXES``) in the world, (3,) each.
+            rest: The posture that joints lean to where nothing else decides; by default the one to start from.
             iterations: Most Newton steps.
 
         Raises:
@@ -140,23 +146,28 @@ class Fitter:
         posture = mink.PostureTask(self._scene.model, cost=self._posture_cost())
         configuration = self._configuration
         configuration.update(np.array(state.qpos))
-        posture.set_target(configuration.q)
+        posture.set_target(np.array((rest or state).qpos))
         for _ in range(iterations):
-            velocity = mink.solve_ik(
-                configuration,
-                [*tasks, posture],
-                1.0,
-                "daqp",
-                damping=1e-6,
-                limits=self._limits,
-                constraints=[self._frozen],
-            )
-            step = np.clip(velocity, -0.5, 0.5)
-            configuration.integrate_inplace(step, 1.0)
-            if np.abs(step).max() < CONVERGED_RAD:
+            if self._improve([*tasks, posture]) < CONVERGED_RAD:
                 break
         fitted = State(configuration.q, state.time_s, state.untracked)
         return Fit(fitted, self._point_errors(wanted), self._direction_errors(aimed))
+
+    def _improve(self, tasks: list[mink.FrameTask | mink.AxisAlignTask | mink.PostureTask]) -> float:
+        """One Newton step, shortened until it helps; gives the largest change in radians or metres, 0 if none helps."""
+        configuration, before = self._configuration, np.array(self._configuration.q)
+        cost = _cost(tasks, configuration)
+        step = mink.solve_ik(
+            configuration, tasks, 1.0, "daqp", damping=1e-6, limits=self._limits, constraints=self._frozen
+        )
+        step = step * min(1.0, LONGEST_STEP / max(float(np.abs(step).max()), 1e-12))
+        for _ in range(HALVINGS):
+            configuration.integrate_inplace(step, 1.0)
+            if _cost(tasks, configuration) < cost:
+                return float(np.abs(step).max())
+            configuration.update(before)
+            step = step / 2
+        return 0.0
 
     def _posture_cost(self) -> Array:
         model = self._scene.model
@@ -208,6 +219,11 @@ class Fitter:
         if mujoco.mj_name2id(self._scene.model, mujoco.mjtObj.mjOBJ_SITE, name) < 0:
             raise UnknownNameError("landmark", landmark, landmarks(self._scene, self._agent.name))
         return name
+
+
+def _cost(tasks: Iterable[mink.FrameTask | mink.AxisAlignTask | mink.PostureTask], at: mink.Configuration) -> float:
+    """Weighted sum of squared errors."""
+    return float(sum(np.sum((task.cost * task.compute_error(at)) ** 2) for task in tasks))
 
 
 def landmarks(scene: Scene, agent: str) -> tuple[str, ...]:

@@ -1,9 +1,10 @@
 """Holding over time: a held object moves with the hand.
 
-A hand that passes an object, or reaches around it before it closes, is near and yet does not hold. What tells them apart is
-slip: how fast the hand moves in the object's own frame. A ``HoldingWatch`` takes states as they come and gives them back, half a
-window later, with ``State.holding`` decided: a near hand begins to hold when its slip is low, and lets go when the slip is high or
-the hand is far.
+A hand that passes an object, or reaches around it before it closes, is near and yet does not hold. What tells them
+apart is
+slip: how fast the hand moves in the object's own frame. A ``HoldingWatch`` takes states as they come and gives them
+back, half a window later, with ``State.holding`` decided: a near hand begins to hold when its slip is low, and lets
+go when the slip is high or the hand is far.
 """
 
 from __future__ import annotations

@@ -85,6 +85,9 @@ def _head(s: HumanSize, height_m: float) -> Iterator[str]:
     yield _site("nose", (1.15 * deep, 0, 0.40 * s.head_m))
     for side, sign in (("left", 1), ("right", -1)):
         yield _site(f"{side}_eye", (0.9 * deep, sign * 0.14 * s.head_m, eye[2]))
+        yield _geom(
+            f"{side}_eye", "sphere", (0.06 * s.head_m,), "0.1 0.1 0.1 1", (0.86 * deep, sign * 0.14 * s.head_m, eye[2])
+        )
         yield _site(f"{side}_ear", (0, sign * wide, 0.45 * s.head_m))
     yield "</body>"
 

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.world.agent import GHOST_GROUP, Agent, ArmIndices
+from taskgist.world.gaps import gap_m
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
 
@@ -189,7 +190,7 @@ class Stage:
         """Signed distance in metres between two shapes (negative: how deep they overlap), at most ``limit_m``."""
         if not self._near(geom_a, geom_b, limit_m):
             return limit_m
-        return float(mujoco.mj_geomDistance(self.scene.model, self._data, geom_a, geom_b, limit_m, None))
+        return gap_m(self.scene.model, self._data, geom_a, geom_b, limit_m=limit_m)
 
     def near_pairs(self, geoms: ArrayLike, others: ArrayLike, *, limit_m: float) -> list[tuple[int, int]]:
         """Pairs of shapes whose bounding spheres come closer than ``limit_m``; planes are near to everything."""
@@ -204,7 +205,7 @@ class Stage:
         """The smallest signed distance in metres between two sets of shapes, at most ``limit_m``, and the pair."""
         best = (limit_m, NO_GEOM, NO_GEOM)
         for geom, other in self.near_pairs(geoms, others, limit_m=limit_m):
-            gap = float(mujoco.mj_geomDistance(self.scene.model, self._data, geom, other, limit_m, None))
+            gap = gap_m(self.scene.model, self._data, geom, other, limit_m=limit_m)
             if gap < best[0]:
                 best = (gap, geom, other)
         return best
@@ -212,7 +213,7 @@ class Stage:
     def overlaps(self, geoms: ArrayLike, others: ArrayLike) -> Iterator[tuple[int, int, float]]:
         """Pairs of shapes, one of each set, that overlap, and how deep in metres."""
         for geom, other in self.near_pairs(geoms, others, limit_m=0.0):
-            gap = float(mujoco.mj_geomDistance(self.scene.model, self._data, geom, other, 0.0, None))
+            gap = gap_m(self.scene.model, self._data, geom, other, limit_m=0.0)
             if gap < 0.0:
                 yield geom, other, -gap
 

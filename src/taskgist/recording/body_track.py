@@ -1,0 +1,207 @@
+"""A person's body over time: joint angles fitted to tracked landmarks, frame after frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.recording.tracks import PersonTrack
+from taskgist.world import Fitter, HumanSize, Scene, State
+from taskgist.world.legs import legs_for
+from taskgist.world.rotations import about_z
+
+Array = NDArray[np.float64]
+
+WEIGHTS: Mapping[str, float] = {
+    "left_wrist": 2.0,
+    "right_wrist": 2.0,
+    "head": 0.5,
+    "neck": 0.1,
+    "chest": 0.1,
+    "abdomen": 0.1,
+    "left_toe": 0.3,
+    "right_toe": 0.3,
+    "left_heel": 0.3,
+    "right_heel": 0.3,
+    "face": 3.0,
+}
+"""What a fit cares about most: hands, for the facts of hands; the face, for sight. Landmarks along the spine, and on
+the feet, lie elsewhere for each tracker and count little."""
+
+FIRST_ITERATIONS, ITERATIONS = 200, 20
+HEAD_POINTS = ("head_base", "head", "head_top", "nose", "left_eye", "right_eye", "left_ear", "right_ear")
+TRUNK_POINTS = ("left_shoulder", "right_shoulder", "chest", "neck")
+LEG_POINTS = ("knee", "ankle")
+RELAXED = {"shoulder_abduction": 0.12, "elbow": 0.3}
+"""Angles in radians of an arm that nobody tracked."""
+
+
+@dataclass(frozen=True, eq=False)
+class BodyTrack:
+    """One fitted body.
+
+    Attributes:
+        base: Position in metres and wxyz of the pelvis, (N, 7).
+        joints_rad: Angles of its joints, (N, joints), in the order of ``Scene.joints``.
+        tracked: Frames in which each part was tracked, by part, (N,).
+        report: Error of the fit by landmark (centimetres) and direction (degrees): median, 95th percentile, largest.
+        notes: What was estimated.
+    """
+
+    base: Array
+    joints_rad: Array
+    tracked: Mapping[str, NDArray[np.bool_]]
+    report: Mapping[str, Any]
+    notes: tuple[str, ...]
+
+
+def fit_person(name: str, size: HumanSize, person: PersonTrack, progress: Callable[[float], None]) -> BodyTrack:
+    """Fit a body to a person's landmarks.
+
+    Args:
+        name: Name of the person.
+        size: How large the body is.
+        person: Landmarks and directions over time.
+        progress: Told the share of frames that are done.
+    """
+    scene = _alone(name, size)
+    tracked = tracked_parts(person)
+    count = len(tracked["torso"])
+    legs_tracked = bool(tracked["legs"].any())
+    fitter = Fitter(
+        scene, name, moving="body" if legs_tracked else _without_legs(scene, name), weights=WEIGHTS, root=True
+    )
+    rest = state = _start(scene, name, person)
+    states = np.empty((count, scene.nq))
+    errors_m: dict[str, list[float]] = {}
+    errors_rad: dict[str, list[float]] = {}
+    for frame in range(count):
+        points = {key: track[frame] for key, track in person.points.items()}
+        directions = {key: track[frame] for key, track in person.directions.items()}
+        fit = fitter.fit(
+            state,
+            points=points,
+            directions=directions,
+            rest=rest,
+            iterations=FIRST_ITERATIONS if frame == 0 else ITERATIONS,
+        )
+        state = fit.state
+        _collect(errors_m, fit.errors_m)
+        _collect(errors_rad, fit.errors_rad)
+        states[frame] = state.qpos
+        progress((frame + 1) / count)
+    notes: tuple[str, ...] = ()
+    if not legs_tracked and tracked["torso"].any():
+        _estimate_legs(scene, name, states)
+        tracked = {**tracked, "legs": tracked["torso"]}
+        notes = (f"{name}'s legs are estimated from the height of the hips",)
+    base, joints = states[:, scene.base_slice(name)], states[:, scene.joint_indices(name)]
+    return BodyTrack(base, joints, tracked, _report(errors_m, errors_rad), notes)
+
+
+def _alone(name: str, size: HumanSize) -> Scene:
+    """A scene with nothing but this person: fitting is fast where little can move."""
+    toml = f'[scene]\nmodel = "empty.xml"\n[agents."{name}"]\nbody = {body_toml(size)}\n'
+    return Scene.from_bundle({"scene.toml": toml.encode(), "empty.xml": b"<mujoco/>"})
+
+
+def body_toml(size: HumanSize) -> str:
+    """The size as the inline table of a scene file."""
+    return f"{{ {', '.join(f'{key} = {value:.4f}' for key, value in vars(size).items())} }}"
+
+
+def tracked_parts(person: PersonTrack) -> dict[str, NDArray[np.bool_]]:
+    """Frames in which each part of the body was tracked, (N,) by part.
+
+    A head needs a place and a direction, a trunk some place, an arm its wrist or hand, legs a knee and an ankle.
+    """
+    count = len(next(iter([*person.points.values(), *person.directions.values()])))
+
+    def known(names: tuple[str, ...], tracks: Mapping[str, Array] = person.points) -> NDArray[np.bool_]:
+        found = [np.isfinite(tracks[key]).all(axis=1) for key in names if key in tracks]
+        return np.asarray(np.any(found, axis=0)) if found else np.zeros(count, dtype=bool)
+
+    parts = {
+        "head": known(HEAD_POINTS) & known(("face",), person.directions),
+        "torso": known(TRUNK_POINTS) & known(("pelvis", "left_hip", "right_hip", "abdomen")),
+        "legs": known(("left_knee", "right_knee")) & known(("left_ankle", "right_ankle")),
+    }
+    for side in ("left", "right"):
+        parts[f"{side}_arm"] = known((f"{side}_wrist", f"{side}_hand", f"{side}_fingertip"))
+    return parts
+
+
+def _without_legs(scene: Scene, name: str) -> list[str]:
+    legs = scene.agent(name).profile.legs
+    still = {*legs.hips, *legs.knees, *legs.ankles}
+    return [j for j in scene.joints(name) if j not in still and "hip_abduction" not in j]
+
+
+def _start(scene: Scene, name: str, person: PersonTrack) -> State:
+    """Upright at the first known pelvis (or trunk), facing where the line of the shoulders says, arms relaxed."""
+    agent = scene.agent(name)
+    place = _first(person, ("pelvis", "left_hip", "right_hip", "abdomen", "chest", "neck", "head", "head_base"))
+    height = place[2] if "pelvis" in person.points else scene.initial.qpos[agent.base][2]
+    state = scene.initial.replace(at=agent.base, to=(place[0], place[1], height, *about_z(_heading(person))))
+    return state.replace(
+        {index: RELAXED[key] for joint, index in agent.joints.items() for key in RELAXED if joint.endswith(key)}
+    )
+
+
+def _first(person: PersonTrack, names: tuple[str, ...]) -> Array:
+    for name in names:
+        if name in person.points:
+            known = np.isfinite(person.points[name]).all(axis=1)
+            if known.any():
+                return np.asarray(person.points[name][np.argmax(known)])
+    return np.zeros(3)
+
+
+def _heading(person: PersonTrack) -> float:
+    """Heading in radians: across shoulders or hips, else where the face looks."""
+    for part in ("shoulder", "hip"):
+        left, right = (person.points.get(f"{side}_{part}") for side in ("left", "right"))
+        if left is not None and right is not None:
+            across = left - right
+            known = np.isfinite(across).all(axis=1)
+            if known.any():
+                y, x = -across[np.argmax(known), 0], across[np.argmax(known), 1]
+                return float(np.arctan2(y, x))
+    face = person.directions.get("face")
+    if face is not None and np.isfinite(face).all(axis=1).any():
+        forward = face[np.argmax(np.isfinite(face).all(axis=1))]
+        return float(np.arctan2(forward[1], forward[0]))
+    return 0.0
+
+
+def _estimate_legs(scene: Scene, name: str, states: Array) -> None:
+    """Bend the legs so that the soles stand on the floor beneath hips of the tracked height."""
+    agent = scene.agent(name)
+    for row in states:
+        angles, _ = legs_for(scene.model, agent, hip_height_m=float(row[agent.base][2]))
+        for joint, angle in angles.items():
+            row[agent.joints[joint]] = angle
+
+
+def _collect(collected: dict[str, list[float]], errors: Mapping[str, float]) -> None:
+    for name, error in errors.items():
+        collected.setdefault(name, []).append(error)
+
+
+def _report(errors_m: Mapping[str, list[float]], errors_rad: Mapping[str, list[float]]) -> dict[str, Any]:
+    return {
+        "points_cm": {name: _summary(100 * np.array(errors)) for name, errors in errors_m.items()},
+        "directions_deg": {name: _summary(np.degrees(errors)) for name, errors in errors_rad.items()},
+    }
+
+
+def _summary(errors: Array) -> dict[str, float]:
+    return {
+        "median": round(float(np.median(errors)), 2),
+        "p95": round(float(np.percentile(errors, 95)), 2),
+        "max": round(float(errors.max()), 2),
+    }

@@ -1,0 +1,145 @@
+"""Recordings in memory: states, times, digests, labels, and what is refused."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from taskgist.errors import LabelError, RecordingError, UnknownNameError
+from taskgist.recording import Label, Recording
+from taskgist.recording.rounding import decimals, rounded, whole
+from tests.recording.recordings import FRAMES, LABEL, recording, room
+
+SEEDED = settings(derandomize=True, deadline=None, max_examples=30)
+
+
+def test_states_know_what_was_lost() -> None:
+    assert recording().state(0).untracked == {"P1/left_arm"}
+    assert recording().state(2).untracked == {"box"}
+    assert recording().state(-1).untracked == frozenset()
+    assert recording().state(1).time_s == pytest.approx(1 / 30)
+    assert len(recording()) == FRAMES
+    with pytest.raises(RecordingError, match=r"handover 1: index: no such frame \(got 5\); give an index from 0 to 4"):
+        recording().state(FRAMES)
+
+
+def test_the_nearest_frame() -> None:
+    assert recording().at(0.04).time_s == pytest.approx(1 / 30)
+    assert recording().at(0.06).time_s == pytest.approx(2 / 30)
+    assert recording().at(4 / 30).time_s == pytest.approx(recording().duration_s)
+    with pytest.raises(RecordingError, match=r"outside.*got 0.2\); give a time between 0 and 0.133333 s"):
+        recording().at(0.2)
+
+
+def test_arrays_cannot_be_written_to() -> None:
+    record = recording()
+    copies = (record, pickle.loads(pickle.dumps(record)), copy.deepcopy(record))
+    for each in copies:
+        assert each.digest == record.digest
+        assert each.provenance == record.provenance
+        for array in (each.qpos, each.times_s, each.tracked["box"], each.state(0).qpos):
+            with pytest.raises(ValueError, match="read-only"):
+                array[0] = 0
+
+
+def test_digest_sees_what_was_recorded_and_nothing_else() -> None:
+    digest = recording().digest
+    assert re.fullmatch(r"[0-9a-f]{16}", digest)
+    assert recording(label=LABEL).digest == digest
+    assert recording(seed=1).digest != digest
+    assert changed(tracked={}).digest != digest
+    assert changed(times_s=recording().times_s + 0.001).digest != digest
+    assert changed(name="other").digest == digest
+    assert changed(qpos=recording().qpos + 1e-9).digest == digest
+    assert changed(tracked={**recording().tracked, "cup": np.ones(FRAMES, bool)}).digest == digest
+
+
+def changed(**fields: Any) -> Recording:
+    given = {name: getattr(recording(), name) for name in ("scene", "times_s", "qpos", "tracked", "name")}
+    return Recording(**(given | fields))
+
+
+def broken(row: int, column: int, value: float) -> np.ndarray[Any, np.dtype[np.float64]]:
+    qpos = np.array(recording().qpos)
+    qpos[row, column] = value
+    return qpos
+
+
+def without_rotation() -> np.ndarray[Any, np.dtype[np.float64]]:
+    qpos = np.array(recording().qpos)
+    qpos[2, room().object_slice("cup")] = 0.0
+    return qpos
+
+
+MISTAKES: dict[str, tuple[dict[str, Any], str]] = {
+    "one frame": ({"times_s": [0.0], "qpos": recording().qpos[:1], "tracked": {}}, "too few frames"),
+    "backwards": ({"times_s": [0, 1, 3, 2, 4]}, r"times run backwards at frame 3 \(got \(3.0, 2.0\)"),
+    "repeated": ({"times_s": [0, 1, 1, 2, 4]}, r"times repeat at frame 2 \(got \(1.0, 1.0\)"),
+    "negative": ({"times_s": [-1, 0, 1, 2, 3]}, r"times are negative \(got -1.0\)"),
+    "no time": ({"times_s": [0, 1, np.nan, 2, 3]}, "frame 2 has no time"),
+    "shape": ({"qpos": recording().qpos[:, :-1]}, r"qpos: wrong shape .* need the shape \(5, \d+\)"),
+    "nan": ({"qpos": broken(3, 7, np.nan)}, r"frame 3, column 7 is not finite \(got nan\)"),
+    "infinite": ({"qpos": broken(1, 0, np.inf)}, r"frame 1, column 0 is not finite \(got inf\)"),
+    "no rotation": ({"qpos": without_rotation()}, r"frame 2, columns \d+ to \d+ hold no unit quaternion"),
+    "flags": ({"tracked": {"box": [True]}}, r"tracked\['box'\]: wrong shape .* each of the 5 frames"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_mistakes(mistake: str) -> None:
+    fields, expected = MISTAKES[mistake]
+    with pytest.raises(RecordingError, match=expected):
+        changed(**fields)
+
+
+def test_unknown_names() -> None:
+    with pytest.raises(UnknownNameError, match=r"no object, agent or part 'P1/left_leg'; did you mean 'P1/left_arm'"):
+        changed(tracked={"P1/left_leg": np.ones(FRAMES, bool)})
+    with pytest.raises(UnknownNameError, match=r"no agent 'P3'; \(known: P1, P2\)"):
+        recording().with_label(Label("give", "P1", "P3", "cup", 0.0, 0.1))
+    with pytest.raises(UnknownNameError, match=r"no object 'cap'; did you mean 'cup'"):
+        recording().with_label(Label("give", "P1", "P2", "cap", 0.0, 0.1))
+
+
+GOOD = {"task": "give", "performing_agent": "P1", "target_agent": "P2", "target_object": "cup"}
+TIMES = {"start_s": 0.0, "end_s": 0.1}
+LABELS: dict[str, tuple[dict[str, Any], str]] = {
+    "several agents": ({"target_agent": ["P2", "P3"]}, r"target_agent: several values of one target agent.*label one"),
+    "several objects": ({"target_object": ("cup", "box")}, r"several values of one target object are not supported"),
+    "no task": ({"task": " "}, r"task: must be a name"),
+    "alone": ({"target_agent": "P1"}, r"target_agent: performing and target agent are the same \(got 'P1'\)"),
+    "reversed": ({"start_s": 0.1, "end_s": 0.05}, r"end_s: the label ends before it starts \(got 0.05\)"),
+    "no time": ({"start_s": float("nan")}, r"start_s: must be a time \(got nan\)"),
+    "text": ({"end_s": "late"}, r"end_s: must be a time \(got 'late'\)"),
+}
+
+
+@pytest.mark.parametrize("mistake", LABELS)
+def test_labels_that_contradict_themselves(mistake: str) -> None:
+    fields, expected = LABELS[mistake]
+    with pytest.raises(LabelError, match=expected):
+        Label(**(GOOD | TIMES | fields))
+
+
+def test_labels_outside_of_the_recording() -> None:
+    with pytest.raises(LabelError, match=r"end_s: .*outside.*got 5.0\); give a time between 0 and 0.133333 s"):
+        recording().with_label(Label("give", "P1", "P2", "cup", 0.0, 5.0))
+    assert recording().with_label(LABEL).label == LABEL
+    assert recording(label=LABEL).with_label(None).label is None
+
+
+@SEEDED
+@given(qpos=arrays(np.float64, room().nq, elements=st.floats(-50, 50)))
+def test_rounding_once_is_enough(qpos: np.ndarray[Any, np.dtype[np.float64]]) -> None:
+    once = rounded(qpos, room())
+    np.testing.assert_array_equal(rounded(once, room()), once)
+    np.testing.assert_array_equal(whole(once, room()), whole(qpos, room()))
+    assert (np.abs(once - qpos) <= 0.5000001 * 10.0 ** -decimals(room())).all()
