@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
+# Our matrices are small: threads of the linear algebra only get in each other's way.
+export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: help setup demo test lint types format bench recordings clean
 

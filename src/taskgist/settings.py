@@ -48,6 +48,8 @@ class Grasp:
     """Gap kept between fingers and object before closing (ours)."""
     facing: float = 0.0
     """Least cosine between the approach and the direction shoulder → grasp: none is approached from behind (ours)."""
+    opposed_rad: float = math.radians(20.0)
+    """Largest deviation of two faces from being opposite, for a hand to close on them (ours: friction about 0.36)."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,8 @@ class Efforts:
     """Grid of floor positions, anchored at the agent (ours)."""
     collision_m: float = 0.01
     """A contact deeper than the present one by more than this blocks (tracked bodies touch and interpenetrate; ours)."""
+    seat_height_m: tuple[float, float] = (0.25, 0.70)
+    """Heights of surfaces that people sit down onto (ours: from a child's stool to a low bar stool)."""
     state_bin_rad: float = math.radians(15.0)
     """Bin of the joint angles that make the symbol of an attained state S (ours)."""
 
@@ -76,6 +80,13 @@ class Contact:
 
     grip_m: float = 0.03
     """Largest gap between hand and a held object (ours: fit errors of tracked hands are of this order)."""
+    slip_start_m_s: float = 0.15
+    """A near hand begins to hold when it moves slower than this against the object (ours: against the grip forces of five
+    real handovers, docs/recordings.md)."""
+    slip_stop_m_s: float = 0.30
+    """A hand lets go when it moves faster than this against the object; above the noise of tracked orientations (ours)."""
+    slip_window_s: float = 0.2
+    """Window over which that speed is measured (ours)."""
     support_m: float = 0.015
     """Largest gap between an object and what it rests on (ours)."""
     lift_m: float = 0.05

@@ -78,12 +78,13 @@ def test_a_passing_hand_holds_nothing(room: Scene) -> None:
     states = []
     for frame in range(40):
         time = frame / RATE_HZ
-        fit = Fitter(room, "P1", moving="arms").fit(
-            room.initial, points={"right_palm": (-0.3, -0.7 + 0.7 * time, 1.1)}
-        )
+        fit = Fitter(room, "P1", moving="arms").fit(room.initial, points={"right_palm": (-0.3, -0.7 + 0.7 * time, 1.1)})
         places = (-0.3, -0.15, 1.1)
         states.append(State(fit.state.replace(at=room.object_slice("cup"), to=(*places, 1, 0, 0, 0)).qpos, time))
-    near = [Stage(room, s).closest(room.agent("P1").arm("right").hand_geoms, room.object_geoms("cup"), limit_m=0.03)[0] for s in states]
+    near = [
+        Stage(room, s).closest(room.agent("P1").arm("right").hand_geoms, room.object_geoms("cup"), limit_m=0.03)[0]
+        for s in states
+    ]
     assert min(near) < DEFAULT.contact.grip_m
     observer = Observer.of(room, states)
     assert {i.value.symbol for i in observer.hand("P1", "right").intervals} == {"Free_of_Object"}

@@ -36,6 +36,8 @@ def make_folder(folder: Path, *, copied_hands: bool) -> None:
             name = "LEFT_WRIST" if copied_hands and bone == "RHand" else point
             position = standing()[NAMES.index(name)] * (np.cos(yaw_rad), np.cos(yaw_rad), 1.0) + (x_m, 0.0, 0.0)
             _write_pose(folder / f"{person}_{bone}_pose_saved.csv", position, yaw_rad + np.pi / 2)
+        force = np.linspace(0.0, -20.0, ROWS)[:, None]
+        write_csv(folder / f"Wrench_{person}_saved.csv", ["Fx", "Fy", "Fz"], np.hstack([0 * force, 0 * force, force]))
     _write_pose(folder / "baton_pose_saved.csv", np.array([-0.2, -0.4, 0.813]), 0.0)
 
 
@@ -68,6 +70,8 @@ def test_kth_handovers(tmp_path: Path) -> None:
         np.testing.assert_allclose(person.directions["left_hand"][0], (0, towards, 0), atol=1e-9)
         np.testing.assert_allclose(person.directions["right_hand"][0], (0, -towards, 0), atol=1e-9)
         np.testing.assert_allclose(person.directions["right_palm"][0], (0, 0, -1), atol=1e-9)
+    grip = tracks.signals["P2_grip"]
+    assert (grip.unit, grip.values[0], grip.values[-1]) == ("N", 0.0, 20.0), "a grip presses: -Fz"
     table, baton = tracks.supports[0], tracks.objects["baton"]
     top_m = table.position_m[2] + table.size_m[2] / 2
     assert baton.position_m[0, 2] - baton.shapes[0].size_m[2] / 2 == pytest.approx(top_m, abs=0.002)

@@ -32,8 +32,3 @@ app.command("facts")(facts)
 app.command("learn")(learn)
 app.command("explain")(explain)
 app.command("see")(see)
-
-
-def main() -> None:
-    """Run the command line."""
-    app()

@@ -42,7 +42,7 @@ def demo(
         with progress_bar(quiet=as_json) as progress:
             explanations = list(explain_all(recordings, progress=progress))
             progress("drawing", 1.0)
-            picture = _picture(recordings[-1], out / f"{task}.png")
+            picture = _picture(recordings[0], out / f"{task}.png")
         knowledge = knowledge.add(*explanations)
         documents[task] = _report(knowledge, task, source, explanations, picture, as_json=as_json)
     save(knowledge, out / "knowledge.db")

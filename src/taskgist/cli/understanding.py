@@ -12,6 +12,8 @@ from taskgist.facts import Node
 from taskgist.language import asked, indifference, meaning
 from taskgist.learning import Judgement, Understanding, Verdict, clause_of, questions_of
 
+TREE_WIDTH = 200
+"""Columns of the printed tree: the same in every terminal, so that no figure is cut off."""
 STYLES = {
     Verdict.RELEVANT: "green",
     Verdict.IRRELEVANT: "dim",
@@ -42,7 +44,7 @@ def print_tree(understanding: Understanding) -> None:
     """Print every node: best value, count, m-estimate Q, consistency factor CF and verdict; kept nodes stand out."""
     console.print("node = best value   n/N  Q: m-estimate  CF: consistency factor  verdict (●: kept)")
     for root in (node for node in understanding.tree.nodes if node.parent is None):
-        console.print(_branch(understanding, root), no_wrap=True, overflow="ignore", crop=False)
+        console.print(_branch(understanding, root), width=TREE_WIDTH, no_wrap=True, crop=False)
 
 
 def _branch(understanding: Understanding, node: Node) -> Tree:

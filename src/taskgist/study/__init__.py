@@ -2,6 +2,7 @@
 
 from taskgist.study.checkup import Checkup, Finding, check
 from taskgist.study.episodes import Progress, episode_of, explain_recording, label_of, observe_recording, silent
+from taskgist.study.grip_forces import GripCheck, check_grips
 from taskgist.study.learn import explain_all, learn
 from taskgist.study.proposal import Grip, grips_of, propose_label
 from taskgist.study.shipped import shipped_recordings
@@ -11,10 +12,12 @@ __all__ = [
     "Checkup",
     "Finding",
     "Grip",
+    "GripCheck",
     "Progress",
     "Timeline",
     "attribute_nodes",
     "check",
+    "check_grips",
     "episode_of",
     "explain_all",
     "explain_recording",

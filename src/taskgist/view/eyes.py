@@ -119,11 +119,11 @@ def overview_camera(stage: Stage, states: tuple[State, ...]) -> tuple[NDArray[np
     points += [state.qpos[scene.object_slice(name)][:3] for state in states for name in scene.objects]
     cloud = np.array(points)
     middle = (cloud.min(axis=0) + cloud.max(axis=0)) / 2
-    middle[2] = 0.85
+    middle[2] = 0.9
     across = _across(cloud[: len(scene.agents)])
     width = float(np.ptp(cloud[:, :2] @ across[:2])) + 0.9
     away = np.array([across[1], -across[0], 0.0])
-    distance = max(2.2, width / (2 * math.tan(OVERVIEW_FOV_RAD[0] / 2)) + 0.6)
+    distance = max(3.3, width / (2 * math.tan(OVERVIEW_FOV_RAD[0] / 2)) + 0.6)
     return middle + away * distance + 0.35 * distance * across + np.array([0, 0, 0.85]), middle
 
 

@@ -25,6 +25,7 @@ from taskgist.world.scene import Scene
 from taskgist.world.state import State
 
 Array = NDArray[np.float64]
+IkTask = mink.FrameTask | mink.AxisAlignTask | mink.PostureTask
 
 ARMS = ("girdle", "shoulder", "elbow", "forearm", "wrist")
 MOVING: Mapping[str, tuple[str, ...]] = {
@@ -47,8 +48,8 @@ AXES: Mapping[str, tuple[str, tuple[float, float, float]]] = {
     "pelvis_up": ("pelvis", (0.0, 0.0, 1.0)),
     "chest": ("chest", (1.0, 0.0, 0.0)),
 }
-"""Directions that a fit may ask for: a landmark, and the axis of its frame. Of hands: to the fingers, out of the palm, to
-the thumb."""
+"""Directions that a fit may ask for: a landmark, and the axis of its frame. Of hands: to the fingers, out of the palm,
+to the thumb."""
 
 DIRECTION_COST_M = 0.15
 """Lever with which an error of direction (radians) counts like an error of place (metres)."""
@@ -60,6 +61,8 @@ CONVERGED_RAD = 2e-4
 LONGEST_STEP = 0.5
 """Radians or metres that one step may change a joint by."""
 HALVINGS = 8
+NEGLIGIBLE_GAIN = 1e-4
+"""Share of the error below which a step is the last one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +145,7 @@ class Fitter:
         """
         wanted = {name: np.asarray(p, dtype=float) for name, p in (points or {}).items() if np.all(np.isfinite(p))}
         aimed = {name: np.asarray(d, dtype=float) for name, d in (directions or {}).items() if np.all(np.isfinite(d))}
-        tasks = [*self._point_tasks(wanted), *self._direction_tasks(aimed)]
+        tasks: list[IkTask] = [*self._point_tasks(wanted), *self._direction_tasks(aimed)]
         posture = mink.PostureTask(self._scene.model, cost=self._posture_cost())
         configuration = self._configuration
         configuration.update(np.array(state.qpos))
@@ -153,7 +156,7 @@ class Fitter:
         fitted = State(configuration.q, state.time_s, state.untracked)
         return Fit(fitted, self._point_errors(wanted), self._direction_errors(aimed))
 
-    def _improve(self, tasks: list[mink.FrameTask | mink.AxisAlignTask | mink.PostureTask]) -> float:
+    def _improve(self, tasks: list[IkTask]) -> float:
         """One Newton step, shortened until it helps; gives the largest change in radians or metres, 0 if none helps."""
         configuration, before = self._configuration, np.array(self._configuration.q)
         cost = _cost(tasks, configuration)
@@ -163,8 +166,8 @@ class Fitter:
         step = step * min(1.0, LONGEST_STEP / max(float(np.abs(step).max()), 1e-12))
         for _ in range(HALVINGS):
             configuration.integrate_inplace(step, 1.0)
-            if _cost(tasks, configuration) < cost:
-                return float(np.abs(step).max())
+            if (now := _cost(tasks, configuration)) < cost:
+                return float(np.abs(step).max()) if now < (1 - NEGLIGIBLE_GAIN) * cost else 0.0
             configuration.update(before)
             step = step / 2
         return 0.0
@@ -221,7 +224,7 @@ class Fitter:
         return name
 
 
-def _cost(tasks: Iterable[mink.FrameTask | mink.AxisAlignTask | mink.PostureTask], at: mink.Configuration) -> float:
+def _cost(tasks: Iterable[IkTask], at: mink.Configuration) -> float:
     """Weighted sum of squared errors."""
     return float(sum(np.sum((task.cost * task.compute_error(at)) ** 2) for task in tasks))
 

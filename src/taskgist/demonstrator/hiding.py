@@ -1,0 +1,107 @@
+"""Hiding places: where straight lines from the other's eye to a thing all meet the occluder."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.errors import SceneError
+from taskgist.world import Scene, Stage, object_points
+from taskgist.world.rotations import normalized
+
+Array = NDArray[np.float64]
+
+POINT_SPACING_M = 0.02
+HAND_ROOM_M = 0.08
+"""Room that a hand needs around a thing: fingers reach this far beyond it."""
+GAPS_M = tuple(0.02 * step for step in range(10))
+"""Gaps beyond that room that are tried behind an occluder."""
+ASIDES_M = (0.0, 0.03, -0.03, 0.06, -0.06)
+"""Offsets across the line of sight that are tried."""
+HEAD_MOVES_M = 0.05
+"""Nobody keeps the head quite still: a thing is hidden from places so far around the eye, too."""
+LIFT_M, SUPPORT_M = 0.05, 0.005
+"""From how high a support is searched, and how far it may be from where it is expected."""
+
+
+def behind(scene: Scene, thing: str, occluder: str, target: str) -> tuple[float, float, float]:
+    """A place on the occluder's own support at which the occluder hides a thing from the target agent's eye.
+
+    Candidates lie behind the occluder as the target agent sees it, the nearest to it first.
+
+    Args:
+        scene: The scene.
+        thing: What is hidden.
+        occluder: Behind what.
+        target: From whom.
+
+    Returns:
+        Where the middle of the thing's underside goes, metres, (3,).
+
+    Raises:
+        SceneError: No candidate is hidden, free and on the support.
+    """
+    stage = Stage(scene)
+    shape = _upright_shape(stage, thing)
+    radius = float(np.linalg.norm(shape[:, :2], axis=1).max())
+    for place in _beyond(stage, occluder, target, radius):
+        if _free(stage, thing, place, radius) and _hidden(stage, thing, shape + place, occluder, target):
+            return float(place[0]), float(place[1]), float(place[2])
+    raise SceneError(
+        f"no place behind {occluder!r} hides {thing!r} from {target!r}",
+        where=scene.name,
+        field=occluder,
+        hint="take a larger occluder, or clear the support behind it",
+    )
+
+
+def _upright_shape(stage: Stage, thing: str) -> Array:
+    """Points of a thing's surface from the middle of its underside, (n, 3)."""
+    points = object_points(stage, thing, POINT_SPACING_M)
+    low, high = points.min(axis=0), points.max(axis=0)
+    return np.asarray(points - (*((low + high) / 2)[:2], low[2]))
+
+
+def _beyond(stage: Stage, occluder: str, target: str, radius_m: float) -> Iterator[Array]:
+    """Places on the occluder's support, behind it as seen by the target agent, near ones first."""
+    eye = stage.eye(stage.scene.agent(target)).position
+    points = object_points(stage, occluder, POINT_SPACING_M)
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = (low + high)[:2] / 2
+    away = normalized(middle - eye[:2])
+    across = np.array([-away[1], away[0]])
+    least = float(np.max((points[:, :2] - middle) @ away)) + HAND_ROOM_M + radius_m
+    for gap, aside in product(GAPS_M, ASIDES_M):
+        place = np.array([*(middle + (least + gap) * away + aside * across), low[2]])
+        if _supported(stage, place):
+            yield place
+
+
+def _supported(stage: Stage, place: Array) -> bool:
+    """Whether there is a support just beneath a place."""
+    _, distances = stage.cast(place + (0.0, 0.0, LIFT_M), [(0.0, 0.0, -1.0)])
+    return bool(abs(distances[0] - LIFT_M) < SUPPORT_M)
+
+
+def _free(stage: Stage, thing: str, place: Array, radius_m: float) -> bool:
+    """Whether a hand can put a thing there without touching others."""
+    others = [object_points(stage, other, POINT_SPACING_M) for other in stage.scene.objects if other != thing]
+    distances = [np.linalg.norm(points[:, :2] - place[:2], axis=1).min() for points in others]
+    return all(distance > radius_m + HAND_ROOM_M / 2 for distance in distances)
+
+
+def _hidden(stage: Stage, thing: str, points: Array, occluder: str, target: str) -> bool:
+    """Whether the lines from places around the target agent's eye to all points meet the occluder."""
+    scene = stage.scene
+    head = stage.eye(scene.agent(target))
+    for move in HEAD_MOVES_M * np.array([(0, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]):
+        eye = head.to_world(move)
+        away = np.linalg.norm(points - eye, axis=1)
+        geoms, distances = stage.cast(eye, normalized(points - eye), exclude_body=scene.object_body(thing))
+        owners = [scene.owners[geom] if geom >= 0 else "" for geom in geoms]
+        if not all(owner == occluder for owner in owners) or np.any(distances >= away):
+            return False
+    return True

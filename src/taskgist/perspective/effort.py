@@ -1,0 +1,65 @@
+"""Effort: what it takes an agent to see, reach or grasp an object, as a value with its evidence (5.1.5, Fig. 6)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+from taskgist.perspective.virtual_actions import Amount
+from taskgist.world import Posture
+
+Ability = Literal["see", "reach", "grasp"]
+ABILITIES: tuple[Ability, ...] = get_args(Ability)
+NO_KNOWN_LEVEL = 5
+"""Level of what no known action achieves."""
+
+_LIMBS: Mapping[Ability, str] = {"see": "Head", "reach": "Arm", "grasp": "Arm"}
+EFFORT_NAMES: Mapping[Ability, tuple[str, ...]] = {
+    ability: (
+        "No_Effort_Required",
+        f"{limb}_Effort",
+        f"{limb}_Torso_Effort",
+        "Whole_Body_Effort",
+        "Displacement_Effort",
+        "No_Possible_Known_Effort",
+    )
+    for ability, limb in _LIMBS.items()
+}
+"""Effort types by level, 0 to 5 (Fig. 6)."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """The least effort of one ability of one agent towards one object.
+
+    Attributes:
+        ability: ``see``, ``reach`` or ``grasp``.
+        agent: Whose.
+        target: The object.
+        level: 0 to 5, or None where it is unknown: what would decide was not tracked.
+        actions: Virtual actions A_v in order; ``No_Action_Required`` at level 0, ``No_Possible_Known_Action`` at 5,
+            none if unknown.
+        amount: How much of it; None at level 5 and if unknown.
+        joints_rad: Angles in radians of the head's and the torso's joints in the attained state S, by name (an arm is
+            stretched out without looking at its joints). At level 5 and if unknown, those of the current state.
+        posture: Posture in that state; None if unknown.
+        evidence: Plain data, fit for JSON: what was found in the attained state, and why not with less.
+        reason: A short sentence: why this level.
+    """
+
+    ability: Ability
+    agent: str
+    target: str
+    level: int | None
+    actions: tuple[str, ...]
+    amount: Amount | None
+    joints_rad: Mapping[str, float] = field(hash=False)
+    posture: Posture | None
+    evidence: Mapping[str, object] = field(hash=False)
+    reason: str
+
+    @property
+    def name(self) -> str | None:
+        """Type of the effort, by its name in Fig. 6; None if unknown."""
+        return None if self.level is None else EFFORT_NAMES[self.ability][self.level]

@@ -1,0 +1,162 @@
+"""The least effort for an ability (5.1.5, Eq. 8 and 9): effort levels from least to most, until one gives the ability.
+
+The levels are nested: what a level gives is not lost at a higher one, for a higher one is only asked when all lower
+ones fail.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from taskgist.errors import UnknownNameError
+from taskgist.perspective.effort import ABILITIES, NO_KNOWN_LEVEL, Ability, Effort
+from taskgist.perspective.grasp import Grasp
+from taskgist.perspective.judge import Judge, Miss
+from taskgist.perspective.reach import Reach
+from taskgist.perspective.search import Found, least
+from taskgist.perspective.see import See
+from taskgist.perspective.standpoint import Standpoint
+from taskgist.perspective.virtual_actions import NO_ACTION, NO_KNOWN_ACTION
+from taskgist.perspective.visibility import object_middle
+from taskgist.settings import DEFAULT, Settings
+from taskgist.world import Posture, Stage, State, posture_of
+
+JUDGES: Mapping[Ability, Callable[[Standpoint, str], Judge]] = {"see": See, "reach": Reach, "grasp": Grasp}
+
+
+def least_effort(stage: Stage, agent: str, name: str, ability: Ability, settings: Settings = DEFAULT) -> Effort:
+    """The least effort with which an agent sees, reaches or grasps an object.
+
+    Whoever asks several questions about one agent in one state makes a ``Standpoint`` once and calls ``effort_from``.
+
+    Args:
+        stage: The scene in a state.
+        agent: Whose ability.
+        name: The object.
+        ability: ``see``, ``reach`` or ``grasp``.
+        settings: All settings.
+
+    Raises:
+        UnknownNameError: There is no such agent, object or ability.
+    """
+    return effort_from(Standpoint(stage, agent, settings), name, ability)
+
+
+def effort_from(here: Standpoint, name: str, ability: Ability) -> Effort:
+    """As ``least_effort``, from a standpoint.
+
+    Raises:
+        UnknownNameError: There is no such object or ability.
+    """
+    with here.stage.showing(here.state):
+        judge = _judge(here, name, ability)
+        if judge is None:
+            return _unattained(here, name, ability, None, [Miss(0.0, f"{name} not tracked")])
+        target = object_middle(here.stage, name)
+        misses: list[Miss] = []
+        for level in range(NO_KNOWN_LEVEL):
+            unknown = judge.unknown(level)
+            if unknown is not None:
+                return _unattained(here, name, ability, None, [*misses, Miss(0.0, unknown)])
+            answer = least(here, judge, level, target)
+            if isinstance(answer, Found):
+                return _attained(here, name, ability, level, answer, misses)
+            misses.append(answer)
+        return _unattained(here, name, ability, NO_KNOWN_LEVEL, misses)
+
+
+def able(
+    stage: Stage, agent: str, name: str, ability: Ability, *, max_level: int, settings: Settings = DEFAULT
+) -> bool | None:
+    """Whether an agent sees, reaches or grasps an object with no more than an effort level.
+
+    Args:
+        stage: The scene in a state.
+        agent: Whose ability.
+        name: The object.
+        ability: ``see``, ``reach`` or ``grasp``.
+        max_level: The greatest effort level allowed, 0 to 4.
+        settings: All settings.
+
+    Returns:
+        None where no level is known to give the ability and one of them is unknown.
+
+    Raises:
+        UnknownNameError: There is no such agent, object or ability.
+    """
+    here = Standpoint(stage, agent, settings)
+    with stage.showing(here.state):
+        judge = _judge(here, name, ability)
+        if judge is None:
+            return None
+        target = object_middle(stage, name)
+        levels = range(min(max_level, NO_KNOWN_LEVEL - 1) + 1)
+        known = [level for level in levels if judge.unknown(level) is None]
+        if any(isinstance(least(here, judge, level, target), Found) for level in known):
+            return True
+        return False if len(known) == len(levels) else None
+
+
+def _judge(here: Standpoint, name: str, ability: Ability) -> Judge | None:
+    """The ability's judge; None if the object was not tracked."""
+    if ability not in JUDGES:
+        raise UnknownNameError("ability", ability, ABILITIES)
+    here.stage.scene.object_body(name)
+    return JUDGES[ability](here, name) if here.state.known([name]) else None
+
+
+def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: Found, misses: list[Miss]) -> Effort:
+    amount = found.amount
+    reason = misses[-1].why if misses else FREE[ability]
+    evidence = {
+        "reason": reason,
+        "not_with_less": [miss.why for miss in misses],
+        "amount": {"moved_m": amount.moved_m, "torso_rad": amount.torso_rad, "head_rad": amount.head_rad},
+        **found.outcome.evidence(),
+    }
+    return Effort(
+        ability=ability,
+        agent=here.agent.name,
+        target=name,
+        level=level,
+        actions=found.actions or (NO_ACTION,),
+        amount=amount,
+        joints_rad=_joints_rad(here, found.outcome.state),
+        posture=_posture(here, found.outcome.state),
+        evidence=evidence,
+        reason=reason,
+    )
+
+
+def _unattained(here: Standpoint, name: str, ability: Ability, level: int | None, misses: list[Miss]) -> Effort:
+    """Level 5, or unknown: the agent stays as it is, and the reason says what stands in the way."""
+    telling = misses[-1] if level is None else min(misses)
+    evidence: dict[str, object] = {"reason": telling.why, "not_with_less": [miss.why for miss in misses]}
+    if telling.blocking is not None:
+        evidence["blocking"] = telling.blocking
+    return Effort(
+        ability=ability,
+        agent=here.agent.name,
+        target=name,
+        level=level,
+        actions=() if level is None else (NO_KNOWN_ACTION,),
+        amount=None,
+        joints_rad=_joints_rad(here, here.state),
+        posture=here.posture,
+        evidence=evidence,
+        reason=telling.why,
+    )
+
+
+FREE: Mapping[Ability, str] = {"see": "in the gaze cone", "reach": "held", "grasp": "held"}
+"""Why nothing needs to be done."""
+
+
+def _joints_rad(here: Standpoint, state: State) -> dict[str, float]:
+    profile = here.agent.profile
+    axes = (profile.pan, profile.tilt, profile.turn, profile.lean)
+    return {axis.joint: float(state.qpos[here.agent.joints[axis.joint]]) for axis in axes if axis}
+
+
+def _posture(here: Standpoint, state: State) -> Posture | None:
+    return posture_of(here.stage.show(state), here.agent, here.settings.contact)

@@ -1,0 +1,204 @@
+"""Reach and grasp: sectors, widths and what is in a hand's way."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from taskgist.perspective import Ability, Effort, least_effort
+from taskgist.perspective.grasp_samples import around, hand_poses, opposite_points, sample_grasps
+from taskgist.perspective.sector import within_reach
+from taskgist.settings import DEFAULT
+from taskgist.world import Scene, Stage
+from tests.perspective.rooms import Person, Room, Thing, table, wall
+
+STANDING = Person("P1", (0.0, 0.0))
+CUP = Thing("cup", (0.03, 0.05), (0.5, 0.2, 1.2), "cylinder")
+HERE_ONLY = replace(DEFAULT, efforts=replace(DEFAULT.efforts, move_radius_m=0.0))
+
+
+def effort(things: tuple[Thing, ...], ability: Ability, person: Person = STANDING) -> Effort:
+    return least_effort(Room(things, (person,)).stage(), "P1", things[0].name, ability, HERE_ONLY)
+
+
+def held(room: Room, side: str) -> Stage:
+    """The cup against the palm of a hand."""
+    stage = room.stage()
+    palm = stage.site(stage.scene.agent("P1").arm(side).palm_site).position
+    outward = 0.02 if side == "left" else -0.02
+    place = palm + (0.0, -outward, 0.0)
+    return stage.show(stage.state.replace(at=stage.scene.object_slice("cup"), to=(*place, 1, 0, 0, 0)))
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("ability", ["reach", "grasp"])
+def test_what_is_held_needs_no_effort(side: str, ability: Ability) -> None:
+    found = least_effort(held(Room((CUP,), (STANDING,)), side), "P1", "cup", ability)
+    assert (found.level, found.actions, found.name) == (0, ("No_Action_Required",), "No_Effort_Required")
+    assert found.evidence["arm"] == side
+    assert found.reason == "held"
+
+
+def test_reach_is_the_arms_length_from_the_shoulder() -> None:
+    stage = Room((CUP,), (STANDING,)).stage()
+    arm = stage.scene.agent("P1").arm("left")
+    shoulder = stage.shoulder(arm)
+    assert arm.profile.length_m == pytest.approx(0.70)
+    points = shoulder.to_world([(0.7, 0.0, 0.0), (0.7001, 0.0, 0.0), (0.0, 0.69, 0.0), (-0.5, -0.1, 0.0)])
+    assert within_reach(shoulder, arm.profile, points).inside.tolist() == [True, False, True, False]
+
+
+@pytest.mark.parametrize(("up_deg", "reached"), [(85, False), (75, True), (-60, True), (-89, True)])
+def test_the_sector_ends_below_the_vertical(up_deg: float, reached: bool) -> None:
+    stage = Room((), (STANDING,)).stage()
+    arm = stage.scene.agent("P1").arm("left")
+    shoulder, up = stage.shoulder(arm), math.radians(up_deg)
+    point = shoulder.to_world([(0.5 * math.cos(up), 0.0, 0.5 * math.sin(up))])
+    assert within_reach(shoulder, arm.profile, point).inside.tolist() == [reached]
+
+
+@pytest.mark.parametrize(("outward_deg", "reached"), [(-65, False), (-55, True), (0, True), (115, True), (125, False)])
+def test_the_sector_is_mirrored_between_the_arms(outward_deg: int, reached: bool) -> None:
+    stage = Room((), (STANDING,)).stage()
+    for side, sign in (("left", 1), ("right", -1)):
+        arm = stage.scene.agent("P1").arm(side)
+        shoulder = stage.shoulder(arm)
+        angle = math.radians(sign * outward_deg)
+        point = shoulder.to_world([(0.5 * math.cos(angle), 0.5 * math.sin(angle), 0.0)])
+        assert within_reach(shoulder, arm.profile, point).inside.tolist() == [reached]
+
+
+def test_a_thing_on_the_left_is_for_the_left_arm() -> None:
+    found = effort((CUP,), "reach")
+    assert (found.level, found.actions) == (1, ("Stretch_Out_Arm(left)",))
+    mirrored = effort((replace(CUP, place=(0.5, -0.2, 1.2)),), "reach")
+    assert mirrored.actions == ("Stretch_Out_Arm(right)",)
+
+
+@pytest.mark.parametrize(("half_m", "level"), [(0.049, 1), (0.051, 5)])
+def test_a_ball_wider_than_the_hand_is_reached_but_not_grasped(half_m: float, level: int) -> None:
+    ball = Thing("ball", (half_m,), (0.5, 0.2, 1.2), "sphere")
+    assert effort((ball,), "reach").level == 1
+    found = effort((ball,), "grasp")
+    assert found.level == level
+    assert level == 1 or found.reason == "too wide (0.10 m > 0.10 m)"
+
+
+def test_a_plate_is_grasped_at_its_edge() -> None:
+    plate = Thing("plate", (0.15, 0.15, 0.01), (0.5, 0.2, 1.2))
+    found = effort((plate,), "grasp")
+    assert found.level == 1
+    assert found.evidence["width_m"] == pytest.approx(0.02, abs=1e-4)
+    center = np.abs(np.array(found.evidence["point_m"]) - plate.place)
+    assert center.max() > 0.08  # the palm stays out of the plate
+
+
+def test_a_framed_plate_is_not_grasped_in_its_middle_for_the_palm_would_be_in_it() -> None:
+    plate = Thing("plate", (0.15, 0.15, 0.01), (0.5, 0.2, 1.1))
+    frame = [Thing(f"x{s}", (0.04, 0.2, 0.1), (0.5 + 0.15 * s, 0.2, 1.1), free=False) for s in (-1, 1)]
+    frame += [Thing(f"y{s}", (0.2, 0.04, 0.1), (0.5, 0.2 + 0.15 * s, 1.1), free=False) for s in (-1, 1)]
+    assert effort((plate, *frame), "reach").level == 1
+    found = effort((plate, *frame), "grasp")
+    assert found.level == 5
+    assert "plate" in found.reason
+
+
+def test_the_own_chest_is_in_the_hands_way_until_it_turns() -> None:
+    button = Thing("cup", (0.015, 0.015, 0.015), (0.10, 0.11, 1.24))
+    assert effort((button,), "reach").level == 1
+    found = effort((button,), "grasp")
+    assert (found.level, found.actions) == (2, ("Turn_Torso", "Stretch_Out_Arm(left)"))
+    assert found.reason == "every approach blocked by P1"
+
+
+def test_a_cup_deep_in_a_tube_is_reached_but_not_grasped() -> None:
+    """A rough reach does not look at the arm, a grasp looks at the hand."""
+    walls = [Thing(f"x{s}", (0.01, 0.08, 0.2), (0.5 + 0.06 * s, 0.2, 1.1), free=False) for s in (-1, 1)]
+    walls += [Thing(f"y{s}", (0.08, 0.01, 0.2), (0.5, 0.2 + 0.06 * s, 1.1), free=False) for s in (-1, 1)]
+    things = (replace(CUP, place=(0.5, 0.2, 1.0)), *walls)
+    assert effort(things, "reach").level == 1
+    found = effort(things, "grasp")
+    assert found.level == 5
+    assert found.reason.startswith("every approach blocked by ")
+
+
+def test_what_lies_on_the_table_is_taken_from_above_not_through_it() -> None:
+    coin = Thing("coin", (0.015, 0.015, 0.012), (0.45, 0.15, 0.932))
+    found = effort((coin, table(0.65, height=0.92)), "grasp")
+    assert found.level is not None
+    assert found.level < 5
+    assert found.evidence["approach"][2] < -0.5  # type: ignore[index]
+
+
+def test_another_agents_hand_around_the_thing_is_in_the_way() -> None:
+    thimble = Thing("cup", (0.012, 0.012, 0.012), (0.5, 0.2, 1.2))
+    other = Person("P2", (1.1, 0.2), math.pi, joints_deg=(("right_shoulder_flexion", 90),))
+    stage = Room((thimble,), (STANDING, other)).stage()
+    hand = stage.scene.agent("P2").arm("right")
+    inside = stage.geom_centers(hand.hand_geoms).mean(axis=0)
+    stage.show(stage.state.replace(at=stage.scene.object_slice("cup"), to=(*inside, 1, 0, 0, 0)))
+    blocked = least_effort(stage, "P1", "cup", "grasp", HERE_ONLY)
+    assert least_effort(stage, "P1", "cup", "reach", HERE_ONLY).level in {1, 2}
+    assert blocked.level == 5
+    assert blocked.reason == "every approach blocked by P2's hand"
+
+
+def test_nothing_is_grasped_from_behind() -> None:
+    found = effort((CUP,), "grasp")
+    stage = Room((CUP,), (STANDING,)).stage()
+    shoulder = stage.shoulder(stage.scene.agent("P1").arm("left")).position
+    ahead = np.array(found.evidence["point_m"]) - shoulder
+    assert np.array(found.evidence["approach"]) @ ahead >= -1e-9
+
+
+def test_opposite_points_of_a_box_are_its_three_widths() -> None:
+    stage = Room((Thing("brick", (0.02, 0.03, 0.04), (0.5, 0.2, 1.2), yaw=0.7),), (STANDING,)).stage()
+    pairs = opposite_points(stage, "brick", DEFAULT.grasp)
+    assert {round(pair.width_m, 4) for pair in pairs} == {0.04, 0.06, 0.08}
+    for pair in pairs:
+        assert np.abs(stage.body(stage.scene.object_body("brick")).matrix.T @ pair.closing).max() == pytest.approx(1.0)
+
+
+def test_faces_that_are_not_opposed_are_refused() -> None:
+    """The faces of a tetrahedron are never opposed."""
+    mesh = '<asset><mesh name="t" vertex="0 0 0  0.05 0 0  0 0.05 0  0 0 0.05"/></asset>'
+    body = '<body name="cup" pos="0.5 0.2 1.2"><freejoint/><geom type="mesh" mesh="t"/></body>'
+    room = f"<mujoco>{mesh}<worldbody>{body}</worldbody></mujoco>"
+    stage = Stage(Scene.from_bundle(dict(Room((), (STANDING,)).scene().bundle) | {"room.xml": room.encode()}))
+    assert least_effort(stage, "P1", "cup", "grasp", HERE_ONLY).reason == "no two opposite faces to close on"
+
+
+def test_hand_closes_around_the_pair_and_the_palm_stays_behind() -> None:
+    stage = Room((CUP,), (STANDING,)).stage()
+    hand = stage.scene.agent("P1").profile.hand
+    assert hand is not None
+    grasps = sample_grasps(stage, "cup", hand, DEFAULT.grasp)
+    assert len(grasps.pairs) == len(grasps.centers) == len(grasps.approaches) > 0
+    for index in range(0, len(grasps.pairs), 17):
+        pair, approach = grasps.pairs[index], grasps.approaches[index]
+        palm, fingers, thumb = hand_poses(grasps, index, hand, 0.005)
+        gap = abs((fingers.position - thumb.position) @ pair.closing) - hand.finger_thickness_m
+        assert gap == pytest.approx(pair.width_m + 0.01)
+        assert (palm.position - pair.center) @ approach < -hand.finger_length_m / 2
+        assert abs(approach @ pair.closing) < 1e-9
+
+
+def test_approaches_surround_the_closing_direction_evenly() -> None:
+    closing = np.array([(0.0, 0.0, 1.0), (0.6, 0.8, 0.0)])
+    directions = around(closing, np.eye(3), 8)
+    assert directions.shape == (2, 8, 3)
+    np.testing.assert_allclose(directions.sum(axis=1), 0.0, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(directions, axis=2), 1.0)
+    np.testing.assert_allclose(np.einsum("nij,nj->ni", directions, closing), 0.0, atol=1e-12)
+
+
+def test_leaning_into_a_wall_is_not_possible_so_the_torso_turns_aside() -> None:
+    beyond = replace(CUP, place=(0.95, 0.2, 1.1))
+    free = effort((beyond,), "reach")
+    beside = effort((beyond, wall("wall", 0.4, half=(0.02, 1.0, 1.2))), "reach")
+    assert free.actions == ("Lean_Torso", "Stretch_Out_Arm(left)")
+    assert beside.actions == ("Turn_Torso", "Lean_Torso", "Stretch_Out_Arm(left)")
+    assert free.amount is not None
+    assert beside.amount is not None
+    assert beside.amount > free.amount

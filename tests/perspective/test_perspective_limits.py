@@ -1,0 +1,294 @@
+"""What bodies cannot do, what is in the way, and what is unknown."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from taskgist.errors import UnknownNameError
+from taskgist.perspective import ABILITIES, Ability, Amount, Effort, Standpoint, able, least_effort, view_of, visibility
+from taskgist.perspective.aim import aimed
+from taskgist.perspective.floor import Floor, moved
+from taskgist.perspective.judge import Miss, Outcome
+from taskgist.perspective.search import Found, least
+from taskgist.perspective.virtual_actions import Stance, actions_of
+from taskgist.settings import DEFAULT
+from taskgist.world import Scene, Stage
+from tests.perspective.rooms import COARSE, Person, Room, Thing, chair, table, wall
+
+CUP = Thing("cup", (0.03, 0.05), (0.9, 0.1, 0.77), "cylinder")
+SITTING = Person("P1", (0.0, 0.0), 0.0, "sitting")
+STANDING = Person("P1", (0.0, 0.0))
+HEAD = frozenset({"Pan_Head", "Tilt_Head"})
+
+
+def cup_at(x: float, y: float, z: float) -> Thing:
+    return replace(CUP, place=(x, y, z))
+
+
+def effort(room: Room, ability: Ability, name: str = "cup") -> Effort:
+    return least_effort(room.stage(), "P1", name, ability, COARSE)
+
+
+@pytest.mark.parametrize("angle_deg", range(-180, 180, 20))
+def test_the_head_turns_no_further_than_its_range(angle_deg: int) -> None:
+    stage = Room((), (STANDING,)).stage()
+    agent = stage.scene.agent("P1")
+    direction = math.radians(angle_deg)
+    target = np.array((2 * math.cos(direction), 2 * math.sin(direction), 3.5 if angle_deg % 40 else 0.0))
+    angles = aimed(stage, agent, stage.state, target, HEAD)
+    pan, tilt = (math.degrees(angles[agent.joints[joint]]) for joint in ("head_pan", "head_tilt"))
+    assert abs(pan) <= 60 + 1e-9
+    assert abs(tilt) <= 30 + 1e-9
+    if abs(angle_deg) <= 50:
+        assert pan == pytest.approx(angle_deg, abs=8)
+
+
+def test_the_head_aims_within_a_degree() -> None:
+    stage = Room((), (replace(STANDING, joints_deg=(("torso_turn", 20), ("torso_lean", 15))),)).stage()
+    agent = stage.scene.agent("P1")
+    for target in np.array([(1.0, 0.6, 1.3), (0.8, 0.2, 1.2), (2.0, -0.3, 1.5), (0.7, 0.1, 1.1)]):
+        angles = aimed(stage, agent, stage.state, target, HEAD)
+        x, y, z = stage.show(stage.state.replace(angles)).eye(agent).to_local(target)
+        assert math.degrees(math.atan2(math.hypot(y, z), x)) < 1.0
+        stage.show(stage.scene.initial)
+
+
+def test_an_angle_beyond_the_range_may_stay() -> None:
+    turned = replace(STANDING, joints_deg=(("head_pan", 75.0),))
+    stage = Room((), (turned,)).stage()
+    agent = stage.scene.agent("P1")
+    angles = aimed(stage, agent, stage.state, np.array((0.2, 3.0, 1.6)), HEAD)
+    assert math.degrees(angles[agent.joints["head_pan"]]) == pytest.approx(75.0)
+
+
+@pytest.mark.parametrize(
+    ("level", "joints", "moves"),
+    [
+        (2, {"torso_turn", "torso_lean"}, False),
+        (3, {"torso_turn", "torso_lean", "legs"}, True),
+        (4, {"torso_lean", "legs"}, True),
+    ],
+)
+def test_nothing_moves_but_the_joints_of_the_level(level: int, joints: set[str], moves: bool) -> None:
+    room = Room((chair(0.0), table(1.2), CUP), (SITTING, Person("P2", (2.2, 0.0), math.pi)))
+    stage = room.stage()
+    agent = stage.scene.agent("P1")
+    legs = (*agent.profile.legs.hips, *agent.profile.legs.knees, *agent.profile.legs.ankles)
+    allowed = {agent.joints[j] for j in joints - {"legs"}} | {agent.joints[j] for j in legs if "legs" in joints}
+    allowed |= set(range(agent.base.start, agent.base.stop)) if moves else set()
+    changed: set[int] = set()
+    for stance in Standpoint(stage, "P1", COARSE).stances(level, np.array((0.9, 0.1, 0.8))):
+        changed |= set(np.flatnonzero(stance.state.qpos != stage.scene.initial.qpos).tolist())
+    assert changed
+    assert changed <= allowed
+
+
+def test_who_walks_turns_the_chest_to_the_object() -> None:
+    turned = replace(STANDING, yaw=0.3, joints_deg=(("torso_turn", 40),))
+    stage = Room((), (turned,)).stage()
+    agent = stage.scene.agent("P1")
+    target = np.array((-1.0, 2.0, 1.0))
+    stances = list(Standpoint(stage, "P1", COARSE).stances(4, target))
+    assert len({stance.amount.moved_m for stance in stances}) > 2
+    for stance in stances:
+        chest = stage.show(stance.state).site(stage.scene.model.site("P1/chest").id)
+        assert "Turn_Torso" not in stance.actions
+        ahead = target[:2] - stance.state.qpos[agent.base][:2]
+        np.testing.assert_allclose(
+            chest.matrix[:2, 0] / np.linalg.norm(chest.matrix[:2, 0]), ahead / np.linalg.norm(ahead), atol=1e-9
+        )
+
+
+def test_of_equal_amounts_the_best_is_taken() -> None:
+    stage = Room((CUP,), (STANDING,)).stage()
+    here = Standpoint(stage, "P1", COARSE)
+    turn = here.agent.joints["torso_turn"]
+
+    class LeftTurns:
+        """Every stance will do, the farther left the better."""
+
+        def unknown(self, level: int) -> str | None: ...
+
+        def without_effort(self) -> Miss:
+            return Miss(0.0, "no")
+
+        def from_stance(self, stance: Stance) -> Iterator[Outcome | Miss]:
+            yield Outcome(stance.state, merit=-float(stance.state.qpos[turn]))
+
+    for level in (2, 4):
+        found = least(here, LeftTurns(), level, np.array((1.0, 0.0, 1.0)))
+        assert isinstance(found, Found)
+        assert found.amount == (Amount(torso_rad=0.5) if level == 2 else Amount())
+    narrow = replace(COARSE, efforts=replace(COARSE.efforts, turn_step_rad=0.2))
+    found = least(Standpoint(stage, "P1", narrow), LeftTurns(), 2, np.zeros(3))
+    assert isinstance(found, Found)
+    assert found.outcome.state.qpos[turn] == 0.2
+
+
+def test_standing_up_is_free_without_a_table_and_blocked_by_one_over_the_thighs() -> None:
+    high = cup_at(0.5, 0.2, 1.75)
+    free = effort(Room((chair(0.0), high), (SITTING,)), "reach")
+    assert (free.level, free.actions, free.posture) == (3, ("Make_Standing", "Stretch_Out_Arm(left)"), "standing")
+    blocked = effort(Room((chair(0.0), table(0.55), high), (SITTING,)), "reach")
+    assert blocked.level == 5
+    assert "against table" in blocked.reason
+    assert blocked.evidence["blocking"] == {"part": "legs", "other": "table", "depth_m": pytest.approx(0.05, abs=0.05)}
+
+
+def test_standing_up_is_blocked_by_a_lamp_above() -> None:
+    lamp = Thing("lamp", (0.3, 0.3, 0.02), (0.4, 0.0, 1.6), free=False)
+    blocked = effort(Room((chair(0.0), lamp, cup_at(0.5, 0.3, 1.75)), (SITTING,)), "reach")
+    assert blocked.level == 5
+    assert "head against lamp" in " ".join(map(str, blocked.evidence["not_with_less"]))  # type: ignore[call-overload]
+
+
+def test_what_the_agent_holds_is_not_in_its_way() -> None:
+    """A board in the hand before the chest would stop it from leaning."""
+    board = Thing("board", (0.02, 0.15, 0.15), (0.22, -0.2, 1.2))
+    room = Room((board, cup_at(1.0, 0.2, 1.1)), (STANDING,))
+    stage = room.stage()
+    hand = stage.site(stage.scene.agent("P1").arm("right").palm_site).position
+    held = stage.state.replace(at=stage.scene.object_slice("board"), to=(*hand, 1, 0, 0, 0))
+    assert "board" not in {stage.scene.owners[g] for g in Standpoint(stage.show(held), "P1").collisions.obstacles}
+    assert "board" in {
+        stage.scene.owners[g] for g in Standpoint(stage.show(stage.scene.initial), "P1").collisions.obstacles
+    }
+
+
+def test_a_present_contact_does_not_block_but_a_deeper_one_does() -> None:
+    post = Thing("post", (0.05, 0.05, 0.3), (0.155, 0.0, 1.2), free=False)
+    stage = Room((post,), (STANDING,)).stage()
+    here = Standpoint(stage, "P1")
+    agent = here.agent
+    assert any(stage.overlaps(agent.core_geoms, here.collisions.obstacles))
+    assert here.blocked(stage.scene.initial) is None
+    leaned = stage.scene.initial.replace({agent.joints["torso_lean"]: 0.5})
+    blocking = here.blocked(leaned)
+    assert blocking is not None
+    assert (blocking.part, blocking.other) == ("torso", "post")
+
+
+def test_sitting_down_needs_a_seat() -> None:
+    low = cup_at(0.45, 0.2, 0.45)
+    stage = Room((low, chair(-0.43)), (STANDING,)).stage()
+    here = Standpoint(stage, "P1", COARSE)
+    assert here.other_posture is not None
+    assert here.other_posture.actions == ("Make_Sitting",)
+    for seat in ((), (chair(-0.43, height=0.2),), (chair(-0.43, height=0.8),), (chair(-0.43, y=0.6),)):
+        assert Standpoint(Room((low, *seat), (STANDING,)).stage(), "P1", COARSE).other_posture is None
+
+
+def test_nobody_walks_through_a_thin_wall() -> None:
+    room = Room((wall("wall", 0.4, half=(0.005, 6.0, 1.2)),), (replace(STANDING, stature=1.0),))
+    here = Standpoint(room.stage(), "P1", DEFAULT)
+    floor = Floor(here.state, here.agent, DEFAULT.efforts, lambda state: here.blocked(state) is None)
+    assert len(list(floor)) > 50
+    assert max(place.offset_m[0] for place in floor) < 0.4
+    at = {place.offset_m[0] for place in floor}
+    assert here.blocked(moved(here.state, here.agent, (0.25, 0.0))) is None
+    assert here.blocked(moved(here.state, here.agent, (0.5, 0.0))) is None
+    assert 0.25 in at
+
+
+def test_the_way_round_is_longer_than_the_straight_one() -> None:
+    def ways(*things: Thing) -> dict[tuple[float, float], float]:
+        here = Standpoint(Room(things, (STANDING,)).stage(), "P1", DEFAULT)
+        floor = Floor(here.state, here.agent, DEFAULT.efforts, lambda state: here.blocked(state) is None)
+        return {(round(p.offset_m[0], 6), round(p.offset_m[1], 6)): p.way_m for p in floor}
+
+    free, round_about = ways(), ways(wall("wall", 0.6, half=(0.02, 0.5, 1.2)))
+    assert free[(1.5, 0.0)] == pytest.approx(1.5)
+    assert round_about[(1.5, 0.0)] > 1.9
+    assert list(free.values()) == sorted(free.values())
+
+
+def test_untracked_object_is_unknown() -> None:
+    stage = untracked(Room((CUP,), (STANDING,)).stage(), "cup")
+    assert visibility(stage, "P1", "cup") is None
+    for ability in ABILITIES:
+        found = least_effort(stage, "P1", "cup", ability)
+        assert (found.level, found.name, found.actions, found.amount) == (None, None, (), None)
+        assert found.reason == "cup not tracked"
+        assert able(stage, "P1", "cup", ability, max_level=4) is None
+
+
+def test_untracked_head_leaves_sight_unknown_and_reach_known() -> None:
+    stage = untracked(Room((cup_at(0.5, 0.2, 1.2),), (STANDING,)).stage(), "P1/head")
+    assert visibility(stage, "P1", "cup") is None
+    assert least_effort(stage, "P1", "cup", "see").level is None
+    assert least_effort(stage, "P1", "cup", "reach").level == 1
+
+
+def test_untracked_agent_is_unknown_to_the_end() -> None:
+    stage = untracked(Room((cup_at(0.5, 0.2, 1.2),), (STANDING,)).stage(), "P1")
+    assert [least_effort(stage, "P1", "cup", ability).level for ability in ABILITIES] == [None] * 3
+
+
+def test_untracked_legs_leave_what_needs_them_unknown() -> None:
+    near, far = Room((cup_at(0.5, 0.2, 1.2),), (STANDING,)), Room((cup_at(1.7, 0.2, 1.2),), (STANDING,))
+    assert least_effort(untracked(near.stage(), "P1/legs"), "P1", "cup", "reach").level == 1
+    stage = untracked(far.stage(), "P1/legs")
+    found = least_effort(stage, "P1", "cup", "reach")
+    assert found.level is None
+    assert found.reason == "P1's legs not tracked"
+    assert found.posture is None
+    assert able(stage, "P1", "cup", "reach", max_level=2) is False
+    assert able(stage, "P1", "cup", "reach", max_level=3) is None
+
+
+def test_an_untracked_hand_might_hold_what_is_in_the_air_and_near() -> None:
+    near, far = cup_at(0.5, 0.2, 1.2), cup_at(1.7, 0.2, 1.2)
+    stage = untracked(Room((near,), (STANDING,)).stage(), "P1/left_arm")
+    found = least_effort(stage, "P1", "cup", "reach")
+    assert found.level is None
+    assert "left hand not tracked" in found.reason
+    assert able(stage, "P1", "cup", "reach", max_level=0) is None
+    assert able(stage, "P1", "cup", "reach", max_level=1) is True
+    away = untracked(Room((far,), (STANDING,)).stage(), "P1/left_arm")
+    assert able(away, "P1", "cup", "reach", max_level=0) is False
+    resting = untracked(Room((table(0.8), replace(CUP, place=(0.45, 0.2, 0.77))), (STANDING,)).stage(), "P1/left_arm")
+    assert able(resting, "P1", "cup", "reach", max_level=0) is False
+
+
+def untracked(stage: Stage, *names: str) -> Stage:
+    state = stage.state
+    return stage.show(type(state)(state.qpos, state.time_s, frozenset(names)))
+
+
+@pytest.mark.parametrize(
+    ("agent", "name", "ability"), [("P9", "cup", "see"), ("P1", "cap", "see"), ("P1", "cup", "taste")]
+)
+def test_unknown_names_are_refused_with_the_known_ones(agent: str, name: str, ability: str) -> None:
+    with pytest.raises(UnknownNameError, match="known"):
+        least_effort(Room((CUP,), (STANDING,)).stage(), agent, name, ability)  # type: ignore[arg-type]
+
+
+def test_a_body_without_neck_torso_joints_legs_and_left_arm_is_judged_by_the_same_code() -> None:
+    """A robot's profile may leave out whatever its body does not have."""
+    room = Room((table(0.9), CUP, Thing("side", (0.05,), (1.0, 2.0, 1.5), "sphere")), (STANDING,))
+    files = dict(room.scene().bundle)
+    files["P1.profile.toml"] = without(files["P1.profile.toml"].decode()).encode()
+    stage = Stage(Scene.from_bundle(files))
+    agent = stage.scene.agent("P1")
+    assert actions_of(agent) == ("Tilt_Head", "Move_To", "Stretch_Out_Arm(right)")
+    assert view_of(stage, "P1").geoms.shape == (240, 320)
+    aside = least_effort(stage, "P1", "side", "see", COARSE)
+    assert (aside.level, aside.actions) == (4, ("Move_To",))
+    for ability in ABILITIES:
+        found = least_effort(stage, "P1", "cup", ability, COARSE)
+        assert found.level is not None
+        assert set(found.joints_rad) == {"head_tilt"}
+        assert "left" not in " ".join(found.actions)
+
+
+def without(profile: str) -> str:
+    """The profile of a body that only tilts its head, moves about and has a right arm."""
+    first, second = profile.index("[[arms]]"), profile.rindex("[[arms]]")
+    profile = profile[:first] + profile[second:]
+    for table_name in ("[torso]", "[posture]"):
+        start = profile.index(table_name)
+        profile = profile[:start] + profile[profile.index("\n\n", start) :]
+    return "\n".join(line for line in profile.splitlines() if not line.startswith("pan ="))
