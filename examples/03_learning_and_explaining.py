@@ -12,9 +12,7 @@ def main() -> None:
     for count, explanation in enumerate(explain_all(recordings), start=1):
         knowledge = knowledge.add(explanation)  # demonstrations can be added in any order
         understanding = knowledge.understand("give")
-        print(
-            f"after {count}: {len(clause_of(understanding).literals)} predicates, {len(understanding.kept)} nodes kept"
-        )
+        print(f"after {count}: {len(understanding.kept)} nodes kept")
     print(clause_of(understanding))
     print(meaning(understanding))
     print(why(understanding, "reach.class"))

@@ -1,10 +1,10 @@
 """Every threshold and default, named, with its unit and source, in one place.
 
-Settings are immutable values that are passed down explicitly. The ``digest`` of those that shape facts travels with every
-explanation, so that facts inferred with other settings are never counted together by accident.
+Settings are immutable values that are passed down explicitly. The ``digest`` of those that shape facts travels with
+every explanation, so that facts inferred with other settings are never counted together by accident.
 
-Sources: "paper" is Pandey & Alami; "authors' code" their published C++ implementation; "ours" a choice of taskgist, whose
-reason stands beside it.
+Sources: "paper" is Pandey & Alami; "authors' code" their published C++ implementation; "ours" a choice of taskgist,
+whose reason stands beside it.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Efforts:
     move_step_m: float = 0.25
     """Grid of floor positions, anchored at the agent (ours)."""
     collision_m: float = 0.01
-    """A contact deeper than the present one by more than this blocks (tracked bodies touch and interpenetrate; ours)."""
+    """A contact deeper than now by more than this blocks (ours: tracked bodies touch and overlap a little)."""
     seat_height_m: tuple[float, float] = (0.25, 0.70)
     """Heights of surfaces that people sit down onto (ours: from a child's stool to a low bar stool)."""
     state_bin_rad: float = math.radians(15.0)
@@ -81,10 +81,10 @@ class Contact:
     grip_m: float = 0.03
     """Largest gap between hand and a held object (ours: fit errors of tracked hands are of this order)."""
     slip_start_m_s: float = 0.15
-    """A near hand begins to hold when it moves slower than this against the object (ours: against the grip forces of five
+    """A near hand begins to hold when it moves slower than this against the object (ours: against the grip forces of
     real handovers, docs/recordings.md)."""
     slip_stop_m_s: float = 0.30
-    """A hand lets go when it moves faster than this against the object; above the noise of tracked orientations (ours)."""
+    """A hand lets go when it moves faster than this (ours: above the noise of tracked orientations)."""
     slip_window_s: float = 0.2
     """Window over which that speed is measured (ours)."""
     support_m: float = 0.015

@@ -1,7 +1,8 @@
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taskgist.observe import Confirmation, Interval
+from taskgist.observe import Confirmation
 
 raw_values = st.lists(st.sampled_from("ABC"), min_size=1, max_size=60)
 STEP_S = 0.1
@@ -51,13 +52,10 @@ def test_at_reads_the_intervals(values: list[str]) -> None:
 
 
 def test_a_change_is_provisional_and_then_backdated() -> None:
-    confirmation = fed([*"AAAA", "B"])
-    assert confirmation.provisional == "B"
-    assert confirmation.at(0.4) == "A"
-    confirmation.update(0.5, "B")
-    confirmation.update(0.6, "B")
-    assert confirmation.provisional is None
-    assert confirmation.intervals[-1] == Interval("B", 0.4, 0.6)
+    fresh, settled = fed([*"AAAAB"]), fed([*"AAAABBB"])
+    assert (fresh.provisional, fresh.at(0.4)) == ("B", "A")
+    assert (settled.provisional, settled.at(0.4)) == (None, "B")
+    assert settled.intervals[-1].start_s == pytest.approx(0.4)
 
 
 def test_nothing_is_confirmed_by_one_frame() -> None:

@@ -1,3 +1,5 @@
+from collections.abc import Sequence
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,16 +11,17 @@ RATE_HZ = 30.0
 TIMING = DEFAULT.timing
 
 
-def watch(speeds_m_s: list[float | None]) -> list[tuple[float, str | None]]:
+def watch(speeds_m_s: Sequence[float | None]) -> list[tuple[float, str | None]]:
     """Motion of something that moves along x with these speeds, one per frame; None: not tracked."""
-    watcher, x, answers = MotionWatch(TIMING), 0.0, []
+    watcher, x = MotionWatch(TIMING), 0.0
+    answers: list[tuple[float, str | None]] = []
     for frame, speed in enumerate(speeds_m_s):
         x += (speed or 0.0) / RATE_HZ
         answers += watcher.update(frame / RATE_HZ, None if speed is None else np.array([x, 0.0, 0.0]))
     return [*answers, *watcher.finish()]
 
 
-def symbols(speeds: list[float | None]) -> list[str | None]:
+def symbols(speeds: Sequence[float | None]) -> list[str | None]:
     return [motion for _, motion in watch(speeds)]
 
 

@@ -69,7 +69,7 @@ def test_holding_is_the_same_for_facts_and_perspective(room: Scene, carried: lis
     held = snapshot(Stage(room, carried[50]), observer, agent="P1", name="cup")
     assert held["reach.effort"].value == held["grasp.effort"].value == "No_Effort_Required"
     assert held["hands"].value == {"left": "Free_of_Object", "right": "Holding_Object"}
-    assert observer.decided(carried[50]).holding == {Hold("P1", "right", "cup")}
+    assert observer.decided(carried[50]).holding == frozenset({Hold("P1", "right", "cup")})
     assert observer.decided(carried[5]).holding == frozenset()
 
 

@@ -16,7 +16,8 @@ TOP = 0.72
 BIN = """<body name="bin" pos="0.3 0.3 0.72">
 <geom type="box" size="0.1 0.1 0.005" pos="0 0 0.005"/>
 <geom type="box" size="0.1 0.005 0.1" pos="0 0.1 0.1"/><geom type="box" size="0.1 0.005 0.1" pos="0 -0.1 0.1"/>
-<geom type="box" size="0.005 0.1 0.1" pos="0.1 0 0.1"/><geom type="box" size="0.005 0.1 0.1" pos="-0.1 0 0.1"/></body>"""
+<geom type="box" size="0.005 0.1 0.1" pos="0.1 0 0.1"/><geom type="box" size="0.005 0.1 0.1" pos="-0.1 0 0.1"/>
+</body>"""
 SHELF = """<body name="shelf" pos="0.3 0.3 0.72"><geom type="box" size="0.1 0.1 0.005" pos="0 0 0.005"/>
 <geom type="box" size="0.1 0.005 0.1" pos="0 0.1 0.1"/></body>"""
 
@@ -133,8 +134,13 @@ def test_overlaps_name_the_pair_and_depth() -> None:
     assert found["cup", "table"] == pytest.approx(0.05, abs=0.01)
 
 
-SHAPES = ('type="box" size="0.1 0.05 0.2"', 'type="sphere" size="0.1"', 'type="ellipsoid" size="0.1 0.05 0.2"')
-SHAPES += ('type="cylinder" size="0.1 0.2"', 'type="capsule" size="0.1 0.2"')
+SHAPES = (
+    'type="box" size="0.1 0.05 0.2"',
+    'type="sphere" size="0.1"',
+    'type="ellipsoid" size="0.1 0.05 0.2"',
+    'type="cylinder" size="0.1 0.2"',
+    'type="capsule" size="0.1 0.2"',
+)
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -1,8 +1,8 @@
 """An independent witness of holding: who grips by force, beside who holds by geometry.
 
-Recordings may carry a signal ``AGENT_grip`` in newtons, measured by sensors in the object. Force and geometry mean slightly different
-things: a hand may squeeze an object that still rests on a support, which nobody holds (8.5), and fingers may rest around it
-before they squeeze. The comparison says by how much the two differ in time.
+Recordings may carry a signal ``AGENT_grip`` in newtons, measured by sensors in the object. Force and geometry mean
+slightly different things: a hand may squeeze an object that still rests on a support, which nobody holds (8.5), and
+fingers may rest around it before they squeeze. The comparison says by how much the two differ in time.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class GripCheck:
     Attributes:
         agent: Who.
         event: "takes" or "lets go".
-        supported: Whether the object rested on a support at that time by force, so that geometry must say something else.
+        supported: Whether the object rested on a support then, so that geometry must say something else.
     """
 
     agent: str
