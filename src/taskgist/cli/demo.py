@@ -17,6 +17,7 @@ from taskgist.study import explain_all, label_of, shipped_recordings
 from taskgist.view import before_after_picture
 from taskgist.world import Stage
 
+RULE = "─" * 80
 TASKS = {
     "give": "five real handovers between people (KTH, MIT licence)",
     "show": "four simulated demonstrations (no public recordings exist)",
@@ -57,7 +58,7 @@ def _report(
 ) -> dict[str, Any]:
     understanding = knowledge.understand(task)
     if not as_json:
-        console.rule(f"{task}: {source}", align="left")
+        console.print(f"[bold]{task}[/]: {source}\n{RULE}")
         names = ", ".join(explanation.demonstration for explanation in explanations)
         console.print(f"demonstrations: {names}")
         console.print()

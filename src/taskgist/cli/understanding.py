@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
-from rich.tree import Tree
+from rich.text import Text
 
 from taskgist.cli.output import console
 from taskgist.facts import Node
 from taskgist.language import asked, indifference, meaning
 from taskgist.learning import Judgement, Understanding, Verdict, clause_of, questions_of
 
-TREE_WIDTH = 200
-"""Columns of the printed tree: the same in every terminal, so that no figure is cut off."""
 STYLES = {
     Verdict.RELEVANT: "green",
     Verdict.IRRELEVANT: "dim",
@@ -26,44 +25,54 @@ def print_understanding(understanding: Understanding, *, whole_tree: bool = True
     """Print the meaning, the clause in the paper's words, the tree with its figures, and open questions."""
     clause = clause_of(understanding)
     count = len(understanding.experience.explanations)
-    console.print(f"[bold]{meaning(understanding)}[/]")
+    console.print(Text(meaning(understanding), style="bold"))
     console.print(indifference(understanding))
     console.print()
     console.print(f"Task({clause.task}) ←   learned from {count} demonstration{'s' if count != 1 else ''}")
     for title, literals in (("effects", clause.effects), ("preconditions", clause.preconditions)):
         for number, literal in enumerate(literals):
-            console.print(f"  {title if number == 0 else '':14}{literal}")
+            console.print(Text(f"  {title if number == 0 else '':14}{literal}"))
     if whole_tree:
         console.print()
         print_tree(understanding)
     for question in questions_of(understanding):
-        console.print(f"[yellow]question[/] {asked(question)}")
+        console.print(Text("question ", style="yellow") + Text(asked(question)))
 
 
 def print_tree(understanding: Understanding) -> None:
     """Print every node: best value, count, m-estimate Q, consistency factor CF and verdict; kept nodes stand out."""
-    console.print("node = best value   n/N  Q: m-estimate  CF: consistency factor  verdict (●: kept)")
-    for root in (node for node in understanding.tree.nodes if node.parent is None):
-        console.print(_branch(understanding, root), width=TREE_WIDTH, no_wrap=True, crop=False)
+    rows = [
+        row
+        for root in understanding.tree.nodes
+        if root.parent is None
+        for row in _rows(understanding, root, first="", rest="")
+    ]
+    width = max(len(text) for text, _ in rows)
+    console.print(f"{'● node = best value':{width}}  n/N      Q      CF  verdict")
+    for text, judgement in rows:
+        console.print(Text(f"{text:{width}}  ", style="bold" if judgement.kept else "") + _figures(judgement))
+    console.print("●: kept, as it and all above it are relevant; Q: m-estimate of the value; CF: consistency factor")
 
 
-def _branch(understanding: Understanding, node: Node) -> Tree:
-    tree = Tree(_line(understanding.judgements[node.name]), guide_style="dim")
-    for child in understanding.tree.children(node.name):
-        tree.add(_branch(understanding, child))
-    return tree
+def _rows(understanding: Understanding, node: Node, *, first: str, rest: str) -> Iterator[tuple[str, Judgement]]:
+    """A node and all below it, each as text with its guides, and its judgement."""
+    judgement = understanding.judgements[node.name]
+    mark = "●" if judgement.kept else "·"
+    yield f"{first}{mark} {node.title} = {judgement.value or 'unknown'}", judgement
+    children = understanding.tree.children(node.name)
+    for child in children:
+        last = child is children[-1]
+        yield from _rows(
+            understanding, child, first=f"{rest}{'└ ' if last else '├ '}", rest=f"{rest}{'  ' if last else '│ '}"
+        )
 
 
-def _line(judgement: Judgement) -> str:
-    estimate, style = judgement.estimate, STYLES[judgement.verdict]
-    mark = "●" if judgement.kept else " "
-    value = (judgement.value or "unknown").replace("[", r"\[")
-    figures = f"{judgement.counts.get(judgement.value or '', 0)}/{estimate.N}"
-    if judgement.counts:
-        figures += f"  Q={_decimal(estimate.Q)} CF={_decimal(estimate.CF)}"
-    title = f"[bold]{judgement.node.title}[/]" if judgement.kept else judgement.node.title
-    answered = " (answered)" if judgement.answer else ""
-    return f"{mark} {title} = {value}  {figures}  [{style}]{judgement.verdict.value}{answered}[/]"
+def _figures(judgement: Judgement) -> Text:
+    estimate = judgement.estimate
+    share = f"{judgement.counts.get(judgement.value or '', 0)}/{estimate.N}"
+    numbers = f"{_decimal(estimate.Q):>5}  {_decimal(estimate.CF):>6}" if judgement.counts else " " * 13
+    answered = ", by answer" if judgement.answer else ""
+    return Text(f"{share:>4}  {numbers}  ") + Text(judgement.verdict.value + answered, STYLES[judgement.verdict])
 
 
 def _decimal(value: Fraction) -> str:

@@ -123,7 +123,7 @@ def overview_camera(stage: Stage, states: tuple[State, ...]) -> tuple[NDArray[np
     across = _across(cloud[: len(scene.agents)])
     width = float(np.ptp(cloud[:, :2] @ across[:2])) + 0.9
     away = np.array([across[1], -across[0], 0.0])
-    distance = max(3.3, width / (2 * math.tan(OVERVIEW_FOV_RAD[0] / 2)) + 0.6)
+    distance = max(3.4, width / (2 * math.tan(OVERVIEW_FOV_RAD[0] / 2)) + 0.6)
     return middle + away * distance + 0.35 * distance * across + np.array([0, 0, 0.85]), middle
 
 
