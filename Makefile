@@ -38,8 +38,8 @@ format: $(READY)  ## format the code and mend what the linter can mend
 bench: $(READY)  ## speed, as ratios against peers
 	$(BIN)/python -m benchmarks
 
-recordings: $(READY)  ## make the shipped recordings anew (see docs/recordings.md)
-	$(BIN)/python tools/make_recordings.py
+recordings: $(READY)  ## make the shipped recordings anew; KTH=FOLDER for the real ones too
+	$(BIN)/python tools/make_recordings.py $(if $(KTH),--kth $(KTH))
 
 clean:  ## remove what setup made
 	rm -rf $(VENV) build dist
