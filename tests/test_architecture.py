@@ -7,7 +7,7 @@ import pytest
 
 SOURCE = Path(__file__).parent.parent / "src" / "taskgist"
 
-CORE = {"errors", "settings"}
+CORE = {"errors", "settings", "files"}
 FACTS = CORE | {"facts"}
 LEARNING = FACTS | {"learning"}
 WORLD = CORE | {"world"}
@@ -18,6 +18,7 @@ STUDY = OBSERVE | LEARNING | RECORDING | {"demonstrator", "store", "language", "
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
     "settings": {"errors"},
+    "files": set(),
     "facts": FACTS,
     "learning": LEARNING,
     "world": WORLD,
@@ -34,6 +35,7 @@ ROOMS: dict[str, set[str]] = {
 THIRD_PARTY: dict[str, set[str]] = {
     "errors": set(),
     "settings": set(),
+    "files": set(),
     "facts": set(),
     "learning": set(),
     "language": set(),

@@ -13,10 +13,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import os
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any
 
@@ -24,6 +20,7 @@ import numpy as np
 from mcap.writer import Writer
 
 from taskgist.errors import InputError, RecordingError
+from taskgist.files import replacing
 from taskgist.recording.foxglove import Viewer
 from taskgist.recording.foxglove_schemas import FRAME_TRANSFORMS, SCENE_UPDATE
 from taskgist.recording.label import Label
@@ -49,7 +46,7 @@ def write(recording: Recording, path: str | Path) -> None:
     """
     target = Path(path)
     try:
-        with _replacing(target) as stream:
+        with replacing(target) as stream:
             _write(_as_kept(recording), stream)
     except OSError as problem:
         reason = problem.strerror or str(problem)
@@ -74,20 +71,6 @@ def read(path: str | Path) -> Recording:
     except (KeyError, TypeError) as problem:
         hint = "the file was changed, or not written by taskgist"
         raise RecordingError("its records are incomplete", where=source, value=repr(problem), hint=hint) from None
-
-
-@contextmanager
-def _replacing(target: Path) -> Iterator[IO[bytes]]:
-    """A file beside the target that takes its place when all went well, and vanishes otherwise."""
-    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as stream:
-        try:
-            yield stream
-            stream.flush()
-            os.fchmod(stream.fileno(), 0o644)  # temporary files are private, recordings are to be shared
-            Path(stream.name).replace(target)
-        except BaseException:
-            Path(stream.name).unlink(missing_ok=True)
-            raise
 
 
 def _as_kept(recording: Recording) -> Recording:

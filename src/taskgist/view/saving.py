@@ -1,33 +1,29 @@
-"""Saving pictures: atomically, and the same bytes for the same picture."""
+"""Saving pictures: whole or not at all, and the same bytes for the same picture."""
 
 from __future__ import annotations
 
-import os
-import tempfile
 from pathlib import Path
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from taskgist.errors import InputError
+from taskgist.files import replacing
 
 DPI = 100
 
 
 def save_figure(figure: Figure, path: Path) -> Path:
-    """Write a figure as PNG; the file appears whole or not at all.
+    """Write a figure as PNG.
 
     Raises:
-        InputError: The folder does not exist or cannot be written.
+        InputError: The folder does not exist or cannot be written to.
     """
     FigureCanvasAgg(figure)
     try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        with os.fdopen(handle, "wb") as file:
-            figure.savefig(file, format="png", dpi=DPI, metadata={"Software": None})
-        os.replace(temporary, path)  # noqa: PTH105 - atomic on every platform
+        with replacing(path) as stream:
+            figure.savefig(stream, format="png", dpi=DPI, metadata={"Software": None})
     except OSError as error:
-        raise InputError(
-            f"cannot be written: {error.strerror}", where=path, hint="name a file in a folder that exists"
-        ) from error
+        hint = "name a file in a folder that exists and may be written to"
+        raise InputError(f"cannot be written: {error.strerror}", where=path, hint=hint) from error
     return path
