@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
+SUDO := $(if $(filter 0,$(shell id -u)),,sudo)
 # Our matrices are small: threads of the linear algebra only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
@@ -11,9 +12,14 @@ export OPENBLAS_NUM_THREADS ?= 1
 help:  ## list the commands
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
 
+# Debian's python3 cannot make virtual environments until python3-venv is there.
 $(READY): pyproject.toml constraints.txt
-	@$(PYTHON) -m venv $(VENV) || { echo "python3 cannot make virtual environments: apt-get install python3-venv"; exit 1; }
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+	@$(PYTHON) -m venv $(VENV) > /dev/null 2>&1 \
+		|| { echo "installing python3-venv"; $(SUDO) apt-get -qq update && $(SUDO) apt-get -qq install -y python3-venv > /dev/null; \
+			$(PYTHON) -m venv $(VENV); } \
+		|| { echo "$(PYTHON) cannot make virtual environments: install python3-venv, or set PYTHON=..."; exit 1; }
+	@echo "setting up $(VENV) (a minute or two, once)"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
 	@touch $@
 
 setup: $(READY)  ## install everything into .venv

@@ -89,14 +89,25 @@ class UnknownNameError(InputError):
 
     def __init__(self, kind: str, name: str, known: Iterable[str], where: str | Path | None = None) -> None:
         self.kind, self.name, self.known = kind, name, tuple(sorted(known))
-        near = difflib.get_close_matches(name, self.known, n=1)
-        guess = f"did you mean {near[0]!r}? " if near else ""
+        near = nearest(name, self.known)
+        guess = f"did you mean {near!r}? " if near else ""
         listed = ", ".join(self.known) or "none"
         super().__init__(f"no {kind} {name!r}", where=where, hint=f"{guess}(known: {listed})")
 
     def __reduce__(self) -> tuple[object, ...]:
         """Restore from the constructor's own arguments when unpickled."""
         return (type(self), (self.kind, self.name, self.known, self.where))
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """The known name that was probably meant, whatever its case; None if none is like it.
+
+    Long names must agree in most letters; of names of three letters or fewer half is enough, so that P3 leads to P2.
+    """
+    by_folded = {each.casefold(): each for each in known}
+    alike = 0.5 if len(name) <= 3 else 0.6
+    found = difflib.get_close_matches(name.casefold(), by_folded, n=1, cutoff=alike)
+    return by_folded[found[0]] if found else None
 
 
 def _rebuild(

@@ -60,7 +60,7 @@ MISTAKES = {
     "source": ('source = "body"', 'source = "bodies"', r"people.P1.points: no source 'bodies'; did you mean 'body'"),
     "part": ("person = 0", 'person = 0\nunknown = ["left_leg"]', r"no part 'left_leg'; did you mean 'left_arm'"),
     "stature": ("person = 0", "person = 0\nstature_m = 175", r"people.P1.stature_m: .*got 175.*between 0.5 and 2.5"),
-    "like": ('like = "P1"', 'like = "Q1"', r"people.P2.like: no person 'Q1'; .known: P1, P2"),
+    "like": ('like = "P1"', 'like = "Q1"', r"people.P2.like: no person 'Q1'; did you mean 'P1'. .known: P1, P2"),
     "shape": ('type = "cylinder"', 'type = "cylinda"', r"objects.cup.shape.type: .*did you mean 'cylinder'"),
     "size": ("radius_m = 0.04", "radius_m = -0.04", r"objects.cup.shape.radius_m: .*got -0.04"),
     "no pose": ('source = "things"', "", r"objects.cup.source: the object has no pose.*fixed"),

@@ -103,7 +103,7 @@ def test_mistakes(mistake: str) -> None:
 def test_unknown_names() -> None:
     with pytest.raises(UnknownNameError, match=r"no object, agent or part 'P1/left_leg'; did you mean 'P1/left_arm'"):
         changed(tracked={"P1/left_leg": np.ones(FRAMES, bool)})
-    with pytest.raises(UnknownNameError, match=r"no agent 'P3'; \(known: P1, P2\)"):
+    with pytest.raises(UnknownNameError, match=r"no agent 'P3'; did you mean 'P2'\? \(known: P1, P2\)"):
         recording().with_label(Label("give", "P1", "P3", "cup", 0.0, 0.1))
     with pytest.raises(UnknownNameError, match=r"no object 'cap'; did you mean 'cup'"):
         recording().with_label(Label("give", "P1", "P2", "cap", 0.0, 0.1))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from importlib import metadata
+from typing import Annotated
+
 import typer
 
 from taskgist.cli.check import check
@@ -11,6 +14,7 @@ from taskgist.cli.facts import facts
 from taskgist.cli.import_ import import_
 from taskgist.cli.label import label
 from taskgist.cli.learn import learn
+from taskgist.cli.output import console
 from taskgist.cli.see import see
 
 app = typer.Typer(
@@ -24,6 +28,23 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        console.print(f"taskgist {metadata.version('taskgist')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    _version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Take the options that stand before a command."""
+
+
 app.command("demo")(demo)
 app.command("import")(import_)
 app.command("label")(label)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from taskgist.cli.files import RecordingsArgument, recordings_in
+from rich.text import Text
+
+from taskgist.cli.files import RecordingsArgument, read_all
 from taskgist.cli.output import FAILED, OK, JsonOption, command, console, print_json, progress_bar
-from taskgist.recording import read
 from taskgist.study import Checkup
 from taskgist.study import check as check_recording
 
@@ -18,15 +19,12 @@ def check(recordings: RecordingsArgument, as_json: JsonOption = False) -> int:
     """Say whether recordings are fit to learn from.
 
     Looks for gaps, lost parts, overlapping bodies, a missing label, and facts that are unknown at its ends.
-
-    The exit code is 1 if any is not.
+    The exit code is 1 if any recording is not fit.
 
     Example: taskgist check handover.mcap
     """
-    paths = recordings_in(recordings)
     results: dict[str, Checkup] = {}
-    for path in paths:
-        recording = read(path)
+    for path, recording in read_all(recordings).items():
         with progress_bar(quiet=as_json) as progress:
             results[str(path)] = check_recording(recording, progress=progress)
         if not as_json:
@@ -37,10 +35,9 @@ def check(recordings: RecordingsArgument, as_json: JsonOption = False) -> int:
 
 
 def _print(name: str, result: Checkup) -> None:
-    verdict = "[green]fit to learn from[/]" if result.fit else "[bold red]not fit to learn from[/]"
-    console.print(f"{name}: {verdict}")
+    verdict = ("fit to learn from", "green") if result.fit else ("not fit to learn from", "bold red")
+    console.print(Text.assemble(f"{name}: ", verdict))
     for finding in result.findings:
         remedy = f" → {finding.remedy}" if finding.remedy else ""
-        console.print(
-            f"  [{STYLES[finding.severity]}]{finding.severity:8}[/] {finding.about}: {finding.problem}{remedy}"
-        )
+        severity = (f"{finding.severity:8}", STYLES[finding.severity])
+        console.print(Text.assemble("  ", severity, f" {finding.about}: {finding.problem}{remedy}"))

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.text import Text
 
 from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
 from taskgist.cli.understanding import print_understanding, understanding_document
@@ -32,7 +33,9 @@ def demo(
     ),
     as_json: JsonOption = False,
 ) -> None:
-    """Learn give, show and hide from the shipped recordings: print what each means, save what the target agents see.
+    """Learn give, show and hide from the shipped recordings.
+
+    Prints what each means and how that was found, and saves pictures of what the target agents see.
 
     Example: taskgist demo -o /tmp/demo
     """
@@ -58,7 +61,7 @@ def _report(
 ) -> dict[str, Any]:
     understanding = knowledge.understand(task)
     if not as_json:
-        console.print(f"[bold]{task}[/]: {source}\n{RULE}")
+        console.print(Text.assemble((task, "bold"), f": {source}\n{RULE}"))
         names = ", ".join(explanation.demonstration for explanation in explanations)
         console.print(f"demonstrations: {names}")
         console.print()

@@ -27,7 +27,9 @@ def explain(
     band: Annotated[str, typer.Option(help=f"Confusion band: {', '.join(BANDS)}.")] = DEFAULT.learning.band,
     as_json: JsonOption = False,
 ) -> None:
-    """Explain what a task means: one sentence, the clause, the tree with each node's figures, open questions.
+    """Explain what a task means, and why.
+
+    Prints one sentence, the clause, the tree with each node's figures, and open questions.
 
     Example: taskgist explain give -k knowledge.db
 

@@ -7,8 +7,9 @@ from typing import Annotated, Any
 
 import typer
 from rich.table import Table
+from rich.text import Text
 
-from taskgist.cli.files import RecordingArgument
+from taskgist.cli.files import RecordingArgument, about
 from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
 from taskgist.errors import LabelError
 from taskgist.facts import STANDARD_TREE, UNKNOWN, Observation, known_predicates, thaw
@@ -29,20 +30,24 @@ def facts(
     every: Annotated[float, typer.Option(min=0.02, help="Seconds between samples of the timeline.")] = 0.5,
     as_json: JsonOption = False,
 ) -> None:
-    """Show every attribute of an agent and an object over time, and the effect between the label's start and end.
+    """Show what is true for an agent, when, and what changed.
+
+    Prints every attribute over time, and the effect between the label's start and end.
 
     Example: taskgist facts handover.mcap
 
     Example: taskgist facts handover.mcap --agent giver --object baton --at 2.0
     """
     opened = read(recording)
-    agent, object = _subject(opened, agent, object)  # noqa: A001
+    with about(recording, {"time_s": "--at"}):
+        agent, object = _subject(opened, agent, object)  # noqa: A001
+        state = None if at is None else opened.at(at)
     with progress_bar(quiet=as_json) as progress:
         observer = observe_recording(opened, progress=progress)
-        if at is not None:
-            stage = Stage(opened.scene, opened.at(at))
+        if state is not None:
+            stage = Stage(opened.scene, state)
             observed = snapshot(stage, observer, agent=agent, name=object, predicates=known_predicates())
-            _print_instant(agent, object, at, observed, as_json=as_json)
+            _print_instant(agent, object, state.time_s, observed, as_json=as_json)
             return
         line = timeline(
             opened, observer, agent=agent, name=object, every_s=every, predicates=known_predicates(), progress=progress
@@ -58,7 +63,7 @@ def facts(
 def _subject(recording: Recording, agent: str | None, name: str | None) -> tuple[str, str]:
     label = recording.label
     if (agent is None or name is None) and label is None:
-        raise LabelError("the recording has no label", where=recording.name, hint="name --agent and --object")
+        raise LabelError("the recording has no label", hint="name --agent and --object")
     agent = agent or (label.target_agent if label else "")
     name = name or (label.target_object if label else "")
     recording.scene.agent(agent)
@@ -109,11 +114,11 @@ def _timeline_document(line: Timeline, effect: Explanation | None) -> dict[str, 
 
 
 def _print_timeline(line: Timeline) -> None:
-    console.print(f"[bold]{line.name} for {line.agent}[/], sampled every {line.every_s:g} s")
+    console.print(Text.assemble((f"{line.name} for {line.agent}", "bold"), f", sampled every {line.every_s:g} s"))
     for attribute, intervals in line.rows.items():
         if attribute.endswith(".state"):
             continue  # joint angles: --at shows them
-        console.print(f"  [bold]{attribute}[/]")
+        console.print(Text(f"  {attribute}", style="bold"))
         for i in intervals:
             console.print(f"    {i.start_s:6.2f} - {i.end_s:6.2f} s  {'unknown' if i.value is None else i.value}")
 
@@ -121,8 +126,10 @@ def _print_timeline(line: Timeline) -> None:
 def _print_effect(effect: Explanation | None) -> None:
     if effect is None:
         return
-    about = f"on {effect.target_object} for {effect.target_agent}"
-    console.print(f"[bold]effect[/] of {effect.task!r} {about}, between the label's start and end")
+    subject = f"on {effect.target_object} for {effect.target_agent}"
+    console.print(
+        Text.assemble(("effect", "bold"), f" of {effect.task!r} {subject}, between the label's start and end")
+    )
     for node in STANDARD_TREE.nodes:
         if node.level < 3:
             value = effect.nodes[node.name].value

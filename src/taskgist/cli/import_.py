@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
+from taskgist.cli.files import check_target
 from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
 from taskgist.errors import MappingError
 from taskgist.recording import Recording, import_recording, load_mapping, write
@@ -23,13 +24,15 @@ def import_(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Bring in motion capture given as tables (CSV, NPZ): fit human bodies to it and write a recording.
+    """Turn tracked motion (CSV, NPZ tables) into a recording.
 
-    The mapping, a TOML file, says which columns are which points of whom; docs/import.md explains it.
+    Fits human bodies to it. The mapping, a TOML file, says which columns are which points of whom; docs/import.md
+    explains it.
 
     Example: taskgist import kth_handovers.toml --data kth/sample_new -o handover.mcap
     """
     parameters = dict(_parameter(text) for text in set_ or [])
+    check_target(out, "--out")
     with progress_bar(quiet=as_json) as progress:
         recording = import_recording(load_mapping(mapping, data_dir=data, parameters=parameters), progress)
     write(recording, out)

@@ -4,16 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated
 
 import typer
 
-from taskgist.cli.files import RecordingArgument
+from taskgist.cli.files import RecordingArgument, about
 from taskgist.cli.output import FAILED, OK, JsonOption, command, console, print_json, progress_bar
 from taskgist.errors import LabelError
-from taskgist.recording import Label, read, write
+from taskgist.recording import Label, Recording, read, write
 from taskgist.study import observe_recording, propose_label
+
+OPTIONS = MappingProxyType(
+    {
+        "task": "--task",
+        "performing_agent": "--performer",
+        "target_agent": "--target",
+        "target_object": "--object",
+        "start_s": "--start",
+        "end_s": "--end",
+    }
+)
+"""Which option sets which field of a label."""
 
 
 @command
@@ -29,39 +41,53 @@ def label(
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Show the label without writing it.")] = False,
     as_json: JsonOption = False,
 ) -> int:
-    """Show, set or propose the label of a recording: task, agents, object, start and end.
+    """Show, set or propose what a recording demonstrates.
 
-    Without options the label is shown (exit code 1 if there is none). With options it is set, what is not given
-    stays. With --propose the facts fill in the rest: who holds the object when, what moves, when it comes to rest.
+    That is its label: task, agents, object, start and end. Without options it is shown (exit code 1 if there is none).
+    With options it is set, what is not given stays. With --propose the facts fill in the rest: who holds the object
+    when, what moves, when it comes to rest.
 
     Example: taskgist label handover.mcap --propose --task give
 
     Example: taskgist label handover.mcap --start 1.2 --end 3.45
     """
-    read_in = read(recording)
-    given = {
-        "task": task,
-        "performing_agent": performer,
-        "target_agent": _single(target, "target_agent"),
-        "target_object": _single(object, "target_object"),
-        "start_s": start,
-        "end_s": end,
-    }
-    changes = {key: value for key, value in given.items() if value is not None}
-    if not changes and not propose:
-        return _show(read_in.label, as_json=as_json)
-    if propose:
-        names = {key: str(value) for key, value in changes.items() if key not in ("start_s", "end_s")}
-        with progress_bar(quiet=as_json) as progress:
-            observer = observe_recording(read_in, progress=progress)
-        base = asdict(propose_label(read_in, observer, **names))
-    else:
-        base = asdict(read_in.label) if read_in.label else dict.fromkeys(given)
-    new = _label({**base, **changes, "how": _how(base.get("how"), changes, propose=propose)}, recording)
-    labelled = read_in.with_label(new)
+    opened = read(recording)
+    with about(recording, OPTIONS):
+        given = {
+            "task": task,
+            "performing_agent": performer,
+            "target_agent": _single(target, "target_agent"),
+            "target_object": _single(object, "target_object"),
+            "start_s": start,
+            "end_s": end,
+        }
+        changes = {key: value for key, value in given.items() if value is not None}
+        if not changes and not propose:
+            return _show(opened.label, as_json=as_json)
+        base = _proposed(opened, changes, quiet=as_json) if propose else opened.label
+        new = _changed(base, changes)
+        labelled = opened.with_label(new)
     if not dry_run:
         write(labelled, recording)
     return _show(new, as_json=as_json)
+
+
+def _proposed(recording: Recording, given: Mapping[str, object], *, quiet: bool) -> Label:
+    names = {key: str(value) for key, value in given.items() if key not in ("start_s", "end_s")}
+    with progress_bar(quiet=quiet) as progress:
+        observer = observe_recording(recording, progress=progress)
+    return propose_label(recording, observer, **names)
+
+
+def _changed(base: Label | None, changes: Mapping[str, object]) -> Label:
+    """A label with some fields set by hand; how the others were set is kept."""
+    fields = {**(asdict(base) if base else dict.fromkeys(OPTIONS)), **changes}
+    missing = [OPTIONS[key] for key, value in fields.items() if value is None]
+    if missing:
+        raise LabelError(f"missing: {', '.join(missing)}", field="label", hint="give them, or add --propose")
+    by_hand = f"by hand: {', '.join(sorted(changes))}" if changes else ""
+    before = [text for text in (base.how if base else "").split("; ") if text and text != by_hand]
+    return Label(**{**fields, "how": "; ".join([*before, by_hand] if by_hand else before)})
 
 
 def _single(values: list[str] | None, field: str) -> str | None:
@@ -73,18 +99,6 @@ def _single(values: list[str] | None, field: str) -> str | None:
             hint="label one; copy the recording for each other",
         )
     return values[0] if values else None
-
-
-def _label(fields: Mapping[str, object], where: Path) -> Label:
-    missing = [key for key, value in fields.items() if value is None]
-    if missing:
-        raise LabelError(f"missing: {', '.join(missing)}", where=where, hint="give them, or add --propose")
-    return Label(**fields)  # type: ignore[arg-type]
-
-
-def _how(before: object, changes: Mapping[str, object], *, propose: bool) -> str:
-    by_hand = f"by hand: {', '.join(sorted(changes))}" if changes else ""
-    return "; ".join(text for text in ((str(before or "") if propose else ""), by_hand) if text)
 
 
 def _show(shown: Label | None, *, as_json: bool) -> int:

@@ -7,15 +7,16 @@ from typing import Annotated
 
 import typer
 
-from taskgist.cli.files import read_all
+from taskgist.cli.files import about, check_target, read_all
 from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
 from taskgist.cli.understanding import print_understanding, understanding_document
 from taskgist.errors import RecordingError
-from taskgist.facts import STANDARD_TREE, Predicate, known_predicates, read_facts
-from taskgist.learning import Explanation, explain
+from taskgist.facts import STANDARD_TREE, HypothesisTree, known_predicates, read_facts
+from taskgist.learning import Context, Explanation, explain
+from taskgist.recording import Recording
 from taskgist.settings import DEFAULT
-from taskgist.store import update
-from taskgist.study import explain_all
+from taskgist.store import load, update
+from taskgist.study import explain_all, label_of
 
 KNOWLEDGE = Path("knowledge.db")
 
@@ -29,9 +30,9 @@ def learn(
     knowledge: Annotated[Path, typer.Option("--knowledge", "-k", help="The knowledge file; made if new.")] = KNOWLEDGE,
     as_json: JsonOption = False,
 ) -> None:
-    """Learn what tasks mean from labelled demonstrations, and keep it in a knowledge file.
+    """Learn what tasks mean from labelled demonstrations.
 
-    Demonstrations are added to what the file holds; one that it knows already changes nothing.
+    They are added to what the knowledge file holds; one that it knows already changes nothing.
 
     Example: taskgist learn give_1.mcap give_2.mcap -k knowledge.db
 
@@ -42,14 +43,15 @@ def learn(
             "no demonstrations to learn from", hint="name at least one labelled recording or facts file"
         )
     predicates = known_predicates()
-    explanations = [_from_facts(path, predicates) for path in demonstrations if path.suffix == ".json"]
-    paths = [path for path in demonstrations if path.suffix != ".json"]
-    if paths:
+    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in predicates))
+    _check_knowledge(knowledge, tree)
+    explanations = [_from_facts(path, tree) for path in demonstrations if path.suffix == ".json"]
+    recordings = _labelled([path for path in demonstrations if path.suffix != ".json"])
+    if recordings:
         with progress_bar(quiet=as_json) as progress:
-            explanations += explain_all(read_all(paths), predicates=predicates, progress=progress)
+            explanations += explain_all(recordings, predicates=predicates, progress=progress)
     known = update(knowledge, explanations)
     tasks = sorted({explanation.task for explanation in explanations})
-    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in predicates))
     if as_json:
         learned = {task: understanding_document(known.understand(task, tree)) for task in tasks}
         print_json({"knowledge": str(knowledge), "tasks": learned})
@@ -60,6 +62,21 @@ def learn(
     console.print(f"kept in {knowledge}; for the whole tree: taskgist explain TASK -k {knowledge}")
 
 
-def _from_facts(path: Path, predicates: tuple[Predicate, ...]) -> Explanation:
-    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in predicates))
+def _check_knowledge(knowledge: Path, tree: HypothesisTree) -> None:
+    """Refuse a knowledge file that cannot be added to before the long work, not after it."""
+    if knowledge.is_file():
+        load(knowledge, expected=Context.of(DEFAULT, tree))
+    else:
+        check_target(knowledge, "--knowledge")
+
+
+def _labelled(paths: list[Path]) -> list[Recording]:
+    recordings = read_all(paths)
+    for path, recording in recordings.items():
+        with about(path):
+            label_of(recording)
+    return list(recordings.values())
+
+
+def _from_facts(path: Path, tree: HypothesisTree) -> Explanation:
     return explain(read_facts(path, tree), tree, DEFAULT)

@@ -12,6 +12,7 @@ from typing import Annotated, Any, ParamSpec
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.text import Text
 
 from taskgist.errors import TaskgistError
 
@@ -20,8 +21,9 @@ P = ParamSpec("P")
 OK, FAILED, MISUSED = 0, 1, 2
 """Exit codes: done; done, and the answer is no; bad input or use."""
 
-console = Console(highlight=False, soft_wrap=True)
-errors = Console(stderr=True, highlight=False, soft_wrap=True)
+console = Console(highlight=False, soft_wrap=True, markup=False, emoji=False)
+errors = Console(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)
+"""Names and paths of users may hold brackets and colons: nothing in a text is markup, styles are given apart."""
 
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
 
@@ -38,7 +40,7 @@ def progress_bar(*, quiet: bool = False) -> Iterator[Callable[[str, float], None
     Args:
         quiet: Show nothing.
     """
-    columns = (TextColumn("{task.description}"), BarColumn(bar_width=30), TimeElapsedColumn())
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=30), TimeElapsedColumn())
     with Progress(*columns, console=errors, transient=True, disable=quiet or not errors.is_terminal) as bar:
         task = bar.add_task("", total=1.0)
 
@@ -56,12 +58,8 @@ def command(function: Callable[P, int | None]) -> Callable[P, None]:
         try:
             code = function(*args, **kwargs)
         except TaskgistError as error:
-            errors.print(f"[bold red]error:[/] {_escaped(str(error))}")
+            errors.print(Text.assemble(("error:", "bold red"), f" {error}"))
             raise typer.Exit(MISUSED) from error
         raise typer.Exit(code or OK)
 
     return run
-
-
-def _escaped(text: str) -> str:
-    return text.replace("[", r"\[")

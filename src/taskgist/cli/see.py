@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from taskgist.cli.files import about, check_target
 from taskgist.cli.output import JsonOption, command, console, print_json
 from taskgist.errors import RecordingError
 from taskgist.perspective import Visibility, visibility
@@ -24,18 +25,22 @@ def see(
     out: Annotated[Path | None, typer.Option("--out", "-o", help="The PNG file; default: beside, by agent.")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Save a picture of what an agent sees, and say which objects are visible to it. No display is needed.
+    """Save a picture of what an agent sees.
+
+    Also says which objects are visible to it, and how much of them. No display is needed.
 
     Example: taskgist see kitchen.toml --agent P2 --object cup
 
     Example: taskgist see handover.mcap --agent taker --at 3.2 -o taker.png
     """
-    scene, state = _scene_and_state(where, at)
-    body = scene.agent(agent)
-    stage = Stage(scene, state)
-    if object is not None:
-        scene.object_body(object)
+    with about(where, {"time_s": "--at"}):
+        scene, state = _scene_and_state(where, at)
+        body = scene.agent(agent)
+        if object is not None:
+            scene.object_body(object)
     path = out or where.with_name(f"{where.stem}_{body.name}_sees.png")
+    check_target(path, "--out")
+    stage = Stage(scene, state)
     see_picture(stage, agent, path, target=object)
     seen = {name: visibility(stage, agent, name) for name in scene.objects}
     if as_json:

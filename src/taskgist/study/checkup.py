@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from taskgist.facts import UNKNOWN
+from taskgist.facts import UNKNOWN, Observation, Raw
 from taskgist.facts import vocabulary as v
 from taskgist.observe import Observer, snapshot
 from taskgist.recording import Label, Recording
@@ -25,6 +25,8 @@ OVERLAP_M = 0.03
 OVERLAP_EVERY_S = 0.2
 POOR_FIT_CM = 5.0
 """Median error of a fitted landmark above which facts of contact are doubtful."""
+OF_THE_AGENT = frozenset({"posture", "hands"})
+"""Attributes of the target agent alone; all others are said of the object."""
 
 
 @dataclass(frozen=True)
@@ -148,8 +150,8 @@ def _unknown_facts(recording: Recording, label: Label, observer: Observer, setti
     for end, time_s in (("start", label.start_s), ("end", label.end_s)):
         stage.show(recording.at(time_s))
         observed = snapshot(stage, observer, agent=label.target_agent, name=label.target_object, settings=settings)
-        unknown = [name for name, observation in observed.items() if observation.value is UNKNOWN]
-        if len(unknown) == len(observed):
+        unknown = [name for name, observation in observed.items() if _is_unknown(observation)]
+        if set(observed) - OF_THE_AGENT <= set(unknown):
             yield Finding(
                 "unfit",
                 label.target_object,
@@ -160,6 +162,11 @@ def _unknown_facts(recording: Recording, label: Label, observer: Observer, setti
             yield Finding(
                 "note", f"facts at the label's {end}", f"unknown: {', '.join(unknown)}", "they are not counted"
             )
+
+
+def _is_unknown(observation: Observation[Raw]) -> bool:
+    value = observation.value
+    return value is UNKNOWN or (isinstance(value, Mapping) and all(status is None for status in value.values()))
 
 
 def _estimated(recording: Recording) -> Iterator[Finding]:
