@@ -54,9 +54,16 @@ def status_observations(observer: Observer, agent: str, name: str, time_s: float
     return {
         "posture": Observation(observer.posture(agent).at(time_s) or UNKNOWN),
         "hands": _hands(observer, agent, name, time_s),
-        "placement": Observation((placed and placed.symbol) or UNKNOWN, {"by": list(placed.by) if placed else []}),
+        "placement": Observation((placed and placed.symbol) or UNKNOWN, {"by": _placed_by(observer, name, time_s)}),
         "motion": Observation(observer.motion(name).at(time_s) or UNKNOWN),
     }
+
+
+def _placed_by(observer: Observer, name: str, time_s: float) -> list[str]:
+    """The hands that hold the object at this time, else what it was placed by when its placement began."""
+    hands = [f"{hold.agent}'s {hold.side} hand" for hold in observer.holds(time_s) if hold.object == name]
+    placed = observer.placement(name).at(time_s)
+    return hands or list(placed.by if placed else ())
 
 
 def _hands(observer: Observer, agent: str, name: str, time_s: float) -> Observation[Raw]:

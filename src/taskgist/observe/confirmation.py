@@ -16,7 +16,7 @@ Live and offline are the same code fed the same frames, so what was confirmed li
 from __future__ import annotations
 
 import bisect
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -37,10 +37,12 @@ class Confirmation(Generic[V]):
 
     Args:
         minimum_s: How long a value must last to be confirmed, in seconds.
+        key: What of a value must last; the rest of it is kept as it was at its onset.
     """
 
-    def __init__(self, minimum_s: float) -> None:
+    def __init__(self, minimum_s: float, key: Callable[[V], Hashable] = lambda value: value) -> None:
         self._minimum_s = minimum_s
+        self._key = key
         self._onsets: list[float] = []
         self._values: list[V] = []
         self._run: tuple[V, float] | None = None
@@ -48,18 +50,21 @@ class Confirmation(Generic[V]):
 
     def update(self, time_s: float, value: V) -> None:
         """Take the raw value of the next frame."""
-        if self._run is None or self._run[0] != value:
+        if self._run is None or not self._same(self._run[0], value):
             self._run = (value, time_s)
         self._now_s = time_s
-        onset = self._run[1]
-        if time_s - onset >= self._minimum_s - 1e-9 and (not self._values or self._values[-1] != value):
+        first, onset = self._run
+        if time_s - onset >= self._minimum_s - 1e-9 and not (self._values and self._same(self._values[-1], first)):
             self._onsets.append(onset)
-            self._values.append(value)
+            self._values.append(first)
+
+    def _same(self, one: V, other: V) -> bool:
+        return self._key(one) == self._key(other)
 
     @property
     def provisional(self) -> V | None:
         """The raw value of the last frame, where it is not confirmed (yet)."""
-        if self._run is None or (self._values and self._values[-1] == self._run[0]):
+        if self._run is None or (self._values and self._same(self._values[-1], self._run[0])):
             return None
         return self._run[0]
 

@@ -36,11 +36,15 @@ class Observer:
         self._settings = settings
         self._stage = Stage(scene)
         self._holding = HoldingWatch(scene, settings.contact)
-        self._placements: dict[str, Confirmation[Placed]] = {name: Confirmation(minimum) for name in scene.objects}
+        self._placements: dict[str, Confirmation[Placed]] = {
+            name: Confirmation(minimum, key=lambda placed: placed.symbol) for name in scene.objects
+        }
         self._motions: dict[str, Confirmation[str | None]] = {name: Confirmation(minimum) for name in scene.objects}
         self._watches = {name: MotionWatch(settings.timing) for name in scene.objects}
         self._hands: dict[tuple[str, str], Confirmation[HandUse]] = {
-            (agent, side): Confirmation(minimum) for agent in scene.agents for side in scene.agent(agent).sides
+            (agent, side): Confirmation(minimum, key=_use)
+            for agent in scene.agents
+            for side in scene.agent(agent).sides
         }
         self._postures: dict[str, Confirmation[str | None]] = {name: Confirmation(minimum) for name in scene.agents}
 
@@ -68,12 +72,15 @@ class Observer:
 
     def decided(self, state: State) -> State:
         """A state with who holds what in it, as confirmed at its time: what perspective should start from."""
-        held = (
+        return state.with_holding(self.holds(state.time_s))
+
+    def holds(self, time_s: float) -> tuple[Hold, ...]:
+        """Which hands hold what at a time, as confirmed."""
+        return tuple(
             Hold(agent, side, use.of)
             for (agent, side), confirmation in self._hands.items()
-            if (use := confirmation.at(state.time_s)) and use.symbol == v.HOLDING_OBJECT and use.of
+            if (use := confirmation.at(time_s)) and use.symbol == v.HOLDING_OBJECT and use.of
         )
-        return state.with_holding(held)
 
     def _take(self, state: State) -> None:
         time = state.time_s
@@ -90,7 +97,7 @@ class Observer:
                 self._motions[name].update(at_s, motion)
 
     def placement(self, name: str) -> Confirmation[Placed]:
-        """Placement of an object over time."""
+        """Placement of an object over time; by what it was placed is told as of each onset."""
         self._stage.scene.object_body(name)
         return self._placements[name]
 
@@ -116,3 +123,8 @@ class Observer:
     def _position(self, state: State, name: str) -> NDArray[np.float64] | None:
         known = state.known([name])
         return np.array(state.qpos[self._stage.scene.object_slice(name)][:3]) if known else None
+
+
+def _use(use: HandUse) -> tuple[str | None, str | None]:
+    """What of a hand's use must last: which object it holds matters, on which support it rests does not."""
+    return use.symbol, use.of if use.symbol == v.HOLDING_OBJECT else None

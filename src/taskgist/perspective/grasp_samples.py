@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from taskgist.settings import Grasp
 from taskgist.world import Hand, Pose, Stage
-from taskgist.world.shapes import surface_points
 
 Array = NDArray[np.float64]
 INSIDE_M = 1e-5
@@ -138,7 +137,7 @@ def hand_poses(grasps: Grasps, index: int, hand: Hand, clearance_m: float) -> tu
 
 def _surface(stage: Stage, shape: int, spacing_m: float) -> list[tuple[Array, Array]]:
     """Points and outward normals of a shape in the world, pulled from its edges; a fine mesh is thinned."""
-    points, normals = surface_points(stage.scene.model, shape, spacing_m)
+    points, normals = stage.scene.surface_points(shape, spacing_m)
     if not len(points):
         return []
     kept = _distinct(np.concatenate((np.round(points / (spacing_m / 4)), np.round(2 * normals)), axis=1))

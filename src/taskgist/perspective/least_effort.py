@@ -107,7 +107,7 @@ def _judge(here: Standpoint, name: str, ability: Ability) -> Judge | None:
 
 def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: Found, misses: list[Miss]) -> Effort:
     amount = found.amount
-    reason = misses[-1].why if misses else FREE[ability]
+    reason = min(misses).why if misses else FREE[ability]
     evidence = {
         "reason": reason,
         "not_with_less": [miss.why for miss in misses],

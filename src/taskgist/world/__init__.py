@@ -11,12 +11,14 @@ from taskgist.world.profile import AgentProfile, Arm, Eye, Hand, Posture, builti
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Pose, Stage
 from taskgist.world.state import Hold, State
+from taskgist.world.window import Around, SlidingWindow, velocity
 
 __all__ = [
     "Agent",
     "AgentProfile",
     "Arm",
     "ArmIndices",
+    "Around",
     "Eye",
     "Fit",
     "Fitter",
@@ -28,6 +30,7 @@ __all__ = [
     "Pose",
     "Posture",
     "Scene",
+    "SlidingWindow",
     "Stage",
     "State",
     "builtin_profiles",
@@ -42,5 +45,6 @@ __all__ = [
     "rests_on",
     "seat_position",
     "support_of",
+    "velocity",
     "with_posture",
 ]

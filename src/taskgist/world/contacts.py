@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.settings import Contact
-from taskgist.world.shapes import lowest_point, surface_points
+from taskgist.world.shapes import lowest_point
 from taskgist.world.stage import Stage
 
 Array = NDArray[np.float64]
@@ -20,10 +20,9 @@ WALL_DIRECTIONS = 36
 
 def object_points(stage: Stage, name: str, spacing_m: float) -> Array:
     """Points on an object's surface in the world, metres, (n, 3)."""
-    model = stage.scene.model
     parts = []
     for geom in stage.scene.object_geoms(name):
-        points, _ = surface_points(model, int(geom), spacing_m)
+        points, _ = stage.scene.surface_points(int(geom), spacing_m)
         parts.append(stage.geom(int(geom)).to_world(points))
     return np.concatenate(parts) if parts else np.empty((0, 3))
 
@@ -87,54 +86,52 @@ def _level(stage: Stage, origin: Array, exclude_body: int, settings: Contact) ->
 def container_of(stage: Stage, name: str, settings: Contact) -> str | None:
     """What an object lies in: one body with a floor beneath it and walls all round (DESIGN 4.5), or None.
 
-    Horizontal rays from the object's middle must nearly all meet the same body within ``container_m``, and so must
-    the ray straight down. The room itself is no container.
+    From the object's middle, the ray straight down must meet the body, and nearly all horizontal ones must meet it
+    within ``container_m``, each on a face that looks towards the object: who has sunk into a table top is not inside
+    the table. Whatever else lies in the container is looked through. The room itself, and agents, are no containers.
     """
-    geoms = stage.scene.object_geoms(name)
-    if not len(geoms):
-        return None
-    middle = stage.geom_centers(geoms).mean(axis=0)
-    body = stage.scene.object_body(name)
-    beneath, _ = stage.cast(middle, DOWN[None], exclude_body=body)
-    owner = _body_owner(stage, int(beneath[0]))
-    if owner is None or owner == name:
-        return None
-    heading = stage.body_axis(body, 0)[:2]
-    start = math.atan2(heading[1], heading[0])
-    angles = start + 2 * math.pi * np.arange(WALL_DIRECTIONS) / WALL_DIRECTIONS
-    around = np.stack((np.cos(angles), np.sin(angles), np.zeros_like(angles)), axis=1)
-    hits, distances = stage.cast(middle, around, exclude_body=body)
-    own = [
-        _body_owner(stage, int(g)) == owner and d <= settings.container_m for g, d in zip(hits, distances, strict=True)
-    ]
-    return owner if np.mean(own) >= settings.container_walls else None
+    middle = stage.geom_centers(stage.scene.object_geoms(name)).mean(axis=0)
+    heading = stage.body_axis(stage.scene.object_body(name), 0)
+    rays = _around(math.atan2(heading[1], heading[0]))
+    return next(
+        (owner for owner in _candidates(stage, name, middle) if _encloses(stage, owner, middle, rays, settings)), None
+    )
 
 
-def _body_owner(stage: Stage, geom: int) -> str | None:
-    """Owner of a shape that may contain things: objects and furniture, not agents, not the room's own walls."""
-    if geom < 0 or int(stage.scene.model.geom_bodyid[geom]) == 0:
-        return None
-    owner = stage.scene.owners[geom]
-    return None if owner in stage.scene.agents else owner
+def _around(start_rad: float) -> Array:
+    """Down, and level all round, unit vectors (1 + n, 3)."""
+    angles = start_rad + 2 * math.pi * np.arange(WALL_DIRECTIONS) / WALL_DIRECTIONS
+    level = np.stack((np.cos(angles), np.sin(angles), np.zeros_like(angles)), axis=1)
+    return np.concatenate((DOWN[None], level))
+
+
+def _candidates(stage: Stage, name: str, middle: Array) -> list[str]:
+    """Tracked objects and furniture in whose bounding spheres the middle lies; the room's own walls do not count."""
+    scene = stage.scene
+    others = [owner for owner in scene.bodies if owner != name and stage.state.known([owner])]
+    return [owner for owner in others if stage.in_bounds(scene.geoms_of(owner), middle)]
+
+
+def _encloses(stage: Stage, owner: str, middle: Array, rays: Array, settings: Contact) -> bool:
+    normals = np.zeros_like(rays)
+    geoms, distances = stage.cast(middle, rays, only=stage.scene.geoms_of(owner), normals=normals)
+    faces = (geoms >= 0) & (np.sum(normals * rays, axis=1) < 0)
+    walls = faces[1:] & (distances[1:] <= settings.container_m)
+    return bool(faces[0]) and float(walls.mean()) >= settings.container_walls
 
 
 def overlaps(stage: Stage, *, deeper_than_m: float) -> dict[tuple[str, str], float]:
     """Owners whose shapes overlap, with the depth in metres; furniture among itself, and the floor, are left out."""
     scene = stage.scene
     movable = {*scene.agents, *scene.objects}
-    solid = stage.solid_geoms()
+    solid = [geom for geom in stage.solid_geoms() if not stage.is_plane(geom)]
+    moving = [geom for geom in solid if scene.owners[geom] in movable]
     deepest: dict[tuple[str, str], float] = {}
-    for geom, other in stage.near_pairs(solid, solid, limit_m=0.0):
-        pair = tuple(sorted((scene.owners[geom], scene.owners[other])))
-        if (
-            geom >= other
-            or pair[0] == pair[1]
-            or not movable & set(pair)
-            or stage.is_plane(geom)
-            or stage.is_plane(other)
-        ):
+    for geom, other in stage.near_pairs(moving, solid, limit_m=0.0):
+        first, second = sorted((scene.owners[geom], scene.owners[other]))
+        if first == second or (other in moving and geom > other):
             continue
         depth = -stage.distance(geom, other, limit_m=0.0)
         if depth > deeper_than_m:
-            deepest[pair[0], pair[1]] = max(depth, deepest.get((pair[0], pair[1]), 0.0))
+            deepest[first, second] = max(depth, deepest.get((first, second), 0.0))
     return deepest

@@ -58,7 +58,7 @@ POSTURE_COST = 1e-3
 """Pull towards the posture of rest for joints that nothing else decides."""
 STIFF: Mapping[str, float] = {"girdle": 20.0, "torso": 10.0, "torso_side": 40.0, "head_roll": 40.0, "wrist": 3.0}
 """How much more reluctantly joints move than others, by words in their names: people bend sideways last (ours)."""
-DAMPING = 1e-3
+DAMPING = 3e-4
 """Pull of a step towards none: joints that the targets hardly decide would else swing to and fro. With 1e-3 a frame of
 noisy keypoints needs 4 steps, with 1e-6 it needs 14 and ends no better."""
 CONVERGED_RAD = 2e-4

@@ -1,28 +1,40 @@
 """Holding over time: a held object moves with the hand.
 
 A hand that passes an object, or reaches around it before it closes, is near and yet does not hold. What tells them
-apart is
-slip: how fast the hand moves in the object's own frame. A ``HoldingWatch`` takes states as they come and gives them
-back, half a window later, with ``State.holding`` decided: a near hand begins to hold when its slip is low, and lets
-go when the slip is high or the hand is far.
+apart is slip: how fast the hand moves in the object's own frame. A ``HoldingWatch`` takes states as they come and gives
+them back, half a window later, with ``State.holding`` decided: a near hand begins to hold when its slip is low, and
+lets go when the slip is high or the hand is far.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.settings import Contact
+from taskgist.world.agent import Agent, ArmIndices
 from taskgist.world.holding import hand_known, is_near
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
 from taskgist.world.state import Hold, State
+from taskgist.world.window import Around, SlidingWindow, velocity
 
-Places = dict[Hold, NDArray[np.float64] | None]
-"""Place of each palm in each object's frame, metres, (3,); None where one of them was not tracked."""
+
+@dataclass(frozen=True, eq=False)
+class Hands:
+    """A state and its hands.
+
+    Attributes:
+        near: The hands that are near to objects.
+        places: Place of each palm in each object's frame, metres, (3,), where both were tracked.
+    """
+
+    state: State
+    near: frozenset[Hold]
+    places: dict[Hold, NDArray[np.float64]]
 
 
 class HoldingWatch:
@@ -42,63 +54,38 @@ class HoldingWatch:
             for arm in scene.agent(agent).arms
             for name in scene.objects
         }
-        self._window: deque[tuple[State, Places, frozenset[Hold]]] = deque()
-        self._next = 0
+        self._window: SlidingWindow[Hands] = SlidingWindow(settings.slip_window_s)
         self._held: frozenset[Hold] = frozenset()
 
     def update(self, state: State) -> Iterator[State]:
         """Take the next state; yields those that can be decided now, in order."""
-        self._stage.show(state)
-        self._window.append((state, self._places(), self._near()))
-        half = self._settings.slip_window_s / 2
-        while self._next < len(self._window) and self._window[self._next][0].time_s + half <= state.time_s + 1e-9:
-            yield self._decided()
+        yield from map(self._decided, self._window.push(state.time_s, self._hands(state)))
 
     def finish(self) -> Iterator[State]:
         """Decide the states that still wait, by what has been seen of their windows."""
-        while self._next < len(self._window):
-            yield self._decided()
+        yield from map(self._decided, self._window.finish())
 
-    def _decided(self) -> State:
-        half = self._settings.slip_window_s / 2
-        state, _, near = self._window[self._next]
-        while self._window[0][0].time_s < state.time_s - half - 1e-9:
-            self._window.popleft()
-            self._next -= 1
-        last = next(entry for entry in reversed(self._window) if entry[0].time_s <= state.time_s + half + 1e-9)
-        self._held = frozenset(hold for hold in near if self._stays(hold, self._window[0], last))
-        self._next += 1
-        return state.with_holding(self._held)
+    def _decided(self, around: Around[Hands]) -> State:
+        self._held = frozenset(hold for hold in around.item.near if self._stays(hold, around))
+        return around.item.state.with_holding(self._held)
 
-    def _stays(
-        self,
-        hold: Hold,
-        first: tuple[State, Places, frozenset[Hold]],
-        last: tuple[State, Places, frozenset[Hold]],
-    ) -> bool:
-        """Whether a near hand moves with the object, from the first to the last state of the window."""
-        start, end = first[1][hold], last[1][hold]
-        span = last[0].time_s - first[0].time_s
-        if start is None or end is None or span <= 0:
-            return True  # nothing is known but that the hand is near
+    def _stays(self, hold: Hold, around: Around[Hands]) -> bool:
+        """Whether a near hand moves with the object in the window; where that is unknown, near is all there is."""
+        frames = zip(around.times_s, around.items, strict=True)
+        known = [(time_s, hands.places[hold]) for time_s, hands in frames if hold in hands.places]
+        slip = velocity([time_s for time_s, _ in known], [place for _, place in known])
         limit = self._settings.slip_stop_m_s if hold in self._held else self._settings.slip_start_m_s
-        return float(np.linalg.norm(end - start)) / span < limit
+        return slip is None or float(np.linalg.norm(slip)) < limit
 
-    def _places(self) -> Places:
-        scene, stage = self._stage.scene, self._stage
-        places: Places = {}
-        for hold, (agent, arm) in self._arms.items():
-            known = hand_known(stage, agent, arm) and stage.state.known([hold.object])
-            pose = stage.body(scene.object_body(hold.object))
-            places[hold] = pose.to_local(stage.site(arm.palm_site).position) if known else None
-        return places
+    def _hands(self, state: State) -> Hands:
+        stage = self._stage.show(state)
+        known = {hold: arms for hold, arms in self._arms.items() if self._known(hold, *arms)}
+        near = (hold for hold, (_, arm) in known.items() if is_near(stage, arm, hold.object, self._settings))
+        return Hands(state, frozenset(near), {hold: self._place(hold, arm) for hold, (_, arm) in known.items()})
 
-    def _near(self) -> frozenset[Hold]:
-        stage = self._stage
-        return frozenset(
-            hold
-            for hold, (agent, arm) in self._arms.items()
-            if hand_known(stage, agent, arm)
-            and stage.state.known([hold.object])
-            and is_near(stage, arm, hold.object, self._settings)
-        )
+    def _known(self, hold: Hold, agent: Agent, arm: ArmIndices) -> bool:
+        return hand_known(self._stage, agent, arm) and self._stage.state.known([hold.object])
+
+    def _place(self, hold: Hold, arm: ArmIndices) -> NDArray[np.float64]:
+        pose = self._stage.body(self._stage.scene.object_body(hold.object))
+        return pose.to_local(self._stage.site(arm.palm_site).position)

@@ -42,6 +42,12 @@ def leg_lengths_m(model: mujoco.MjModel, agent: Agent) -> tuple[float, float]:
     return thigh_m, float(np.linalg.norm(model.body_pos[foot])) + float(max(soles))
 
 
+def ankle_height_m(model: mujoco.MjModel, agent: Agent) -> float:
+    """Height in metres of the ankles over the soles."""
+    foot = body_index(model, agent, agent.profile.legs.feet[0])
+    return leg_lengths_m(model, agent)[1] - float(np.linalg.norm(model.body_pos[foot]))
+
+
 def root_height_m(model: mujoco.MjModel, agent: Agent) -> float:
     """Height in metres at which the model itself puts the root."""
     return float(model.body_pos[agent.root_body][2])

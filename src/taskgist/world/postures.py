@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from taskgist.settings import Contact
 from taskgist.world.agent import Agent
-from taskgist.world.legs import body_index, leg_lengths_m, legs_for
+from taskgist.world.legs import ankle_height_m, body_index, leg_lengths_m, legs_for
 from taskgist.world.profile import Posture
 from taskgist.world.rotations import about_z, yaw_of
 from taskgist.world.stage import Stage
@@ -42,10 +42,11 @@ def with_posture(stage: Stage, agent: Agent, posture: Posture, *, seat_height_m:
         seat_height_m: Height of what it sits down onto.
     """
     model, state = stage.scene.model, stage.state
+    floor = floor_height_m(stage, agent)
     hip_height = math.inf
     if posture == "sitting":
         assert seat_height_m is not None
-        hip_height = seat_height_m + agent.profile.legs.seat_share * agent.stature_m
+        hip_height = seat_height_m - floor + agent.profile.legs.seat_share * agent.stature_m
     angles, height = legs_for(model, agent, hip_height_m=hip_height)
     feet = np.mean([stage.body_position(body_index(model, agent, foot)) for foot in agent.profile.legs.feet], axis=0)
     yaw = yaw_of(state.qpos[agent.base][3:])
@@ -53,7 +54,14 @@ def with_posture(stage: Stage, agent: Agent, posture: Posture, *, seat_height_m:
     back = thigh * math.sin(angles[agent.profile.legs.hips[0]])
     place = feet[:2] - back * np.array([math.cos(yaw), math.sin(yaw)])
     upright = state.replace({agent.joints[joint]: angle for joint, angle in angles.items()})
-    return upright.replace(at=agent.base, to=(*place, height, *about_z(yaw)))
+    return upright.replace(at=agent.base, to=(*place, floor + height, *about_z(yaw)))
+
+
+def floor_height_m(stage: Stage, agent: Agent) -> float:
+    """Height in metres of what the lower foot stands on."""
+    model = stage.scene.model
+    ankles = [stage.body_position(body_index(model, agent, foot))[2] for foot in agent.profile.legs.feet]
+    return float(min(ankles)) - ankle_height_m(model, agent)
 
 
 def seat_position(stage: Stage, agent: Agent) -> NDArray[np.float64]:

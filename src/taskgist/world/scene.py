@@ -21,7 +21,7 @@ What can be derived is not asked for: supports, containers and seats come from g
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -31,9 +31,10 @@ import mujoco
 import numpy as np
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.agent import Agent
+from taskgist.world.agent import GHOST_GROUP, Agent
 from taskgist.world.assembly import Assembled, assemble
 from taskgist.world.scene_file import SceneFile, bundle_from_path, parse_scene_file
+from taskgist.world.shapes import surface_points
 from taskgist.world.state import State
 
 SCENE_FILE = "scene.toml"
@@ -137,6 +138,39 @@ class Scene:
             by_owner.setdefault(owner, []).append(geom)
         return {owner: np.array(geoms) for owner, geoms in by_owner.items()}
 
+    @cached_property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the objects and pieces of furniture: everything solid that is neither agent nor the room itself."""
+        of_bodies = {self.owners[g] for g in range(len(self.owners)) if int(self.model.geom_bodyid[g]) != 0}
+        return tuple(sorted(of_bodies - set(self.agents)))
+
+    @cached_property
+    def solid_geoms(self) -> np.ndarray:
+        """Indices of the shapes that block: all but ghosts and those that the model lets nothing collide with, (n,)."""
+        touching = (self.model.geom_contype != 0) | (self.model.geom_conaffinity != 0)
+        return np.flatnonzero(touching & (self.model.geom_group != GHOST_GROUP))
+
+    def untracked_geoms(self, untracked: Iterable[str]) -> np.ndarray:
+        """Geom indices of untracked objects ("cup"), agents ("P1") and parts of agents ("P1/left_arm"), (n,)."""
+        hidden: list[int] = []
+        for name in untracked:
+            agent, _, part = name.partition("/")
+            bodies = self._agents[agent].parts.get(part, ()) if part and agent in self._agents else None
+            own = self.geoms_of(agent) if bodies is None else np.flatnonzero(np.isin(self.model.geom_bodyid, bodies))
+            hidden += [int(geom) for geom in own]
+        return np.array(sorted(set(hidden)), dtype=np.intp)
+
+    def surface_points(self, geom: int, spacing_m: float) -> tuple[np.ndarray, np.ndarray]:
+        """Points and outward normals on a shape's surface, in its own frame; see ``shapes``. Sampled once."""
+        key = (geom, spacing_m)
+        if key not in self._surfaces:
+            self._surfaces[key] = surface_points(self.model, geom, spacing_m)
+        return self._surfaces[key]
+
+    @cached_property
+    def _surfaces(self) -> dict[tuple[int, float], tuple[np.ndarray, np.ndarray]]:
+        return {}
+
     def object_slice(self, name: str) -> slice:
         """Slice of qpos (7) of an object: position in metres and wxyz."""
         joint = self.model.body_jntadr[self.object_body(name)]
@@ -183,10 +217,31 @@ def _objects(file: SceneFile, model: mujoco.MjModel, agents: set[str]) -> dict[s
         and int(model.jnt_type[model.body_jntadr[b]]) == int(mujoco.mjtJoint.mjJNT_FREE)
         and str(model.body(b).name).partition("/")[0] not in agents
     }
+    if "" in free:
+        hint = "give every body with a free joint a name"
+        raise SceneError("an object without a name", where=file.where, field="scene.model", hint=hint)
     for name in file.objects or ():
         if name not in free:
             raise UnknownNameError("object (a free body of the model)", name, free, where=file.where)
-    return {name: free[name] for name in (file.objects or free)}
+    objects = {name: free[name] for name in (free if file.objects is None else file.objects)}
+    for name, body in objects.items():
+        _check_shapes(file, model, name, body)
+    return objects
+
+
+def _check_shapes(file: SceneFile, model: mujoco.MjModel, name: str, body: int) -> None:
+    """Every object needs a surface that can be seen; of others no fact could be said."""
+    own = np.flatnonzero(model.geom_bodyid == body)
+    flat = (int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD))
+    if not any(model.geom_group[g] in SEEN and int(model.geom_type[g]) not in flat for g in own):
+        hint = "give it a box, sphere, capsule, cylinder, ellipsoid or mesh in group 0, 1 or 2, or name other objects"
+        raise SceneError(
+            "an object without a shape that can be seen", where=file.where, field="objects", value=name, hint=hint
+        )
+
+
+SEEN = (0, 1, 2)
+"""Geom groups that can be seen; MuJoCo keeps 3 for collision shapes."""
 
 
 def _owners(model: mujoco.MjModel, agents: set[str], objects: set[str]) -> tuple[str, ...]:

@@ -178,7 +178,7 @@ def _model_files(path: Path, key: str, prefix: str, *, where: str, field: str) -
         for asset in meshes:
             if asset.file:
                 source = path.parent / folder / asset.file
-                asset.file = prefix + Path(asset.file).name
+                asset.file = prefix + asset.file.replace("/", "_")
                 files[asset.file] = _read(source, str(path))
     spec.meshdir = spec.texturedir = ""
     files[key] = _xml(spec, files, path)

@@ -114,24 +114,34 @@ def _round(radius: float, half: float, spacing_m: float, *, caps: bool) -> tuple
     return np.concatenate(points), np.concatenate(normals)
 
 
+THINNING = 8
+"""Points of a mesh that share a cell of an eighth of the spacing count once: fine meshes have more than needed."""
+
+
 def _mesh(model: mujoco.MjModel, mesh: int, spacing_m: float) -> tuple[Array, Array]:
     """Triangle samples of a mesh, at barycentric grids fine enough for the spacing."""
     vertices = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]].astype(float)
     faces = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]]
-    points, normals = [], []
-    for corner_a, corner_b, corner_c in vertices[faces]:
-        ab, ac = corner_b - corner_a, corner_c - corner_a
-        normal = np.cross(ab, ac)
-        area = float(np.linalg.norm(normal))
-        if area == 0.0:
-            continue
-        longest = max(np.linalg.norm(ab), np.linalg.norm(ac), np.linalg.norm(ac - ab))
-        steps = max(1, math.ceil(float(longest) / spacing_m))
-        weights = [(i / steps, j / steps) for i in range(steps + 1) for j in range(steps + 1 - i)]
-        samples = corner_a + np.array(weights) @ np.stack((ab, ac))
-        points.append(samples)
-        normals.append(np.tile(normal / area, (len(samples), 1)))
-    return np.concatenate(points), np.concatenate(normals)
+    corner, ab, ac = vertices[faces[:, 0]], *(vertices[faces[:, k]] - vertices[faces[:, 0]] for k in (1, 2))
+    normals = np.cross(ab, ac)
+    areas = np.linalg.norm(normals, axis=1)
+    longest = np.max([np.linalg.norm(edge, axis=1) for edge in (ab, ac, ac - ab)], axis=0)
+    steps = np.maximum(1, np.ceil(longest / spacing_m).astype(int))
+    points, outward = [], []
+    for count in np.unique(steps[areas > 0]):
+        chosen = (steps == count) & (areas > 0)
+        weights = np.array([(i, j) for i in range(count + 1) for j in range(count + 1 - i)]) / count
+        edges = np.stack((ab[chosen], ac[chosen]), axis=1)
+        points.append((corner[chosen][:, None] + weights @ edges).reshape(-1, 3))
+        outward.append(np.repeat(normals[chosen] / areas[chosen][:, None], len(weights), axis=0))
+    return _thinned(np.concatenate(points), np.concatenate(outward), spacing_m / THINNING)
+
+
+def _thinned(points: Array, normals: Array, cell_m: float) -> tuple[Array, Array]:
+    """One point per cell and side of the surface."""
+    keys = np.concatenate((np.floor(points / cell_m), np.round(normals)), axis=1)
+    first = np.sort(np.unique(keys, axis=0, return_index=True)[1])
+    return points[first], normals[first]
 
 
 def lowest_point(model: mujoco.MjModel, geom: int, matrix: Array) -> Array | None:

@@ -19,7 +19,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from taskgist.world.agent import GHOST_GROUP, Agent, ArmIndices
+from taskgist.world.agent import Agent, ArmIndices
 from taskgist.world.gaps import gap_m
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
@@ -59,12 +59,15 @@ class Stage:
         self.scene = scene
         self._data = mujoco.MjData(scene.model)
         self._alone: tuple[tuple[int, ...], mujoco.MjModel] | None = None
+        self._known: tuple[frozenset[str], mujoco.MjModel] = (frozenset(), scene.model)
         self.state = scene.initial if state is None else state
         self.show(self.state)
 
     def show(self, state: State) -> Self:
-        """Bring the scene into a state."""
+        """Bring the scene into a state. What was not tracked is left out: no ray meets it, and it blocks nothing."""
         self.state = state
+        if state.untracked != self._known[0]:
+            self._known = (state.untracked, self._model_without(self.scene.untracked_geoms(state.untracked)))
         self._data.qpos[:] = state.qpos
         mujoco.mj_kinematics(self.scene.model, self._data)
         return self
@@ -158,9 +161,9 @@ class Stage:
         return geoms, distances
 
     def _model_of(self, only: ArrayLike | None) -> mujoco.MjModel:
-        """The model, or for rays that meet only some shapes, our own copy of it in which no other shape is seen."""
+        """The model of what is known; for rays that meet only some shapes, a copy in which no other is seen."""
         if only is None:
-            return self.scene.model
+            return self._known[1]
         shapes = tuple(int(geom) for geom in np.asarray(only))
         if self._alone is None or self._alone[0] != shapes:
             model = copy.copy(self.scene.model) if self._alone is None else self._alone[1]
@@ -170,11 +173,18 @@ class Stage:
             self._alone = (shapes, model)
         return self._alone[1]
 
+    def _model_without(self, hidden: NDArray[np.intp]) -> mujoco.MjModel:
+        if not len(hidden):
+            return self.scene.model
+        model = copy.copy(self.scene.model)
+        model.geom_group[hidden] = UNSEEN_GROUP
+        return model
+
     def normal(self, origin: ArrayLike, direction: ArrayLike, *, exclude_body: int = -1) -> Array | None:
         """Outward normal (3,) of the surface that one ray meets; None where it meets nothing."""
         normal = np.zeros(3)
         hit = mujoco.mj_ray(
-            self.scene.model,
+            self._known[1],
             self._data,
             np.asarray(origin, dtype=float),
             np.asarray(direction, dtype=float),
@@ -224,10 +234,16 @@ class Stage:
             self._data.geom_xmat[ghost] = pose.matrix.ravel()
 
     def solid_geoms(self) -> NDArray[np.intp]:
-        """Indices of the shapes that block: all but ghosts and those that the model lets nothing collide with."""
-        model = self.scene.model
-        touching = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
-        return np.flatnonzero(touching & (model.geom_group != GHOST_GROUP))
+        """Indices of the shapes that block: all but ghosts, those that nothing collides with, and what is untracked."""
+        hidden = self.scene.untracked_geoms(self.state.untracked)
+        return self.scene.solid_geoms if not len(hidden) else np.setdiff1d(self.scene.solid_geoms, hidden)
+
+    def in_bounds(self, geoms: ArrayLike, point: ArrayLike) -> bool:
+        """Whether a point lies in the box, along the world's axes, around the bounding spheres of some shapes."""
+        shapes = np.asarray(geoms, dtype=np.intp)
+        centers, radius = self._data.geom_xpos[shapes], self.scene.model.geom_rbound[shapes][:, None]
+        low, high = (centers - radius).min(axis=0), (centers + radius).max(axis=0)
+        return bool(np.all(low <= point) and np.all(point <= high))
 
     def is_plane(self, geom: int) -> bool:
         """Whether a shape is an endless plane, such as the floor."""
