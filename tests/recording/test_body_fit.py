@@ -9,6 +9,9 @@ from taskgist.recording import Recording, import_recording, load_mapping, read, 
 from taskgist.recording.body_size import estimate_size, stands
 from taskgist.settings import DEFAULT
 from taskgist.world import Fitter, Scene, Stage, posture_of
+from taskgist.world.rotations import about_z, matrix_from_wxyz
+from tests.recording.skeletons import NAMES as KEYPOINTS
+from tests.recording.skeletons import standing
 from tests.scenes import CHAIR, agent, scene
 
 STATURE_M = 1.68
@@ -133,3 +136,19 @@ def test_an_imported_recording_survives_the_disk(tmp_path: Path) -> None:
     again = read(tmp_path / "a.mcap")
     np.testing.assert_allclose(again.qpos, recording.qpos, atol=2e-4)
     assert again.scene.agent("P1").stature_m == recording.scene.agent("P1").stature_m
+
+
+def test_a_body_is_fitted_alike_whichever_way_it_faces() -> None:
+    """Targets that no body meets exactly weigh the same for all headings."""
+    rng = np.random.default_rng(5)
+    room = scene(agents=agent("P1", 0.0, 0.0))
+    names = ["pelvis", "nose", *(f"{side}_{part}" for side in ("left", "right") for part in SIDED[:3])]
+    body = standing()[[KEYPOINTS.index(name.upper()) for name in names]] + rng.normal(scale=0.03, size=(len(names), 3))
+    start, base = room.initial, room.base_slice("P1")
+    joints = []
+    for yaw in (0.0, 1.0, np.pi, -2.0):
+        turned = body @ matrix_from_wxyz(about_z(yaw)).T
+        facing = start.replace(at=base, to=(*start.qpos[base][:3], *about_z(yaw)))
+        fit = Fitter(room, "P1").fit(facing, points=dict(zip(names, turned, strict=True)), iterations=200)
+        joints.append(fit.state.qpos[room.joint_indices("P1")])
+    assert np.degrees(np.ptp(joints, axis=0)).max() < 0.1

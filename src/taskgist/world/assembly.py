@@ -49,6 +49,7 @@ def assemble(file: SceneFile, bundle: Mapping[str, bytes]) -> Assembled:
     files = dict(bundle)
     profiles = {entry.name: _profile(entry, files, file.where) for entry in file.agents}
     room = _spec(files, file.model, file.where)
+    _check_names(file, room)
     for entry in file.agents:
         body = _agent_spec(profiles[entry.name], files, entry)
         room.attach(body, prefix=f"{entry.name}/", frame=room.worldbody.add_frame())
@@ -60,6 +61,17 @@ def assemble(file: SceneFile, bundle: Mapping[str, bytes]) -> Assembled:
     return Assembled(model, agents, initial, files)
 
 
+def _check_names(file: SceneFile, room: mujoco.MjSpec) -> None:
+    """An agent is told from furniture and objects by its name, so none of them may share it."""
+    taken = {str(item.name).partition("/")[0] for item in (*room.bodies, *room.geoms)}
+    for entry in file.agents:
+        if entry.name in taken:
+            hint = "rename the agent, or the body or shape of the model"
+            raise SceneError(
+                "the model has something of that name", where=file.where, field="agents", value=entry.name, hint=hint
+            )
+
+
 def _stature(entry: AgentEntry) -> float:
     return entry.body.get(STATURE, DEFAULT_STATURE_M)
 
@@ -67,8 +79,7 @@ def _stature(entry: AgentEntry) -> float:
 def _profile(entry: AgentEntry, files: dict[str, bytes], where: str) -> AgentProfile:
     if entry.profile_key not in files:
         files[entry.profile_key] = builtin_profile_text(entry.profile).encode()
-    text = files[entry.profile_key].decode("utf-8")
-    profile = parse_profile(text, where=f"{where}: {entry.profile_key}", stature_m=_stature(entry))
+    profile = parse_profile(files[entry.profile_key], where=f"{where}: {entry.profile_key}", stature_m=_stature(entry))
     if entry.model_key not in files:
         if profile.model not in BUILDERS:
             raise UnknownNameError("model", profile.model, BUILDERS, where=f"{where}: {entry.profile_key}")

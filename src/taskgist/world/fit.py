@@ -58,9 +58,9 @@ POSTURE_COST = 1e-3
 """Pull towards the posture of rest for joints that nothing else decides."""
 STIFF: Mapping[str, float] = {"girdle": 20.0, "torso": 10.0, "torso_side": 40.0, "head_roll": 40.0, "wrist": 3.0}
 """How much more reluctantly joints move than others, by words in their names: people bend sideways last (ours)."""
-DAMPING = 3e-4
-"""Pull of a step towards none: joints that the targets hardly decide would else swing to and fro. With 1e-3 a frame of
-noisy keypoints needs 4 steps, with 1e-6 it needs 14 and ends no better."""
+STEP_DAMPING = 3e-4
+"""Pull of a step towards none: joints that the targets hardly decide would else swing to and fro. With 3e-4 a frame of
+noisy keypoints needs 6 steps, with 1e-6 it needs 14 and ends no better."""
 CONVERGED_RAD = 2e-4
 LONGEST_STEP = 0.5
 """Radians or metres that one step may change a joint by."""
@@ -165,7 +165,7 @@ class Fitter:
         configuration, before = self._configuration, np.array(self._configuration.q)
         cost = _cost(tasks, configuration)
         step = mink.solve_ik(
-            configuration, tasks, 1.0, "daqp", damping=DAMPING, limits=self._limits, constraints=self._frozen
+            configuration, tasks, 1.0, "daqp", damping=STEP_DAMPING, limits=self._limits, constraints=self._frozen
         )
         step = step * min(1.0, LONGEST_STEP / max(float(np.abs(step).max()), 1e-12))
         for _ in range(HALVINGS):

@@ -7,14 +7,13 @@ whether an agent is a human or a robot. ``profiles/human.toml`` is the built-in 
 from __future__ import annotations
 
 import math
-import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
-from taskgist.errors import SceneError
+from taskgist.errors import UnknownNameError
+from taskgist.world.toml_table import TomlTable
 
 Posture = Literal["standing", "sitting"]
 POSTURES: tuple[Posture, ...] = get_args(Posture)
@@ -82,7 +81,7 @@ class Hand:
 
 @dataclass(frozen=True)
 class AgentProfile:
-    """What a body can do. ``text`` is the TOML it came from; ``model`` names its model."""
+    """What a body can do; ``model`` names its model."""
 
     name: str
     model: str
@@ -96,7 +95,6 @@ class AgentProfile:
     arms: tuple[Arm, ...]
     hand: Hand | None
     parts: tuple[tuple[str, tuple[str, ...]], ...]
-    text: str
 
     @property
     def part_names(self) -> tuple[str, ...]:
@@ -115,7 +113,7 @@ def builtin_profile_text(name: str) -> str:
     return (resources.files("taskgist.world") / "profiles" / f"{name}.toml").read_text(encoding="utf-8")
 
 
-def parse_profile(text: str, *, where: str | Path, stature_m: float | None = None) -> AgentProfile:
+def parse_profile(text: bytes | str, *, where: str | Path, stature_m: float | None = None) -> AgentProfile:
     """Read a profile.
 
     Args:
@@ -126,130 +124,85 @@ def parse_profile(text: str, *, where: str | Path, stature_m: float | None = Non
     Raises:
         SceneError: A field is missing or has a value that cannot be.
     """
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"not valid TOML: {error}", where=where) from error
-    read = _Reader(table, where)
-    legs = read.table("posture", {})
+    table = TomlTable.parse(text, where)
+    parts = table.table("parts")
+    head, torso = table.table("head"), table.table("torso")
     return AgentProfile(
-        name=read.text("name"),
-        model=read.text("model"),
-        eye=_eye(_Reader(read.table("eye"), where, "eye.")),
-        pan=_axis(read.table("head", {}), "pan", where),
-        tilt=_axis(read.table("head", {}), "tilt", where),
-        turn=_axis(read.table("torso", {}), "turn", where),
-        lean=_axis(read.table("torso", {}), "lean", where),
-        legs=_legs(legs, where),
-        moves=bool(read.table("base", {}).get("moves", False)),
-        arms=tuple(_arm(_Reader(arm, where, "arms."), stature_m) for arm in table.get("arms", ())),
-        hand=_hand(_Reader(read.table("hand"), where, "hand.")) if "hand" in table else None,
-        parts=tuple((name, tuple(bodies)) for name, bodies in read.table("parts", {}).items()),
-        text=text,
+        name=table.text("name"),
+        model=table.text("model"),
+        eye=_eye(table.table("eye")),
+        pan=_axis(head, "pan"),
+        tilt=_axis(head, "tilt"),
+        turn=_axis(torso, "turn"),
+        lean=_axis(torso, "lean"),
+        legs=_legs(table.table("posture")),
+        moves=table.table("base").flag("moves", default=False),
+        arms=tuple(_arm(arm, stature_m) for arm in table.tables("arms")),
+        hand=_hand(table.table("hand")) if "hand" in table else None,
+        parts=tuple((name, parts.names(name)) for name in parts),
     )
-
-
-class _Reader:
-    """Typed access to a TOML table, with errors that name the field."""
-
-    def __init__(self, table: Mapping[str, Any], where: str | Path, prefix: str = "") -> None:
-        self._table, self._where, self._prefix = table, where, prefix
-
-    def _get(self, key: str) -> Any:
-        if key not in self._table:
-            raise SceneError(
-                "missing from the profile",
-                where=self._where,
-                field=self._prefix + key,
-                hint="profiles/human.toml shows every field",
-            )
-        return self._table[key]
-
-    def text(self, key: str) -> str:
-        return str(self._get(key))
-
-    def number(self, key: str, default: float | None = None) -> float:
-        value = self._table.get(key, default) if default is not None else self._get(key)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise self._wrong(key, value, "a number")
-        return float(value)
-
-    def pair(self, key: str) -> tuple[float, float]:
-        value = self._get(key)
-        if not isinstance(value, list) or len(value) != 2 or not all(isinstance(v, int | float) for v in value):
-            raise self._wrong(key, value, "two numbers")
-        return float(value[0]), float(value[1])
-
-    def table(self, key: str, default: Mapping[str, Any] | None = None) -> Mapping[str, Any]:
-        value = self._table.get(key, default) if default is not None else self._get(key)
-        if not isinstance(value, Mapping):
-            raise self._wrong(key, value, "a table")
-        return value
-
-    def _wrong(self, key: str, value: object, wanted: str) -> SceneError:
-        return SceneError(f"must be {wanted}", where=self._where, field=self._prefix + key, value=value)
 
 
 def _radians(pair: tuple[float, float]) -> tuple[float, float]:
     return math.radians(pair[0]), math.radians(pair[1])
 
 
-def _eye(read: _Reader) -> Eye:
-    width, height = (int(v) for v in read.pair("image_px"))
-    fov = _radians(read.pair("fov_deg"))
-    if width < 1 or height < 1 or not all(0 < angle < math.pi for angle in fov):
-        raise SceneError(
-            "an image needs at least one pixel, and a field of view between 0 and 180 degrees",
-            field="eye.image_px, eye.fov_deg",
-            value=((width, height), tuple(math.degrees(a) for a in fov)),
-        )
+def _eye(table: TomlTable) -> Eye:
+    pixels, fov = table.pair("image_px"), table.pair("fov_deg")
+    if not all(value >= 1 and value == int(value) for value in pixels):
+        raise table.error("an image needs at least one pixel each way", "image_px", pixels, "as [320, 240]")
+    if not all(0 < angle < 180 for angle in fov):
+        raise table.error("a pinhole sees between 0 and 180 degrees", "fov_deg", fov, "as [120, 105]")
     return Eye(
-        site=read.text("site"),
-        exclude=read.text("exclude"),
-        fov_rad=fov,
-        image_px=(width, height),
-        gaze_cone_rad=math.radians(read.number("gaze_cone_deg")),
+        site=table.text("site"),
+        exclude=table.text("exclude"),
+        fov_rad=_radians(fov),
+        image_px=(int(pixels[0]), int(pixels[1])),
+        gaze_cone_rad=math.radians(table.number("gaze_cone_deg")),
     )
 
 
-def _axis(table: Mapping[str, Any], key: str, where: str | Path) -> Axis | None:
+def _axis(table: TomlTable, key: str) -> Axis | None:
     if key not in table:
         return None
-    read = _Reader(table[key], where, f"{key}.")
-    return Axis(read.text("joint"), _radians(read.pair("range_deg")))
+    axis = table.table(key)
+    return Axis(axis.text("joint"), _radians(axis.pair("range_deg")))
 
 
-def _legs(table: Mapping[str, Any], where: str | Path) -> Legs:
-    if not table:
+def _legs(table: TomlTable) -> Legs:
+    if not list(table):
         return Legs()
-    for posture in table.get("can", ()):
-        if posture not in POSTURES:
-            raise SceneError(
-                "no such posture",
-                where=where,
-                field="posture.can",
-                value=posture,
-                hint=f"known: {', '.join(POSTURES)}",
-            )
-    names = {key: tuple(table.get(key, ())) for key in ("can", "hips", "knees", "ankles", "thighs", "feet")}
-    return Legs(**names, seat_share=float(table.get("seat_share", 0.0)))
+    names = {key: table.names(key) for key in ("hips", "knees", "ankles", "thighs", "feet")}
+    can = tuple(read_posture(name, where=f"{table.where}: {table.path}") for name in table.names("can"))
+    return Legs(can=can, **names, seat_share=table.number("seat_share", 0.0))
 
 
-def _arm(read: _Reader, stature_m: float | None) -> Arm:
-    share = read.number("length_share", 0.0)
-    length = share * stature_m if share and stature_m else read.number("length_m")
+def read_posture(name: str, *, where: str | Path) -> Posture:
+    """A posture by its name.
+
+    Raises:
+        UnknownNameError: There is no such posture.
+    """
+    for posture in POSTURES:
+        if name == posture:
+            return posture
+    raise UnknownNameError("posture", name, POSTURES, where=where)
+
+
+def _arm(table: TomlTable, stature_m: float | None) -> Arm:
+    by_share = stature_m is not None and "length_share" in table
     return Arm(
-        **{key: read.text(key) for key in ("side", "shoulder", "hand", "palm", "root")},
-        length_m=length,
-        azimuth_rad=_radians(read.pair("azimuth_deg")),
-        elevation_rad=_radians(read.pair("elevation_deg")),
+        **{key: table.text(key) for key in ("side", "shoulder", "hand", "palm", "root")},
+        length_m=table.number("length_share") * stature_m if by_share and stature_m else table.number("length_m"),
+        azimuth_rad=_radians(table.pair("azimuth_deg")),
+        elevation_rad=_radians(table.pair("elevation_deg")),
     )
 
 
-def _hand(read: _Reader) -> Hand:
+def _hand(table: TomlTable) -> Hand:
     return Hand(
-        opening_m=read.number("opening_m"),
-        finger_length_m=read.number("finger_length_m"),
-        finger_thickness_m=read.number("finger_thickness_m"),
-        palm_m=read.pair("palm_m"),
+        opening_m=table.number("opening_m"),
+        finger_length_m=table.number("finger_length_m"),
+        finger_thickness_m=table.number("finger_thickness_m"),
+        palm_m=table.pair("palm_m"),
     )

@@ -80,7 +80,7 @@ class Scene:
         """
         if SCENE_FILE not in bundle:
             raise SceneError("no scene.toml in the scene's files", where=where)
-        file = parse_scene_file(bundle[SCENE_FILE].decode("utf-8"), where=where)
+        file = parse_scene_file(bundle[SCENE_FILE], where=where)
         assembled = assemble(file, bundle)
         return _scene(file, assembled)
 
@@ -197,6 +197,10 @@ class Scene:
 def _scene(file: SceneFile, assembled: Assembled) -> Scene:
     model = assembled.model
     objects = _objects(file, model, set(assembled.agents))
+    bodies = {str(model.body(b).name) for b in range(1, model.nbody)}
+    for name in file.estimated:
+        if name not in bodies:
+            raise UnknownNameError("body", name, bodies, where=f"{file.where}: scene.estimated")
     return Scene(
         name=file.name,
         model=model,

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import mujoco
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.profile import POSTURES, Posture, builtin_profile_text, builtin_profiles, parse_profile
+from taskgist.world.profile import Posture, builtin_profile_text, builtin_profiles, parse_profile, read_posture
+from taskgist.world.toml_table import TomlTable
 
 SCENE_KEYS = {"name", "model", "objects", "estimated"}
 AGENT_KEYS = {"profile", "position_m", "yaw_deg", "posture", "seat_height_m", "body", "joints_deg"}
+SEAT_HEIGHTS_M = (0.0, 1.5)
 STATURE = "stature_m"
 DEFAULT_STATURE_M = 1.75
 
@@ -56,74 +56,47 @@ class SceneFile:
     where: str = field(compare=False)
 
 
-def parse_scene_file(text: str, *, where: str) -> SceneFile:
+def parse_scene_file(text: bytes | str, *, where: str) -> SceneFile:
     """Read a scene file's text.
 
     Raises:
         SceneError: Not TOML, or a field is missing, unknown or has a value that cannot be.
     """
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"not valid TOML: {error}", where=where) from error
-    scene = table.get("scene", {})
-    _only(scene, SCENE_KEYS, "scene", where)
-    if "model" not in scene:
-        raise SceneError("missing", where=where, field="scene.model", hint="name the MJCF or URDF file of the room")
-    agents = tuple(_agent(name, entry, where) for name, entry in table.get("agents", {}).items())
-    objects = scene.get("objects")
+    document = TomlTable.parse(text, where).only({"scene", "agents"})
+    scene = document.table("scene").only(SCENE_KEYS)
+    agents = document.table("agents")
     return SceneFile(
-        name=str(scene.get("name", Path(where).stem)),
-        model=str(scene["model"]),
-        objects=None if objects is None else tuple(objects),
-        estimated=tuple(scene.get("estimated", ())),
-        agents=agents,
+        name=scene.text("name", Path(where).stem),
+        model=scene.text("model"),
+        objects=scene.names("objects") if "objects" in scene else None,
+        estimated=scene.names("estimated"),
+        agents=tuple(_agent(name, agents.table(name).only(AGENT_KEYS)) for name in agents),
         where=where,
     )
 
 
-def _agent(name: str, entry: Mapping[str, Any], where: str) -> AgentEntry:
-    prefix = f"agents.{name}"
-    _only(entry, AGENT_KEYS, prefix, where)
-    if "/" in name:
-        raise SceneError("an agent's name has no slash", where=where, field=prefix, value=name)
-    position = entry.get("position_m", (0.0, 0.0))
-    if len(position) != 2 or not all(_finite(v) for v in position):
-        hint = "two numbers in metres: the floor point beneath the pelvis or base"
-        raise SceneError("not a floor position", where=where, field=f"{prefix}.position_m", value=position, hint=hint)
-    posture = entry.get("posture", "standing")
-    if posture not in POSTURES:
-        raise UnknownNameError("posture", str(posture), POSTURES, where=f"{where}: {prefix}")
+def _agent(name: str, entry: TomlTable) -> AgentEntry:
+    if "/" in name or not name:
+        raise SceneError("not a name for an agent", where=entry.where, field=entry.path, hint="leave out the slash")
+    body, joints = entry.table("body"), entry.table("joints_deg")
     return AgentEntry(
         name=name,
-        profile=str(entry.get("profile", "human")),
-        position_m=(float(position[0]), float(position[1])),
-        yaw_rad=math.radians(_number(entry, "yaw_deg", prefix, where)),
-        posture=posture,
-        seat_height_m=_number(entry, "seat_height_m", prefix, where) if "seat_height_m" in entry else None,
-        body={key: _number(entry["body"], key, f"{prefix}.body", where) for key in entry.get("body", {})},
-        joints_rad={
-            key: math.radians(_number(entry["joints_deg"], key, f"{prefix}.joints_deg", where))
-            for key in entry.get("joints_deg", {})
-        },
+        profile=entry.text("profile", "human"),
+        position_m=entry.pair("position_m", (0.0, 0.0)),
+        yaw_rad=math.radians(entry.number("yaw_deg", 0.0)),
+        posture=read_posture(entry.text("posture", "standing"), where=f"{entry.where}: {entry.path}"),
+        seat_height_m=_seat_height(entry) if "seat_height_m" in entry else None,
+        body={key: body.number(key) for key in body},
+        joints_rad={key: math.radians(joints.number(key)) for key in joints},
     )
 
 
-def _number(table: Mapping[str, Any], key: str, prefix: str, where: str) -> float:
-    value = table.get(key, 0.0)
-    if not _finite(value):
-        raise SceneError("must be a finite number", where=where, field=f"{prefix}.{key}", value=value)
-    return float(value)
-
-
-def _finite(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def _only(table: Mapping[str, Any], known: set[str], prefix: str, where: str) -> None:
-    for key in table:
-        if key not in known:
-            raise UnknownNameError("field", key, known, where=f"{where}: [{prefix}]")
+def _seat_height(entry: TomlTable) -> float:
+    height = entry.number("seat_height_m")
+    if not SEAT_HEIGHTS_M[0] <= height <= SEAT_HEIGHTS_M[1]:
+        hint = f"between {SEAT_HEIGHTS_M[0]} and {SEAT_HEIGHTS_M[1]} m over the floor"
+        raise entry.error("nobody sits at that height", "seat_height_m", height, hint)
+    return height
 
 
 def bundle_from_path(path: Path) -> dict[str, bytes]:
@@ -139,7 +112,7 @@ def bundle_from_path(path: Path) -> dict[str, bytes]:
         SceneError: A file is missing or is no model.
     """
     text = _read(path, None)
-    file = parse_scene_file(text.decode("utf-8"), where=str(path))
+    file = parse_scene_file(text, where=str(path))
     bundle = {"scene.toml": text}
     bundle |= _model_files(path.parent / file.model, file.model, "", where=str(path), field="scene.model")
     for agent in file.agents:
@@ -155,7 +128,7 @@ def _profile_files(agent: AgentEntry, scene_path: Path) -> dict[str, bytes]:
         raise UnknownNameError("profile", agent.profile, builtin_profiles(), where=f"{scene_path}: agents.{agent.name}")
     field = f"agents.{agent.name}.profile"
     text = _read(profile_path, f"{scene_path}: {field}")
-    profile = parse_profile(text.decode("utf-8"), where=profile_path, stature_m=agent.body.get(STATURE))
+    profile = parse_profile(text, where=profile_path, stature_m=agent.body.get(STATURE))
     if profile.model in builtin_profiles():
         return {agent.profile_key: text}
     model_path = profile_path.parent / profile.model

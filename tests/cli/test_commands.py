@@ -1,0 +1,244 @@
+"""Each command does what it says, on the shipped recordings: as text, and as one JSON document."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from taskgist.facts import STANDARD_TREE
+from taskgist.learning import Knowledge
+from taskgist.recording import read, write
+from taskgist.store import load, save
+from tests.cli.running import contents, run, run_json
+from tests.recording.skeletons import mapping_file, npz_mapping
+from tests.shipped import PATHS, excerpt, explanation
+
+SHOW = PATHS["show_a"]
+PNG = b"\x89PNG\r\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def handovers(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """The essential seconds of two handovers."""
+    folder = tmp_path_factory.mktemp("handovers")
+    for name in ("handover_1", "handover_2"):
+        write(excerpt(name, 1.2, 4.2), folder / f"{name}.mcap")
+    return folder / "handover_1.mcap", folder / "handover_2.mcap"
+
+
+@pytest.fixture
+def own(folder: Path, handovers: tuple[Path, Path]) -> Path:
+    """A copy of a recording, to be changed."""
+    return Path(shutil.copyfile(handovers[0], folder / "own.mcap"))
+
+
+def test_demo(folder: Path, monkeypatch: pytest.MonkeyPatch, handovers: tuple[Path, Path]) -> None:
+    """With one recording; the whole is held against the README."""
+    monkeypatch.setattr("taskgist.cli.demo.TASKS", {"give": "a real handover"})
+    monkeypatch.setattr("taskgist.cli.demo.shipped_recordings", lambda _: [handovers[0]])
+    document = run_json("demo -o out/new")
+    assert set(contents(folder)) == {"out", "out/new", "out/new/give.png", "out/new/knowledge.db"}
+    assert document["knowledge"] == "out/new/knowledge.db"
+    assert document["tasks"]["give"]["picture"] == "out/new/give.png"
+    assert {each["name"] for each in document["tasks"]["give"]["demonstrations"]} == {"handover_1"}
+    assert (folder / "out/new/give.png").read_bytes().startswith(PNG)
+    assert document["tasks"]["give"] == {
+        **run_json("explain give -k out/new/knowledge.db"),
+        "picture": "out/new/give.png",
+    }
+
+
+def test_import(folder: Path) -> None:
+    mapping_file(folder, npz_mapping(folder))
+    text = run("import mapping.toml -o out.mcap")
+    assert text.startswith("wrote out.mcap: 31 frames, 1.00 s\n")
+    assert "fit of P1" in text
+    made = read("out.mcap")
+    document = run_json("import mapping.toml -o again.mcap")
+    assert document["recording"] == "again.mcap"
+    assert (document["frames"], document["agents"], document["objects"]) == (31, ["P1", "P2"], ["cup"])
+    assert set(document["fit"]) == {"P1", "P2"}
+    assert read("again.mcap").digest == made.digest
+    assert set(contents(folder)) == {"mapping.toml", "data.npz", "out.mcap", "again.mcap"}
+
+
+def test_import_with_parameters(folder: Path) -> None:
+    (folder / "data").mkdir()
+    mapping_file(folder, npz_mapping(folder / "data").replace("data.npz", "{take}.npz") + '[parameters]\ntake = ""\n')
+    document = run_json("import mapping.toml --data data --set take=data -o out.mcap")
+    assert read("out.mcap").name == "mapping"
+    assert document["seconds"] == pytest.approx(1.0)
+
+
+def test_label_shows(own: Path) -> None:
+    before = own.read_bytes()
+    text = run("label own.mcap")
+    assert "target agent      P2\n" in text
+    document = run_json("label own.mcap")
+    assert (document["task"], document["performing_agent"], document["target_object"]) == ("give", "P1", "baton")
+    assert own.read_bytes() == before
+
+
+def test_label_sets_and_changes_nothing_else(own: Path) -> None:
+    original = read(own)
+    assert original.label is not None
+    document = run_json("label own.mcap --task pass --performer P2 --target P1 --object baton --start 1.5 --end 2.5")
+    assert [document[key] for key in ("task", "performing_agent", "start_s", "end_s")] == ["pass", "P2", 1.5, 2.5]
+    changed = read(own)
+    assert vars(changed.label) == document
+    assert changed.digest == original.digest
+    assert changed.provenance == original.provenance
+    assert set(changed.signals) == set(original.signals)
+    run("label own.mcap --start 1.4")
+    run("label own.mcap --start 1.3")
+    again = run_json("label own.mcap")
+    assert again == {**document, "start_s": 1.3, "how": again["how"]}
+    assert again["how"].startswith(original.label.how), "how the end was found is not forgotten"
+    assert again["how"].count("by hand: start_s") == 1
+
+
+def test_label_tries_without_writing(own: Path) -> None:
+    before = own.read_bytes()
+    assert run_json("label own.mcap --end 3 --dry-run")["end_s"] == 3.0
+    assert own.read_bytes() == before
+
+
+def test_label_proposes(own: Path) -> None:
+    write(read(own).with_label(None), own)
+    assert "no label; set one with --task" in run("label own.mcap", exit_code=1)
+    assert run_json("label own.mcap", exit_code=1) is None
+    document = run_json("label own.mcap --propose --end 3.5")
+    assert (document["task"], document["performing_agent"], document["target_agent"]) == ("give", "P1", "P2")
+    assert document["end_s"] == 3.5
+    assert document["how"].startswith("proposed: ")
+    assert document["how"].endswith("by hand: end_s")
+    assert vars(read(own).label) == document
+
+
+def test_check(own: Path, folder: Path, handovers: tuple[Path, Path]) -> None:
+    write(read(own).with_label(None), own)
+    text = run(f"check own.mcap {handovers[0]}", exit_code=1)
+    assert f"{handovers[0]}: fit to learn from\n" in text
+    assert "own.mcap: not fit to learn from\n  unfit    label: there is none → set one: " in text
+    (folder / "more").mkdir()
+    own.rename("more/own.mcap")
+    (document,) = run_json("check more", exit_code=1)
+    assert (document["recording"], document["fit"]) == ("more/own.mcap", False)
+    assert document["findings"][0]["severity"] == "unfit"
+
+
+def test_facts_over_time(handovers: tuple[Path, Path]) -> None:
+    document = run_json(f"facts {handovers[0]} --every 2")
+    assert (document["agent"], document["object"], document["every_s"]) == ("P2", "baton", 2.0)
+    assert set(document["timeline"]) == set(STANDARD_TREE.attributes)
+    assert {name: node["value"] for name, node in document["effect"].items()} == {
+        name: node.to_json()["value"] for name, node in explanation("handover_1").nodes.items()
+    }
+    text = run(f"facts {handovers[0]}")
+    assert text.startswith("baton for P2, sampled every 0.5 s\n")
+    assert "  placement\n" in text
+    assert "Object_Relative_Status = Gaining(In_Hand) & Losing(On_Support)" in text
+
+
+def test_facts_of_another_agent_and_object() -> None:
+    document = run_json(f"facts {SHOW} --agent P1 --object bottle --every 5")
+    assert (document["agent"], document["object"]) == ("P1", "bottle")
+    assert document["effect"]["placement.class"]["value"] == "Maintaining(On_Support)"
+
+
+def test_facts_at_a_time(handovers: tuple[Path, Path]) -> None:
+    document = run_json(f"facts {handovers[0]} --agent P2 --object baton --at 3.5")
+    assert document["time_s"] == pytest.approx(3.5, abs=1 / 60)
+    assert document["attributes"]["hands"]["value"]["right"] == "Holding_Object"
+    assert document["attributes"]["reach.effort"]["value"] == "No_Effort_Required"
+    text = run(f"facts {handovers[0]} --at 1.7")
+    assert "baton for P2 at 1.70 s" in text
+    assert "beyond the" in text
+
+
+def test_learn_and_explain(folder: Path, handovers: tuple[Path, Path]) -> None:
+    learned = run_json(f"learn {handovers[0]} {handovers[1]} -k k.db")
+    assert set(learned["tasks"]) == {"give"}
+    before = load("k.db")
+    text = run(f"learn {handovers[0]} -k k.db")
+    assert "kept in k.db" in text
+    assert load("k.db") == before, "what is known already changes nothing"
+    assert run_json("explain give -k k.db") == learned["tasks"]["give"]
+    assert run("explain -k k.db") == "give\n"
+    assert run_json("explain -k k.db") == ["give"]
+    whole = run("explain give -k k.db")
+    assert "Task(give) ←   learned from 2 demonstrations" in whole
+    assert all(f"{node.title} = " in whole for node in STANDARD_TREE.nodes)
+    assert set(contents(folder)) == {"k.db"}
+
+
+def test_learn_from_facts_and_recordings_at_once(folder: Path, handovers: tuple[Path, Path]) -> None:
+    for path in handovers:
+        shutil.copyfile(path, folder / path.name)
+    document = {
+        "schema": "taskgist.facts/1",
+        "task": "give",
+        "demonstration": "told",
+        "performing_agent": "P1",
+        "target_agent": "P2",
+        "target_object": "cup",
+        "start": {"posture": "Sitting"},
+        "end": {"posture": "Sitting"},
+    }
+    (folder / "told.json").write_text(json.dumps(document), encoding="utf-8")
+    learned = run_json("learn . told.json")
+    (nodes,) = [each["nodes"] for each in learned["tasks"].values()]
+    assert nodes["posture.value.1"]["counts"] == {"Standing": 2, "Sitting": 1}
+    assert nodes["placement.status.1"]["N"] == 2, "unknown is not counted"
+    assert (folder / "knowledge.db").is_file()
+
+
+def test_explain_why_and_with_another_band(folder: Path) -> None:
+    save(Knowledge().add(explanation("handover_1"), explanation("handover_2")), folder / "k.db")
+    text = run("explain give -k k.db --why visibility.class")
+    assert text.startswith("Object_Relative_Visibility_Score counts: ")
+    assert run_json("explain give -k k.db --why visibility.class")["why"] == text.strip()
+    narrow, wide = (run_json(f"explain give -k k.db --band {band}")["nodes"] for band in ("narrow", "wide"))
+    assert narrow["visibility.class"]["d1"]["exact"] == "21/40"
+    assert wide["visibility.class"]["d1"]["exact"] == "3/10"
+
+
+def test_see_a_recording(folder: Path) -> None:
+    shutil.copyfile(SHOW, folder / "show.mcap")
+    text = run("see show.mcap --agent P2 --object cup --at 6.4")
+    assert text.startswith("saved show_P2_sees.png\n")
+    assert "visibility score" in text
+    assert (folder / "show_P2_sees.png").read_bytes().startswith(PNG)
+    document = run_json("see show.mcap --agent P2 --at 6.4 -o out.png")
+    assert document["picture"] == "out.png"
+    assert document["time_s"] == pytest.approx(6.4, abs=0.02)
+    assert set(document["objects"]) == {"cup", "book", "bottle", "white_box"}
+    assert document["objects"]["cup"]["visibility"] > 0
+    assert set(contents(folder)) == {"show.mcap", "show_P2_sees.png", "out.png"}
+
+
+def test_see_a_scene(folder: Path) -> None:
+    room = (
+        '<mujoco><worldbody><body name="cup" pos="1 0 1.5"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>'
+    )
+    (folder / "room.xml").write_text(room, encoding="utf-8")
+    (folder / "room.toml").write_text('[scene]\nmodel = "room.xml"\n[agents.P1]\n[agents.P2]\nposition_m = [0, 9]\n')
+    assert "cup                  visibility score" in run("see room.toml --agent P1")
+    assert "not visible" in run("see room.toml --agent P2")
+    assert set(contents(folder)) == {"room.xml", "room.toml", "room_P1_sees.png", "room_P2_sees.png"}
+
+
+def test_names_in_brackets_and_colons_are_printed_as_they_are(own: Path) -> None:
+    own.rename("take[bold] :cup:.mcap")
+    assert run("check 'take[bold] :cup:.mcap'").startswith("take[bold] :cup:.mcap: fit")
+    assert run("label 'take[bold] :cup:.mcap' --task 'a [b] :cup:'").startswith("task              a [b] :cup:\n")

@@ -1,0 +1,61 @@
+"""The shipped recordings: each read, watched and explained once per process."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from taskgist.learning import Explanation, Knowledge, explain
+from taskgist.observe import Observer
+from taskgist.recording import Label, Recording, read
+from taskgist.study import episode_of, label_of, observe_recording, shipped_recordings
+
+TASKS = ("give", "show", "hide")
+PATHS: dict[str, Path] = {path.stem: path for task in TASKS for path in shipped_recordings(task)}
+NAMES = tuple(PATHS)
+
+
+def names_of(task: str) -> tuple[str, ...]:
+    return tuple(path.stem for path in shipped_recordings(task))
+
+
+@cache
+def recording(name: str) -> Recording:
+    return read(PATHS[name])
+
+
+@cache
+def excerpt(name: str, start_s: float, end_s: float, every: int = 1) -> Recording:
+    """A part of a recording, or some of its frames: sooner watched than all of it. Its label must lie inside."""
+    whole = recording(name)
+    part = np.flatnonzero((whole.times_s >= start_s) & (whole.times_s <= end_s))[::every]
+    return replace(
+        whole,
+        times_s=whole.times_s[part],
+        qpos=whole.qpos[part],
+        tracked={key: flags[part] for key, flags in whole.tracked.items()},
+        signals={key: replace(signal, values=signal.values[part]) for key, signal in whole.signals.items()},
+    )
+
+
+@cache
+def label(name: str) -> Label:
+    return label_of(recording(name))
+
+
+@cache
+def observer(name: str) -> Observer:
+    return observe_recording(recording(name))
+
+
+@cache
+def explanation(name: str) -> Explanation:
+    return explain(episode_of(recording(name), observer=observer(name)))
+
+
+@cache
+def knowledge(*tasks: str) -> Knowledge:
+    return Knowledge().add(*(explanation(name) for task in tasks for name in names_of(task)))

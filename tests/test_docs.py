@@ -1,0 +1,130 @@
+"""The pages keep their word: links lead somewhere, commands parse, tables are those of the code."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from taskgist.facts import STANDARD_TREE, parse_facts
+from tests.command_lines import parse
+from tests.test_architecture import CORE, ROOMS, THIRD_PARTY
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def text_of(page: str) -> str:
+    return (ROOT / page).read_text(encoding="utf-8")
+
+
+def blocks(text: str) -> str:
+    """Everything in fences or indented by four blanks."""
+    fenced = re.findall(r"^```[^\n]*\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
+    indented = re.findall(r"^ {4,}(\S.*)$", text, flags=re.MULTILINE)
+    return "\n".join([*fenced, *indented])
+
+
+def command_lines(text: str) -> list[str]:
+    return [
+        line.removeprefix("# ").removeprefix("$ ").strip() for line in re.findall(COMMAND, blocks(text), re.MULTILINE)
+    ]
+
+
+COMMAND = r"^\W*taskgist [a-z-].*$"
+LINES = [(page.name, line) for page in PAGES for line in command_lines(page.read_text(encoding="utf-8"))]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page: Path) -> None:
+    links = re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8"))
+    for link in links:
+        if not link.startswith(("http://", "https://", "#")):
+            assert (page.parent / link.partition("#")[0]).exists(), link
+
+
+@pytest.mark.parametrize(("page", "line"), LINES)
+def test_commands_parse(page: str, line: str) -> None:
+    assert page
+    parse(line[line.index("taskgist ") :])
+
+
+def test_the_parser_of_command_lines_is_not_too_kind() -> None:
+    assert parse("taskgist label X.mcap --propose [--task give]  # a comment")["task"] == "give"
+    assert parse("taskgist learn X.mcap... -k k.db")["knowledge"] == Path("k.db")
+    for wrong in (
+        "taskgist fly",
+        "taskgist see x.toml --agnt P1",
+        "taskgist label x.mcap --start soon",
+        "taskgist check",
+    ):
+        with pytest.raises(Exception, match=r"fly|No such option|not a valid|valid number|Missing parameter"):
+            parse(wrong)
+
+
+def test_every_command_is_written_about() -> None:
+    assert {line.split()[1] for _, line in LINES} >= {"import", "label", "check", "facts", "learn", "explain", "see"}
+
+
+def test_modules_of_the_papers_sections_exist() -> None:
+    found = re.findall(r"`([\w/]+\.py)`", text_of("docs/paper.md"))
+    assert len(found) > 20
+    for module in found:
+        assert (ROOT / module).is_file() or (ROOT / "src" / "taskgist" / module).is_file(), module
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_files_that_pages_name_exist(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    for module in re.findall(r"`((?:\w+/)+\w+\.(?:py|toml))`", text):
+        assert (ROOT / module).is_file() or (ROOT / "src" / "taskgist" / module).is_file(), module
+    for path in re.findall(r"\bsrc/taskgist/[\w/.]*\w", text):
+        assert (ROOT / path).exists(), path
+
+
+def test_the_table_of_rooms_is_the_one_that_is_enforced() -> None:
+    rows = [
+        [cell.strip() for cell in row.strip("|").split("|")]
+        for row in re.findall(r"^\| `.*\|$", text_of("docs/architecture.md"), flags=re.MULTILINE)
+    ]
+    rooms = [row[0].strip("`") for row in rows]
+    assert set(rooms) == set(ROOMS)
+    for number, (room, (_, _, ours, others)) in enumerate(zip(rooms, rows, strict=True)):
+        assert named(ours, set(rooms[:number])) | {room} == ROOMS[room] | {room}, room
+        assert named(others, set()) == THIRD_PARTY[room], room
+
+
+def named(cell: str, above: set[str]) -> set[str]:
+    """The names in a cell; "+" adds them to what every room may import."""
+    if cell.startswith("all"):
+        return above
+    words = set(re.findall(r"\w+", cell))
+    return words | CORE if cell.startswith("+") else words
+
+
+def test_facts_from_elsewhere_are_as_the_page_shows_them() -> None:
+    document = re.search(r"^    \{$.*?^    \}$", text_of("docs/extending.md"), flags=re.DOTALL | re.MULTILINE)
+    assert document
+    episode = parse_facts(json.loads(document[0]), STANDARD_TREE, where="docs/extending.md")
+    assert (episode.task, episode.demonstration) == ("show", "annotated 1")
+    assert episode.end["see.effort"].evidence == {"source": "annotator A"}
+
+
+def test_the_table_of_attributes_names_them_all() -> None:
+    page = text_of("docs/extending.md")
+    for name, attribute in STANDARD_TREE.attributes.items():
+        kind = name.partition(".")[2]
+        assert f"`{name}`" in page or (kind in ("state", "action") and f"`reach.{kind}`" in page), name
+        for value in getattr(attribute, "values", None) or ():
+            assert f"`{value}`" in page, value
+
+
+def test_the_predicate_of_the_page_works() -> None:
+    (code,) = re.findall(
+        r"^    from taskgist.facts import Predicate.*?\n\n(?=[^ ])", text_of("docs/extending.md"), re.DOTALL | re.M
+    )
+    space: dict[str, object] = {}
+    exec(re.sub(r"^    ", "", code, flags=re.MULTILINE), space)
+    assert "on_white_box.class" in {node.name for node in STANDARD_TREE.extended(space["ON_WHITE_BOX"].subtree).nodes}  # type: ignore[attr-defined]
