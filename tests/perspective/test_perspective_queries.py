@@ -73,7 +73,7 @@ def test_names_are_those_of_figure_6() -> None:
 
 
 def test_a_step_weighs_more_than_any_turn() -> None:
-    assert Amount(0.0, 3.0, 3.0) < Amount(0.25, 0.0, 0.0) < Amount(0.25, 0.1, 0.0)
+    assert Amount(0.0, 3.0, 3.0, 3.0) < Amount(0.25) < Amount(0.25, 0.1) < Amount(0.25, 0.1, 0.1)
 
 
 @pytest.mark.parametrize("name", ["high", "near", "far"])

@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,7 +33,7 @@ from taskgist.world import (
 )
 from taskgist.world.rotations import about_z, multiply, yaw_of
 
-Key = tuple[float, float, float]
+Key = tuple[float, float, float, float]
 HEAD, TORSO = ("head_pan", "head_tilt"), ("torso_turn", "torso_lean")
 RANGES = {"torso_turn": (-90, 90), "torso_lean": (0, 60)}
 NAMES = {"head_pan": "Pan_Head", "head_tilt": "Tilt_Head", "torso_turn": "Turn_Torso", "torso_lean": "Lean_Torso"}
@@ -47,10 +47,11 @@ class Candidate:
     torso_rad: float
     head_rad: float = 0.0
     merit: float = 0.0
+    turned_rad: float = 0.0
 
     @property
     def key(self) -> Key:
-        return round(self.way_m, 6), round(self.torso_rad, 6), round(self.head_rad, 6)
+        return round(self.way_m, 6), round(self.turned_rad, 6), round(self.torso_rad, 6), round(self.head_rad, 6)
 
 
 @dataclass(frozen=True)
@@ -160,7 +161,9 @@ class Twin:
                     changes[index] = angle
                     torso += abs(angle - float(self.state.qpos[index]))
                     actions.append(NAMES[joint])
-            yield Candidate(start.state.replace(changes), tuple(actions), start.way_m, torso)
+            yield Candidate(
+                start.state.replace(changes), tuple(actions), start.way_m, torso, turned_rad=start.turned_rad
+            )
 
     def angles(self, joint: str, step: float) -> list[float | None]:
         low, high = map(math.radians, RANGES[joint])
@@ -176,9 +179,12 @@ class Twin:
         for (i, j), way in self.walkable.items():
             x, y = self.spot(base, i, j)
             yaw = math.atan2(self.target[1] - y, self.target[0] - x) - turned
-            turn = multiply(about_z(yaw - yaw_of(base[3:])), base[3:])
+            by = yaw - yaw_of(base[3:])
+            turn = multiply(about_z(by), base[3:])
             state = start.state.replace(at=self.agent.base, to=(x, y, base[2], *turn))
-            yield from self.bent(Candidate(state, (*start.actions, "Move_To"), way, 0.0), turns=False)
+            turned_rad = abs(math.remainder(by, 2 * math.pi))
+            there = Candidate(state, (*start.actions, "Move_To"), way, 0.0, turned_rad=turned_rad)
+            yield from self.bent(there, turns=False)
 
     def spot(self, base: np.ndarray, i: float, j: float) -> tuple[float, float]:
         yaw, step = yaw_of(base[3:]), self.settings.efforts.move_step_m
@@ -234,9 +240,7 @@ class Twin:
                 found = distance(arm)
                 if found is not None:
                     action = f"Stretch_Out_Arm({arm.profile.side})"
-                    yield Candidate(
-                        stance.state, (*stance.actions, action), stance.way_m, stance.torso_rad, 0.0, round(found, 6)
-                    )
+                    yield replace(stance, actions=(*stance.actions, action), merit=round(found, 6))
 
     def heads(self, stance: Candidate) -> Iterator[Candidate]:
         actions = frozenset(NAMES[joint] for joint in HEAD)
@@ -256,7 +260,8 @@ class Twin:
     def seen(self, stance: Candidate, state: State, head: float, actions: tuple[str, ...]) -> Iterator[Candidate]:
         pixels = self.gaze_px(state)
         if pixels:
-            yield Candidate(state, (*stance.actions, *actions), stance.way_m, stance.torso_rad, head, -float(pixels))
+            both = (*stance.actions, *actions)
+            yield replace(stance, state=state, actions=both, head_rad=head, merit=-float(pixels))
 
     def gaze_px(self, state: State) -> int:
         """Pixels of the object inside the gaze cone, of the whole image."""

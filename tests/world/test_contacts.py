@@ -173,3 +173,64 @@ def test_the_lowest_point_is_lower_than_every_sample(shape: str, seed: int) -> N
     height = pose.to_world(lowest)[2]
     assert height <= pose.to_world(samples)[:, 2].min() + 1e-9
     assert height >= pose.to_world(samples)[:, 2].min() - 0.01
+
+
+def test_who_has_sunk_into_a_table_top_is_not_inside_the_table() -> None:
+    room = scene(TABLE, box("phone", 0, 0, TOP - 0.001, (0.035, 0.07, 0.004)))
+    assert container_of(Stage(room), "phone", CONTACT) is None
+    assert support(room, "phone") == "table"
+
+
+def test_a_full_container_still_contains() -> None:
+    room = scene(TABLE, BIN, cylinder("cup", 0.26, 0.3, TOP + 0.07), cylinder("mug", 0.35, 0.3, TOP + 0.07))
+    assert [container_of(Stage(room), name, CONTACT) for name in ("cup", "mug")] == ["bin", "bin"]
+
+
+def test_three_walls_and_a_floor_are_no_container() -> None:
+    three = BIN.replace('<geom type="box" size="0.005 0.1 0.1" pos="0.1 0 0.1"/>', "")
+    assert three != BIN
+    assert container_of(Stage(scene(TABLE, three, cylinder("cup", 0.3, 0.3, TOP + 0.06))), "cup", CONTACT) is None
+
+
+def test_agents_are_no_supports() -> None:
+    room, state = held_cup()
+    hand = Stage(room, state).body_position(room.agent("P1").arm("right").hand_body)
+    resting = state.replace(at=room.object_slice("cup"), to=(*(hand + (0, 0, 0.08)), 1, 0, 0, 0))
+    assert support(room, "cup", resting) is None
+
+
+def test_an_untracked_support_leaves_the_placement_open() -> None:
+    white_box = box("white_box", 0, 0, TOP + 0.1, (0.1, 0.1, 0.1))
+    room = scene(TABLE, white_box, cylinder("cup", 0, 0, TOP + 0.25))
+    lost = State(room.initial.qpos, 0.0, frozenset({"white_box"}))
+    holding = holding_of(Stage(room, lost), "cup", CONTACT)
+    assert holding is not None
+    assert holding.support is None
+    assert not holding.complete
+
+
+def test_what_is_untracked_hides_nothing() -> None:
+    room = scene(box("screen", 0.5, 0, 1.2, (0.02, 0.5, 0.5)), cylinder("cup", 1, 0, 1.2))
+    known, lost = Stage(room), Stage(room, State(room.initial.qpos, 0.0, frozenset({"screen"})))
+    seen = [room.owners[stage.cast((0, 0, 1.2), [(1.0, 0.0, 0.0)])[0][0]] for stage in (known, lost)]
+    assert seen == ["screen", "cup"]
+    assert set(lost.solid_geoms()) == set(known.solid_geoms()) - set(room.object_geoms("screen"))
+
+
+def test_a_fine_mesh_is_sampled_evenly_and_once() -> None:
+    angles = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    ring = [(0.1 * np.cos(a), 0.1 * np.sin(a), z) for z in np.linspace(-0.1, 0.1, 40) for a in angles]
+    text = " ".join(f"{x:.5f}" for point in ring for x in point)
+    mesh = f'<asset><mesh name="pot" vertex="{text}"/></asset>'
+    body = '<body name="pot" pos="0 0 1"><freejoint/><geom type="mesh" mesh="pot"/></body>'
+    files = {
+        "scene.toml": b'[scene]\nmodel = "room.xml"',
+        "room.xml": f"<mujoco>{mesh}<worldbody>{body}</worldbody></mujoco>".encode(),
+    }
+    room = Scene.from_bundle(files)
+    geom = int(room.object_geoms("pot")[0])
+    points, normals = room.surface_points(geom, 0.05)
+    assert room.surface_points(geom, 0.05)[0] is points
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0)
+    assert len(points) < 6000
+    assert np.ptp(points[:, 2]) == pytest.approx(0.2, abs=0.01)

@@ -115,3 +115,15 @@ def test_kinematics_alone_equal_a_full_forward_pass() -> None:
         hit = np.zeros(1, np.int32)
         expected = mujoco.mj_ray(room.model, data, np.array([0.5, 0.2, 1.0]), ray, None, 1, -1, hit)
         assert (geom, distance) == (hit[0], pytest.approx(expected))
+
+
+def test_standing_up_on_a_platform_stays_on_it() -> None:
+    room = scene(CHAIR, agents=agent("P1", -0.95, 0, posture="sitting"))
+    body, stage = room.agent("P1"), Stage(room)
+    base = np.array(room.initial.qpos[body.base])
+    base[2] += 0.3
+    stage.show(room.initial.replace(at=body.base, to=base))
+    foot = room.model.body("P1/left_foot").id
+    before = stage.body_position(foot)
+    stage.show(with_posture(stage, body, "standing"))
+    np.testing.assert_allclose(stage.body_position(foot), before, atol=1e-6)

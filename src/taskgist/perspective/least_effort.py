@@ -6,6 +6,7 @@ ones fail.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping
 
 from taskgist.errors import UnknownNameError
@@ -111,7 +112,7 @@ def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: 
     evidence = {
         "reason": reason,
         "not_with_less": [miss.why for miss in misses],
-        "amount": {"moved_m": amount.moved_m, "torso_rad": amount.torso_rad, "head_rad": amount.head_rad},
+        "amount": dataclasses.asdict(amount),
         **found.outcome.evidence(),
     }
     return Effort(

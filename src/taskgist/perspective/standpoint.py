@@ -140,7 +140,8 @@ class Standpoint:
         turn = 0.0
         if np.hypot(*ahead) > 1e-6:
             turn = wrapped(math.atan2(ahead[1], ahead[0]) - self._torso_turn_rad() - yaw_of(base[3:]))
-        return Stance(moved(state, self.agent, place.offset_m, turn), (*actions, MOVE), Amount(moved_m=place.way_m))
+        amount = Amount(moved_m=place.way_m, turned_rad=abs(turn))
+        return Stance(moved(state, self.agent, place.offset_m, turn), (*actions, MOVE), amount)
 
     def _torso_turn_rad(self) -> float:
         axis = self.agent.profile.turn

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
-from taskgist.perspective.virtual_actions import LEAN, STILL_RAD, TURN, Amount, Stance
+from taskgist.perspective.virtual_actions import LEAN, STILL_RAD, TURN, Stance
 from taskgist.settings import Efforts
 from taskgist.world import Agent, State
 from taskgist.world.profile import Axis
@@ -35,7 +36,7 @@ def _with(stance: Stance, turn: Bend, lean: Bend) -> Stance:
     return Stance(
         stance.state.replace(turn[0] | lean[0]),
         (*stance.actions, *used),
-        Amount(stance.amount.moved_m, turn[1] + lean[1]),
+        replace(stance.amount, torso_rad=turn[1] + lean[1]),
     )
 
 

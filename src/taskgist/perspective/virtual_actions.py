@@ -55,18 +55,20 @@ class Amount:
 
     Attributes:
         moved_m: Length of the way over the floor, metres.
+        turned_rad: Turn of the whole body on the spot, radians.
         torso_rad: Turn and lean of the torso together, radians.
         head_rad: Pan and tilt of the head together, radians.
     """
 
     moved_m: float = 0.0
+    turned_rad: float = 0.0
     torso_rad: float = 0.0
     head_rad: float = 0.0
 
     @property
-    def key(self) -> tuple[float, float, float]:
+    def key(self) -> tuple[float, float, float, float]:
         """For comparing: rounded, so that equal amounts stay equal wherever the scene stands."""
-        return (round(self.moved_m, 6), round(self.torso_rad, 6), round(self.head_rad, 6))
+        return (round(self.moved_m, 6), round(self.turned_rad, 6), round(self.torso_rad, 6), round(self.head_rad, 6))
 
 
 @dataclass(frozen=True, eq=False)
