@@ -7,13 +7,13 @@ import pytest
 
 SOURCE = Path(__file__).parent.parent / "src" / "taskgist"
 
-CORE = {"errors", "settings", "files"}
+CORE = {"errors", "settings"}
 FACTS = CORE | {"facts"}
 LEARNING = FACTS | {"learning"}
 WORLD = CORE | {"world"}
 OBSERVE = WORLD | {"facts", "perspective", "observe"}
 RECORDING = WORLD | {"recording"}
-STUDY = OBSERVE | LEARNING | RECORDING | {"demonstrator", "store", "language", "study"}
+STUDY = OBSERVE | LEARNING | RECORDING | {"files", "demonstrator", "store", "language", "study"}
 
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
@@ -24,7 +24,7 @@ ROOMS: dict[str, set[str]] = {
     "world": WORLD,
     "perspective": WORLD | {"perspective"},
     "observe": OBSERVE,
-    "recording": RECORDING,
+    "recording": RECORDING | {"files"},
     "demonstrator": RECORDING | {"demonstrator"},
     "store": LEARNING | {"store"},
     "language": LEARNING | {"language"},

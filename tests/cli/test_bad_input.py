@@ -45,6 +45,8 @@ SCENES = {
     "nan": "yaw_deg = nan",
     "nowhere": "position_m = [0, inf]",
     "joint": "joints_deg = { head_pam = 10 }",
+    "body": "body = 3",
+    "size": "body = { statur_m = 1.7 }",
 }
 LABEL = """[label]
 task = "give"
@@ -109,7 +111,12 @@ def _scenes(folder: Path) -> None:
     (folder / "modelless.toml").write_text('[scene]\nmodel = "rom.xml"\n', encoding="utf-8")
     (folder / "strange.toml").write_text('[scene]\nmodel = "strange.xml"\n', encoding="utf-8")
     (folder / "thing.toml").write_text('[scene]\nmodel = "room.xml"\nobjects = ["cap"]\n', encoding="utf-8")
+    (folder / "guessed.toml").write_text('[scene]\nmodel = "room.xml"\nestimated = ["cap"]\n', encoding="utf-8")
+    (folder / "list.toml").write_text('[scene]\nmodel = "room.xml"\nobjects = 3\n', encoding="utf-8")
+    (folder / "number.toml").write_text('[scene]\nmodel = "room.xml"\n[agents]\nP1 = 3\n', encoding="utf-8")
+    (folder / "section.toml").write_text('[scene]\nmodel = "room.xml"\n[agent.P1]\n', encoding="utf-8")
     (folder / "syntax.toml").write_text("[scene\n", encoding="utf-8")
+    (folder / "bytes.toml").write_bytes(b"\xff\xfe")
 
 
 def _knowledge(folder: Path) -> None:
@@ -232,13 +239,21 @@ CASES: dict[str, list[str]] = {
     ],
     "see giant.toml --agent P1": ["giant.toml: agents.P1.body.stature_m: ", "(got 170.0)", "metres: check the unit"],
     "see nan.toml --agent P1": ["nan.toml: agents.P1.yaw_deg: must be a finite number (got nan)"],
-    "see nowhere.toml --agent P1": [
-        "nowhere.toml: agents.P1.position_m: must be two finite numbers (got [0, inf])"
-    ],
+    "see nowhere.toml --agent P1": ["nowhere.toml: agents.P1.position_m: must be two finite numbers (got [0, inf])"],
     "see joint.toml --agent P1": ["joint.toml: agents.P1.joints_deg: no joint 'head_pam'; did you mean 'head_pan'?"],
     "see modelless.toml --agent P1": ["modelless.toml: scene.model: no such file (got 'rom.xml'); paths are relative"],
     "see strange.toml --agent P1": ["strange.xml: MuJoCo cannot read this model: ", "'oops'"],
     "see thing.toml --agent P1": ["thing.toml: no object (a free body of the model) 'cap'; did you mean 'cup'?"],
+    "see guessed.toml --agent P1": ["guessed.toml: scene.estimated: no body 'cap'; did you mean 'cup'? (known: "],
+    "see list.toml --agent P1": ["list.toml: scene.objects: must be a list of names (got 3)"],
+    "see number.toml --agent P1": ["number.toml: agents.P1: must be a table (got 3); write [agents.P1]"],
+    "see section.toml --agent P1": [
+        "section.toml: ",
+        "no field 'agent'; did you mean 'agents'? (known: agents, scene)",
+    ],
+    "see bytes.toml --agent P1": ["bytes.toml: not valid TOML: ", "; save it as TOML in UTF-8"],
+    "see body.toml --agent P1": ["body.toml: agents.P1.body: must be a table (got 3); write [agents.P1.body]"],
+    "see size.toml --agent P1": ["size.toml: agents.P1.body.statur_m: no such body size", "stature_m"],
     # learning
     "learn": ["no demonstrations to learn from; name at least one labelled recording or facts file"],
     "learn empty": ["empty: no recordings (*.mcap) in this folder; name a recording"],

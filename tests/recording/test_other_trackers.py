@@ -144,8 +144,11 @@ def test_who_held_the_mug_when(tmp_path: Path, layout: Layout) -> None:
 def test_a_label_ends_where_the_object_is_known_again(hidden: tuple[Recording, Observer]) -> None:
     recording, observer = hidden
     label = propose_label(recording, observer, task="give")
-    assert observer.placement("mug").at(1.75).symbol is None
-    assert observer.placement("mug").at(label.end_s).symbol == "In_Hand"
+    while_hidden, at_end = (observer.placement("mug").at(time_s) for time_s in (1.75, label.end_s))
+    assert while_hidden is not None
+    assert while_hidden.symbol is None
+    assert at_end is not None
+    assert at_end.symbol == "In_Hand"
     assert label.end_s < truth.LET_GO_S + 0.3
 
 

@@ -86,7 +86,7 @@ def test_the_union_of_knowledge_files_is_what_all_would_have_taught(tmp_path: Pa
 
 
 def test_learning_from_recordings_is_explaining_each() -> None:
-    short = [excerpt(name, 1.2, 4.2) for name in ("handover_1", "handover_2")]
+    short = [excerpt(name, 1.2, 4.2, every=2) for name in ("handover_1", "handover_2")]
     told: list[tuple[str, float]] = []
     known = learn(short, progress=lambda what, share: told.append((what, share)))
     assert known == Knowledge().add(*explain_all(reversed(short)))

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from taskgist.cli.files import about
 from taskgist.cli.learn import KNOWLEDGE
 from taskgist.cli.output import JsonOption, command, console, print_json
 from taskgist.cli.understanding import print_understanding, understanding_document
@@ -42,7 +43,8 @@ def explain(
     if task is None:
         _list_tasks(known.tasks, as_json=as_json)
         return
-    understanding = known.understand(task, tree, replace(DEFAULT.learning, band=band))
+    with about(knowledge):
+        understanding = known.understand(task, tree, replace(DEFAULT.learning, band=band))
     if node is not None:
         sentence = why(understanding, node)
         print_json({"task": task, "node": node, "why": sentence}) if as_json else console.print(sentence)

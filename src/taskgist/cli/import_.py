@@ -29,7 +29,7 @@ def import_(
     Fits human bodies to it. The mapping, a TOML file, says which columns are which points of whom; docs/import.md
     explains it.
 
-    Example: taskgist import kth_handovers.toml --data kth/sample_new -o handover.mcap
+    Example: taskgist import mapping.toml --data tables -o handover.mcap
     """
     parameters = dict(_parameter(text) for text in set_ or [])
     check_target(out, "--out")

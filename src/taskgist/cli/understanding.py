@@ -88,7 +88,9 @@ def understanding_document(understanding: Understanding) -> dict[str, Any]:
         "indifference": indifference(understanding),
         "demonstrations": [
             {"name": each.demonstration, "digest": each.digest, "source": each.source}
-            for each in understanding.experience.explanations.values()
+            for each in sorted(
+                understanding.experience.explanations.values(), key=lambda e: (e.demonstration, e.digest)
+            )
         ],
         "clause": {
             "text": str(clause),

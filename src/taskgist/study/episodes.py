@@ -14,6 +14,8 @@ from taskgist.world import Stage
 
 Progress = Callable[[str, float], None]
 """Called with what is being done and how far it is, from 0 to 1."""
+WATCHING = 0.9
+"""Share of the work that watching a recording is; taking perspective at both ends is the rest."""
 
 
 def silent(_what: str, _share: float) -> None:
@@ -68,10 +70,10 @@ def episode_of(
     """
     label = label or label_of(recording)
     predicates = tuple(predicates)
-    observer = observer or observe_recording(recording, settings, progress)
+    observer = observer or observe_recording(recording, settings, lambda what, share: progress(what, WATCHING * share))
     stage = Stage(recording.scene)
     ends = []
-    for share, time_s in ((0.5, label.start_s), (1.0, label.end_s)):
+    for share, time_s in (((WATCHING + 1) / 2, label.start_s), (1.0, label.end_s)):
         stage.show(recording.at(time_s))
         ends.append(
             snapshot(

@@ -76,7 +76,7 @@ def propose_label(
     performer = performing_agent or _performer(recording, grips, target_agent)
     receiver = _receiver(grips, performer)
     target = target_agent or receiver or _other(recording, performer)
-    handover = _handover(grips, performer, target)
+    handover = _handover(observer, name, grips, performer, target)
     name_of_task = task or ("give" if handover else None)
     if name_of_task is None:
         raise LabelError("the facts do not tell which task this is", field="task", hint="name it: --task show")
@@ -118,20 +118,34 @@ def _other(recording: Recording, agent: str) -> str:
     return others[0]
 
 
-def _handover(grips: tuple[Grip, ...], performer: str, target: str) -> tuple[float, str] | None:
-    """The moment at which the target agent holds the object and the performer no longer does."""
-    taken = next((grip.start_s for grip in grips if grip.agent == target), None)
-    if taken is None:
+def _handover(
+    observer: Observer, name: str, grips: tuple[Grip, ...], performer: str, target: str
+) -> tuple[float, str] | None:
+    """The moment at which the target agent holds the object and the performer no longer does.
+
+    Where hands are hidden at that moment, the first one thereafter at which it is known where the object is.
+    """
+    grip_of_target = next((grip for grip in grips if grip.agent == target), None)
+    if grip_of_target is None:
         return None
+    taken, held_until = grip_of_target.start_s, grip_of_target.end_s
     released = max((g.end_s for g in grips if g.agent == performer and g.start_s <= taken), default=None)
     if released is None:
         return None
-    return max(released, taken), f"ends when {performer} lets go and {target} holds it"
+    end = _placed(observer, name, from_s=max(released, taken), until_s=held_until)
+    return end, f"ends when {performer} lets go and {target} holds it"
+
+
+def _placed(observer: Observer, name: str, *, from_s: float, until_s: float) -> float:
+    """The first moment in a span at which the object's placement is known; its start, if there is none."""
+    known = (i for i in observer.placement(name).intervals if i.value.symbol is not None and i.end_s > from_s)
+    moment = next((max(i.start_s, from_s) for i in known), from_s)
+    return moment if moment < until_s else from_s
 
 
 def _start(recording: Recording, observer: Observer, name: str, grips: tuple[Grip, ...]) -> tuple[float, str]:
-    """Just before the object is first moved or held, while it still lies still."""
-    first = float(recording.times_s[0])
+    """Just before the object is first moved or held, while it still lies still and its place is known."""
+    first = _placed(observer, name, from_s=float(recording.times_s[0]), until_s=float(recording.times_s[-1]))
     moving = [i.start_s for i in observer.motion(name).intervals if i.value == v.MOVING and i.start_s > first]
     events = [*moving[:1], *(grip.start_s for grip in grips if grip.start_s > first)]
     event = min(events, default=first)
