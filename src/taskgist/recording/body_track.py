@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.recording.landmarks import SIDES
 from taskgist.recording.tracks import PersonTrack
-from taskgist.world import Fitter, HumanSize, Scene, State
+from taskgist.world import Agent, Fitter, HumanSize, Scene, State
+from taskgist.world.fit import ARMS
 from taskgist.world.legs import legs_for
 from taskgist.world.rotations import about_z
 
@@ -27,10 +29,12 @@ WEIGHTS: Mapping[str, float] = {
     "right_toe": 0.3,
     "left_heel": 0.3,
     "right_heel": 0.3,
+    "left_fingertip": 0.3,
+    "right_fingertip": 0.3,
     "face": 3.0,
 }
 """What a fit cares about most: hands, for the facts of hands; the face, for sight. Landmarks along the spine, and on
-the feet, lie elsewhere for each tracker and count little."""
+the feet, lie elsewhere for each tracker and count little; so do fingertips, for fingers bend and the body's do not."""
 
 FIRST_ITERATIONS, ITERATIONS = 200, 20
 HEAD_POINTS = ("head_base", "head", "head_top", "nose", "left_eye", "right_eye", "left_ear", "right_ear")
@@ -86,7 +90,7 @@ def fit_person(name: str, size: HumanSize, person: PersonTrack, progress: Callab
             state,
             points=points,
             directions=directions,
-            rest=rest,
+            rest=_leaning(scene.agent(name), rest, state, lost=_lost_sides(tracked, frame)),
             iterations=FIRST_ITERATIONS if frame == 0 else ITERATIONS,
         )
         state = fit.state
@@ -101,6 +105,17 @@ def fit_person(name: str, size: HumanSize, person: PersonTrack, progress: Callab
         notes = (f"{name}'s legs are estimated from the height of the hips",)
     base, joints = states[:, scene.base_slice(name)], states[:, scene.joint_indices(name)]
     return BodyTrack(base, joints, tracked, _report(errors_m, errors_rad), notes)
+
+
+def _lost_sides(tracked: Mapping[str, NDArray[np.bool_]], frame: int) -> list[str]:
+    return [side for side in SIDES if not tracked[f"{side}_arm"][frame]]
+
+
+def _leaning(agent: Agent, rest: State, last: State, *, lost: Collection[str]) -> State:
+    """The posture of rest, but for arms that are lost: they stay as they were seen last."""
+    arms = [joint for joint in agent.joints if any(word in joint for word in ARMS)]
+    columns = [agent.joints[joint] for joint in arms for side in lost if joint.startswith(f"{side}_")]
+    return rest.replace({column: float(last.qpos[column]) for column in columns})
 
 
 def _alone(name: str, size: HumanSize) -> Scene:

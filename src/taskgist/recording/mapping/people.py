@@ -130,13 +130,16 @@ def _usual_frame(part: str, mapped: Collection[str]) -> str:
 
 
 def _usual(part: str, mapped: Collection[str]) -> Directions:
-    """Where the mapping is silent: from the ears to the face; from the wrist to the farthest point of the hand."""
+    """Where the mapping is silent: from the ears to the face; from the wrist to the knuckles and the fingertip.
+
+    The knuckles alone are near the wrist and shake; the tip alone is beside the hand's line when fingers are bent.
+    """
     if part == "head":
         start: tuple[str, ...] = ("left_ear", "right_ear")
         end = _face(mapped)
     elif part.endswith("_hand"):
         start = (part.replace("hand", "wrist"),)
-        end = next(((name,) for name in (part.replace("hand", "fingertip"), part) if name in mapped), ())
+        end = tuple(name for name in (part, part.replace("hand", "fingertip")) if name in mapped)
     else:
         return {}
     return {DIRECTIONS[part]["forward"]: Between(start, end)} if end and set(start) <= set(mapped) else {}

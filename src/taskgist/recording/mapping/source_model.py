@@ -120,6 +120,8 @@ class Source:
         kind: "csv", "npz" or "npy".
         names: The source's points in their order, where columns or arrays know them by index only.
         missing: Values that stand for "not tracked"; a point all of whose coordinates are the same one is unknown.
+            ``None`` if the mapping does not say.
+        smooth_s: Window in seconds over which jitter is smoothed; 0 for none.
     """
 
     name: str
@@ -132,4 +134,5 @@ class Source:
     confidence: Confidence | None
     frame: Frame
     names: tuple[str, ...]
-    missing: tuple[float, ...]
+    missing: tuple[float, ...] | None
+    smooth_s: float = 0.0

@@ -39,6 +39,7 @@ def read_source(name: str, section: Section) -> Source:
         frame=read_frame(section),
         names=_names(section),
         missing=_missing(section),
+        smooth_s=section.number("smooth_s", 0.0, least=0.0, most=1.0),
     )
     section.done()
     return source
@@ -131,8 +132,10 @@ def _names(section: Section) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _missing(section: Section) -> tuple[float, ...]:
-    value = section.any("missing", [])
+def _missing(section: Section) -> tuple[float, ...] | None:
+    if "missing" not in section:
+        return None
+    value = section.any("missing")
     values = value if isinstance(value, list) else [value]
     if not all(map(is_number, values)):
         hint = "give a number that stands for it, such as 0 or -9999 (empty cells and NaN always do)"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +17,8 @@ from taskgist.recording.tables.text import comparable, number, sniffed, split
 
 Array = NDArray[np.float64]
 
+MOST_SHOWN = 12
+"""Values of a column that a message lists."""
 _MISSING = frozenset({"", "nan", "na", "n/a", "none", "null"})
 
 
@@ -55,8 +57,7 @@ class CsvTable:
         found = groups.get(tuple(comparable(text) for _, text in conditions))
         if found is None:
             wanted = {str(column): text for column, text in conditions}
-            seen = sorted({" ".join(key) for key in groups})[:12]
-            hint = f"change where, person or point (there are: {', '.join(seen)})"
+            hint = f"change where, person or point ({_held(list(wanted), groups)})"
             raise MappingError("no row has these values", where=self.where, field="where", value=wanted, hint=hint)
         return np.array(found)
 
@@ -196,3 +197,10 @@ class CsvPart:
     def place(self, row: int) -> str:
         """Line in the file."""
         return self.table.place(int(self.rows[row]))
+
+
+def _held(columns: Sequence[str], groups: Collection[tuple[str, ...]]) -> str:
+    """What each column holds, a dozen values of it at most."""
+    values = [sorted({key[k].removesuffix(".0") for key in groups}) for k in range(len(columns))]
+    texts = [", ".join(v[:MOST_SHOWN]) + (", ..." if len(v) > MOST_SHOWN else "") for v in values]
+    return "; ".join(f"{column} has: {text}" for column, text in zip(columns, texts, strict=True))

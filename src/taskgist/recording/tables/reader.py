@@ -20,9 +20,11 @@ from taskgist.recording.tables.array_table import ArrayPart, ArrayTable
 from taskgist.recording.tables.csv_table import CsvPart, CsvTable
 from taskgist.recording.tables.orientation import wxyz_from_numbers
 from taskgist.recording.tables.part import Part
+from taskgist.recording.tables.smoothing import smoothed
 from taskgist.recording.tables.times import read_times
 from taskgist.recording.tables.tokens import Tokens
 from taskgist.recording.tables.track import Track
+from taskgist.recording.tables.zeros import check_zeros
 from taskgist.world.rotations import matrix_from_wxyz
 
 
@@ -56,7 +58,8 @@ class Tables:
         wxyz = None if source.rotation is None else _orientations(part, tokens, source.rotation, lost)
         position[lost] = np.nan
         times_s = read_times(part, source.clock, len(position))
-        return _in_room(times_s, position, wxyz, source.frame, ref, part.where)
+        track = _in_room(times_s, position, wxyz, source.frame, ref, part.where)
+        return smoothed(track, source.smooth_s, max_gap_s=self._mapping.timeline.max_gap_s)
 
     def signal(self, column: SignalColumn) -> tuple[Array, Array]:
         """Times in seconds and values of a signal, (n,) each.
@@ -93,6 +96,8 @@ def _lost(part: Part, tokens: Tokens, position: Array) -> NDArray[np.bool_]:
     source = tokens.source
     _check_finite(part, position, "position")
     lost = np.isnan(position).any(axis=1) | _is_sentinel(position, source)
+    if source.missing is None:
+        check_zeros(part, tokens, position)
     if source.confidence is not None:
         column = Columns((source.confidence.column,))
         confidence = part.numbers(tokens.columns(column))[:, 0]
@@ -119,7 +124,7 @@ def _orientations(part: Part, tokens: Tokens, rotation: Rotation, lost: NDArray[
 
 def _is_sentinel(numbers: Array, source: Source) -> NDArray[np.bool_]:
     sentinel = np.zeros(len(numbers), dtype=np.bool_)
-    for value in source.missing:
+    for value in source.missing or ():
         sentinel |= (numbers == value).all(axis=1)
     return sentinel
 

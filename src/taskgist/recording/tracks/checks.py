@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Set
+from collections.abc import Iterable, Mapping, Set
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +27,9 @@ HEAD_HEIGHT_M = (0.4, 2.4)
 FARTHEST_OBJECT_M = 20.0
 """From the middle of all people."""
 
+FARTHEST_CLOCKS_S = 60.0
+"""Between the end of one source and the beginning of another (ours)."""
+
 _BELOW_HEAD = frozenset({"pelvis", "abdomen", "left_hip", "right_hip", "chest"})
 
 
@@ -45,6 +48,27 @@ def check_duplicates(file: Path, people: Mapping[str, Samples]) -> None:
                 first = seen.setdefault(track.position_m.tobytes(), (person, landmark, ref))
                 if first[:2] != (person, landmark) and (first[0] != person or first[2] != ref):
                     raise _duplicate(file, first[:2], (person, landmark), track)
+
+
+def check_clocks(file: Path, tracks: Iterable[Track]) -> None:
+    """Refuse sources whose times lie far apart: their clocks have different origins.
+
+    Raises:
+        MappingError: One of them ends long before another one begins.
+    """
+    known = list(tracks)
+    first = min(known, key=lambda track: float(track.times_s[-1]))
+    last = max(known, key=lambda track: float(track.times_s[0]))
+    apart_s = float(last.times_s[0] - first.times_s[-1])
+    if apart_s > FARTHEST_CLOCKS_S:
+        spans = [f"{track.where}: {track.times_s[0]:.3f} to {track.times_s[-1]:.3f} s" for track in (first, last)]
+        raise MappingError(
+            "two sources were never recorded together: their clocks differ",
+            where=file,
+            field="time",
+            value="; ".join(spans),
+            hint="give one of the sources offset_s, which is added to its times",
+        )
 
 
 def check_person(file: Path, name: str, points: Mapping[str, Array], units_m: Set[float]) -> None:

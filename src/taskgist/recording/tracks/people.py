@@ -8,11 +8,13 @@ from types import MappingProxyType
 import numpy as np
 
 from taskgist.errors import MappingError
+from taskgist.recording.landmarks import HEAD_POINTS
 from taskgist.recording.mapping.model import Between, LocalAxis, Mapping, Person, PointRef
 from taskgist.recording.rotations import Array
 from taskgist.recording.tables import Track
 from taskgist.recording.tracks.model import PersonTrack
 from taskgist.recording.tracks.resample import Frames, resample
+from taskgist.recording.tracks.rigid import completed
 from taskgist.world.rotations import matrix_from_wxyz
 
 Samples = AnyMapping[str, tuple[tuple[PointRef, Track], ...]]
@@ -36,7 +38,8 @@ def tracked_person(person: Person, samples: Samples, frames_s: Array, mapping: M
         landmark: tuple(resample(track, frames_s, max_gap_s=max_gap_s) for _, track in pairs)
         for landmark, pairs in samples.items()
     }
-    points = {name: np.mean([part.position_m for part in parts], axis=0) for name, parts in frames.items()}
+    seen = {name: np.mean([part.position_m for part in parts], axis=0) for name, parts in frames.items()}
+    points = completed(seen, HEAD_POINTS)
     directions = {
         name: _between(rule, points) if isinstance(rule, Between) else _local(name, rule, frames, mapping, person)
         for name, rule in person.directions

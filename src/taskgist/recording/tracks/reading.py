@@ -13,7 +13,8 @@ from taskgist.recording.mapping.model import FixedPose, Mapping, Person, Point, 
 from taskgist.recording.rotations import Array
 from taskgist.recording.signals import Signal
 from taskgist.recording.tables import Tables, Track
-from taskgist.recording.tracks.checks import check_duplicates, check_objects, check_person
+from taskgist.recording.tracks.checks import check_clocks, check_duplicates, check_objects, check_person
+from taskgist.recording.tracks.mirrored import check_not_mirrored
 from taskgist.recording.tracks.model import ObjectTrack, PersonTrack, Tracks
 from taskgist.recording.tracks.people import Samples, tracked_person
 from taskgist.recording.tracks.things import fixed_object, tracked_object
@@ -32,6 +33,7 @@ def read_tracks(mapping: Mapping) -> Tracks:
     samples = {person.name: _samples(person, tables) for person in mapping.people}
     moving = {t.name: tables.track(t.pose, t.name) for t in mapping.objects if isinstance(t.pose, PointRef)}
     check_duplicates(mapping.file, samples)
+    check_clocks(mapping.file, [*_all_tracks(samples), *moving.values()])
     frames_s = _frames(mapping, [*_all_tracks(samples), *moving.values()])
     people = {p.name: tracked_person(p, samples[p.name], frames_s, mapping) for p in mapping.people}
     objects = {t.name: _object(t, moving, frames_s, mapping) for t in mapping.objects}
@@ -105,6 +107,8 @@ def _check_plausible(
     for person in mapping.people:
         units_m = {mapping.source(ref.source).frame.scale_m for point in person.points for ref in point.refs}
         check_person(mapping.file, person.name, people[person.name].points, units_m)
+        face = people[person.name].directions.get("face")
+        check_not_mirrored(mapping.file, person.name, people[person.name].points, face)
     positions = {name: track.position_m for name, track in objects.items()}
     bodies = [np.concatenate(list(person.points.values())) for person in people.values()]
     check_objects(mapping.file, positions, bodies)
@@ -121,14 +125,13 @@ def _check_label(mapping: Mapping, last_s: float) -> None:
         raise
 
 
+def _unseen(person: PersonTrack) -> list[str]:
+    return [landmark for landmark, values in person.points.items() if np.isnan(values).all()]
+
+
 def _notes(mapping: Mapping, people: AnyMapping[str, PersonTrack]) -> tuple[str, ...]:
     unknown = [f"{p.name}: {part} is unknown: {reason}" for p in mapping.people for part, reason in p.unknown]
-    unseen = [
-        f"{name}: {landmark} was never seen"
-        for name, person in people.items()
-        for landmark, values in person.points.items()
-        if np.isnan(values).all()
-    ]
+    unseen = [f"{name}: never seen: {', '.join(lost)}" for name, person in people.items() if (lost := _unseen(person))]
     estimated = [
         f"{item.name} is estimated" + (f": {item.note}" if item.note else "")
         for items in (mapping.objects, mapping.supports)
