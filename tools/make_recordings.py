@@ -15,6 +15,8 @@ from pathlib import Path
 from taskgist.demonstrator import STUDIES
 from taskgist.recording import Label, Recording, import_recording, load_mapping, write
 from taskgist.study import check_grips, observe_recording, propose_label
+from taskgist.study.grip_forces import GRIP_N
+from taskgist.study.proposal import SETTLED_S
 
 DATA = Path(__file__).parent.parent / "src" / "taskgist" / "data"
 HANDOVERS = {
@@ -62,11 +64,9 @@ def _labelled(recording: Recording) -> Recording:
         return recording.with_label(label)
     giver, taker = (recording.signals[f"{agent}_grip"].values for agent in ("P1", "P2"))
     proposed = propose_label(recording, observer, task="give", performing_agent="P1", target_agent="P2")
-    released = float(recording.times_s[((giver < 3.0) & (taker > 3.0)).argmax()])
-    how = (
-        f"{proposed.how.partition(';')[0]}; ends when P1 lets go by the grip forces (the right hands were not tracked)"
-    )
-    return recording.with_label(Label("give", "P1", "P2", "baton", proposed.start_s, released, how))
+    released = float(recording.times_s[((giver < GRIP_N) & (taker > GRIP_N)).argmax()]) + SETTLED_S
+    how = f"{proposed.how.partition(';')[0]}; ends {SETTLED_S} s after P1 has let go by the grip forces (the right hands were not tracked)"
+    return recording.with_label(Label("give", "P1", "P2", "baton", proposed.start_s, round(released, 3), how))
 
 
 def _write(recording: Recording, task: str, name: str) -> None:

@@ -13,7 +13,7 @@ from taskgist.cli.understanding import print_understanding, understanding_docume
 from taskgist.errors import InputError
 from taskgist.learning import Explanation, Knowledge
 from taskgist.recording import Recording, read
-from taskgist.store import save
+from taskgist.store import update
 from taskgist.study import explain_all, label_of, shipped_recordings
 from taskgist.view import before_after_picture
 from taskgist.world import Stage
@@ -49,7 +49,7 @@ def demo(
             picture = _picture(recordings[0], out / f"{task}.png")
         knowledge = knowledge.add(*explanations)
         documents[task] = _report(knowledge, task, source, explanations, picture, as_json=as_json)
-    save(knowledge, out / "knowledge.db")
+    update(out / "knowledge.db", knowledge.explanations)
     if as_json:
         print_json({"knowledge": str(out / "knowledge.db"), "tasks": documents})
     else:

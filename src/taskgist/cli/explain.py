@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from taskgist.cli.files import about
-from taskgist.cli.learn import KNOWLEDGE
+from taskgist.cli.files import KNOWLEDGE, KnowledgeOption, about
 from taskgist.cli.output import JsonOption, command, console, print_json
 from taskgist.cli.understanding import print_understanding, understanding_document
 from taskgist.errors import UnknownNameError
@@ -23,7 +21,7 @@ from taskgist.store import load
 @command
 def explain(
     task: Annotated[str | None, typer.Argument(help="The task; without one, the known tasks are listed.")] = None,
-    knowledge: Annotated[Path, typer.Option("--knowledge", "-k", help="The knowledge file.")] = KNOWLEDGE,
+    knowledge: KnowledgeOption = KNOWLEDGE,
     node: Annotated[str | None, typer.Option("--why", help="Only: why this node counts or not (see.class).")] = None,
     band: Annotated[str, typer.Option(help=f"Confusion band: {', '.join(BANDS)}.")] = DEFAULT.learning.band,
     as_json: JsonOption = False,

@@ -16,6 +16,10 @@ from taskgist.recording import Recording, read
 
 RecordingArgument = Annotated[Path, typer.Argument(help="A recording (.mcap).", show_default=False)]
 RecordingsArgument = Annotated[list[Path], typer.Argument(help="Recordings (.mcap), or folders of them.")]
+KnowledgeOption = Annotated[
+    str, typer.Option("--knowledge", "-k", help="The knowledge file, or the URL of a shared database.")
+]
+KNOWLEDGE = "knowledge.db"
 NO_OPTIONS: Mapping[str, str] = MappingProxyType({})
 
 
@@ -40,7 +44,7 @@ def _recordings_in(path: Path) -> list[Path]:
 
 
 @contextmanager
-def about(path: Path, options: Mapping[str, str] = NO_OPTIONS) -> Iterator[None]:
+def about(path: Path | str, options: Mapping[str, str] = NO_OPTIONS) -> Iterator[None]:
     """Let errors from inside name the file, and the command's option in place of the library's field.
 
     Args:

@@ -7,18 +7,16 @@ from typing import Annotated
 
 import typer
 
-from taskgist.cli.files import about, check_target, read_all
+from taskgist.cli.files import KNOWLEDGE, KnowledgeOption, about, check_target, read_all
 from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
 from taskgist.cli.understanding import print_understanding, understanding_document
-from taskgist.errors import RecordingError
+from taskgist.errors import KnowledgeError, RecordingError
 from taskgist.facts import STANDARD_TREE, HypothesisTree, known_predicates, read_facts
-from taskgist.learning import Context, Explanation, explain
+from taskgist.learning import Context, Explanation, Knowledge, explain
 from taskgist.recording import Recording
 from taskgist.settings import DEFAULT
-from taskgist.store import load, update
+from taskgist.store import file_of, load, update
 from taskgist.study import explain_all, label_of
-
-KNOWLEDGE = Path("knowledge.db")
 
 
 @command
@@ -27,12 +25,17 @@ def learn(
         list[Path] | None,
         typer.Argument(help="Labelled recordings (.mcap), folders of them, or facts from elsewhere (.json)."),
     ] = None,
-    knowledge: Annotated[Path, typer.Option("--knowledge", "-k", help="The knowledge file; made if new.")] = KNOWLEDGE,
+    knowledge: KnowledgeOption = KNOWLEDGE,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Forget what a recording taught under another label or other times.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Learn what tasks mean from labelled demonstrations.
 
     They are added to what the knowledge file holds; one that it knows already changes nothing.
+
+    A recording that was learned from with another label is refused, unless --replace says to forget that.
 
     Example: taskgist learn give_1.mcap give_2.mcap -k knowledge.db
 
@@ -50,7 +53,7 @@ def learn(
     if recordings:
         with progress_bar(quiet=as_json) as progress:
             explanations += explain_all(recordings, predicates=predicates, progress=progress)
-    known = update(knowledge, explanations)
+    known = _kept(knowledge, explanations, replace=replace)
     tasks = sorted({explanation.task for explanation in explanations})
     if as_json:
         learned = {task: understanding_document(known.understand(task, tree)) for task in tasks}
@@ -62,12 +65,34 @@ def learn(
     console.print(f"kept in {knowledge}; for the whole tree: taskgist explain TASK -k {knowledge}")
 
 
-def _check_knowledge(knowledge: Path, tree: HypothesisTree) -> None:
-    """Refuse a knowledge file that cannot be added to before the long work, not after it."""
-    if knowledge.is_file():
+def _check_knowledge(knowledge: str, tree: HypothesisTree) -> None:
+    """Refuse knowledge that cannot be added to before the long work, not after it."""
+    path = file_of(knowledge)
+    if path is None:
+        update(knowledge)
+    elif path.is_file():
         load(knowledge, expected=Context.of(DEFAULT, tree))
     else:
-        check_target(knowledge, "--knowledge")
+        check_target(path, "--knowledge")
+
+
+def _kept(knowledge: str, explanations: list[Explanation], *, replace: bool) -> Knowledge:
+    """Add to the knowledge; nobody is counted twice because a label was moved.
+
+    Raises:
+        KnowledgeError: A recording was learned from already, with another label.
+    """
+    known = update(knowledge)
+    older = [each for explanation in explanations for each in known.rivals(explanation)]
+    if older and not replace:
+        raise KnowledgeError(
+            "was learned from already, with another label",
+            where=older[0].demonstration,
+            field="source",
+            value=older[0].source,
+            hint="add --replace to forget that",
+        )
+    return update(knowledge, explanations, forget=[each.digest for each in older])
 
 
 def _labelled(paths: list[Path]) -> list[Recording]:

@@ -58,8 +58,16 @@ def command(function: Callable[P, int | None]) -> Callable[P, None]:
         try:
             code = function(*args, **kwargs)
         except TaskgistError as error:
-            errors.print(Text.assemble(("error:", "bold red"), f" {error}"))
-            raise typer.Exit(MISUSED) from error
+            raise _refused(error) from error
+        except BrokenPipeError:
+            raise  # whoever reads has seen enough; the command line's frame ends quietly
+        except OSError as error:
+            raise _refused(error) from error
         raise typer.Exit(code or OK)
 
     return run
+
+
+def _refused(error: Exception) -> typer.Exit:
+    errors.print(Text.assemble(("error:", "bold red"), f" {error}"))
+    return typer.Exit(MISUSED)

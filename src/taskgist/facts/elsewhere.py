@@ -50,7 +50,7 @@ def read_facts(path: str | Path, tree: HypothesisTree = STANDARD_TREE) -> Episod
     except OSError as error:
         hint = "give the path of a file that can be read"
         raise FactsError(f"cannot be read: {error.strerror}", where=path, hint=hint) from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise FactsError(f"not JSON: {error}", where=path, hint=f"write a {FACTS_FORMAT} file") from error
     return parse_facts(document, tree, where=path)
 
@@ -66,6 +66,7 @@ def parse_facts(document: object, tree: HypothesisTree = STANDARD_TREE, *, where
     Raises:
         FactsError: A field is missing, unknown or not what it should be; names file, field and value.
     """
+    _check_text(document, where)
     fields = _object(document, where, None)
     _check_fields(fields, where)
     start, end = (_snapshot(fields, part, tree, where) for part in ("start", "end"))
@@ -179,3 +180,16 @@ def _plain(snapshot: Mapping[str, Observation[Raw]]) -> Json:
 
 SCHEMA = facts_schema()
 """JSON Schema of a facts file for the standard tree."""
+
+
+def _check_text(document: object, where: str | Path | None) -> None:
+    """JSON can escape halves of characters, which no file or database holds."""
+    try:
+        json.dumps(document, ensure_ascii=False).encode("utf-8")
+    except UnicodeEncodeError as error:
+        hint = "replace the lone surrogate"
+        raise FactsError(
+            "a text that is no Unicode", where=where, value=error.object[error.start : error.end], hint=hint
+        ) from error
+    except (TypeError, ValueError, RecursionError):
+        return  # what else is wrong is told where the field is read

@@ -78,13 +78,19 @@ class Explanation:
         object.__setattr__(self, "digest", hashlib.sha256(canonical_text(identity).encode()).hexdigest()[:16])
 
     @property
+    def content(self) -> str:
+        """Digest of the nodes with their evidence, 16 hexadecimal digits: a changed copy is noticed by it."""
+        nodes: dict[str, Json] = {name: node.to_json() for name, node in self.nodes.items()}
+        return hashlib.sha256(canonical_text(nodes).encode()).hexdigest()[:16]
+
+    @property
     def values(self) -> dict[str, Value]:
         """Value of each node, without its evidence."""
         return {name: node.value for name, node in self.nodes.items()}
 
     def to_json(self) -> dict[str, Json]:
         """Plain data; ``explanation_from_json`` reads it back."""
-        texts = {name: getattr(self, name) for name in (*TEXTS, "digest")}
+        texts = {name: getattr(self, name) for name in (*TEXTS, "digest", "content")}
         context = {name.name: getattr(self.context, name.name) for name in fields(Context)}
         return {**texts, **context, "nodes": {name: node.to_json() for name, node in self.nodes.items()}}
 
@@ -130,11 +136,12 @@ def explanation_from_json(document: object, *, where: str | Path | None = None) 
             context=Context(_text(data["settings_digest"]), _text(data["tree_version"])),
             nodes={_text(name): _observation(node) for name, node in data["nodes"].items()},
         )
-        stored = _text(data["digest"])
-    except (KeyError, TypeError, AttributeError) as error:
+        stored = {name: _text(data[name]) for name in ("digest", "content")}
+    except (KeyError, TypeError, AttributeError, RecursionError) as error:
         raise KnowledgeError(f"not an explanation: {error!r}", where=where, hint=hint) from error
-    if stored != explanation.digest:
-        raise KnowledgeError("damaged explanation", where=where, field="digest", value=stored, hint=hint)
+    for name, value in stored.items():
+        if value != getattr(explanation, name):
+            raise KnowledgeError("damaged explanation", where=where, field=name, value=value, hint=hint)
     return explanation
 
 

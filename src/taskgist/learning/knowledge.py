@@ -73,6 +73,21 @@ class Knowledge:
             experiences[task] = known.extended(own, allow_mixed=allow_mixed)
         return replace(self, experiences=FrozenMap(experiences))
 
+    def rivals(self, explanation: Explanation) -> tuple[Explanation, ...]:
+        """Explanations of the same recording with the same people and object, but another label or other times.
+
+        A source begins with the digest of what was recorded; the labelled interval follows.
+        """
+        recorded = explanation.source.partition(" ")[0]
+        return tuple(
+            each
+            for each in self.explanations
+            if each.source.partition(" ")[0] == recorded
+            and each.digest != explanation.digest
+            and each.target_agent == explanation.target_agent
+            and each.target_object == explanation.target_object
+        )
+
     def remove(self, task: str, digest: str) -> Knowledge:
         """This knowledge without one demonstration; a task without any is forgotten, its answers are not.
 

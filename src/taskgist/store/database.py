@@ -63,6 +63,7 @@ def update(
     explanations: Iterable[Explanation] = (),
     answers: Iterable[Answer] = (),
     *,
+    forget: Iterable[str] = (),
     allow_mixed: bool = False,
 ) -> Knowledge:
     """Add to the knowledge at an address, which is made if it does not exist; all is added, or nothing.
@@ -71,6 +72,7 @@ def update(
         address: Path of a knowledge file, or URL of a database.
         explanations: Demonstrations to add; those that are known already change nothing.
         answers: Answers to add.
+        forget: Digests of explanations to remove in the same step.
         allow_mixed: Add explanations that were made with other settings or another tree.
 
     Returns:
@@ -85,6 +87,7 @@ def update(
         return added
     with transaction(address) as connection:
         _prepare(connection, address)
+        tables.forget(connection, forget)
         known = tables.read(connection, shown(address))
         wanted = known.merge(added, allow_mixed=allow_mixed)
         tables.append(connection, known=known, wanted=wanted)

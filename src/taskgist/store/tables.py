@@ -87,6 +87,12 @@ def write(connection: Connection, knowledge: Knowledge) -> None:
     _insert(connection, ANSWERS, (_answer_row(each) for each in knowledge.answers))
 
 
+def forget(connection: Connection, digests: Iterable[str]) -> None:
+    """Remove explanations."""
+    for digest in digests:
+        connection.execute(delete(EXPLANATIONS).where(EXPLANATIONS.c.digest == digest))
+
+
 def append(connection: Connection, *, known: Knowledge, wanted: Knowledge) -> None:
     """Add the rows that ``wanted`` has beyond ``known``, which the tables hold."""
     old = {each.digest for each in known.explanations}

@@ -25,6 +25,8 @@ OVERLAP_M = 0.03
 OVERLAP_EVERY_S = 0.2
 POOR_FIT_CM = 5.0
 """Median error of a fitted landmark above which facts of contact are doubtful."""
+SPINE = ("chest", "abdomen", "neck", "pelvis")
+"""Landmarks that lie elsewhere for each tracker; no fact hangs on them."""
 OF_THE_AGENT = frozenset({"posture", "hands"})
 """Attributes of the target agent alone; all others are said of the object."""
 
@@ -106,7 +108,7 @@ def _untracked(recording: Recording) -> Iterator[Finding]:
 def _poor_fits(recording: Recording) -> Iterator[Finding]:
     for agent, report in recording.provenance.fit.items():
         for point, error in report.get("points_cm", {}).items():
-            if error["median"] > POOR_FIT_CM:
+            if point not in SPINE and error["median"] > POOR_FIT_CM:
                 yield Finding(
                     "note",
                     f"{agent}'s {point}",

@@ -20,6 +20,8 @@ from taskgist.recording import Label, Recording
 
 BEFORE_S = 0.3
 """How long before the first event a label starts."""
+SETTLED_S = 0.1
+"""How long after a handover a label ends, so that it hangs on no single frame."""
 AFTER_S = 0.3
 """How long after the object has come to rest a label ends."""
 
@@ -82,7 +84,13 @@ def propose_label(
         raise LabelError("the facts do not tell which task this is", field="task", hint="name it: --task show")
     start, start_how = _start(recording, observer, name, grips)
     end, end_how = handover or _rest(recording, observer, name, after_s=start)
-    return Label(name_of_task, performer, target, name, start, end, f"proposed: {start_how}; {end_how}")
+    times = (_tidy(recording, start), _tidy(recording, end))
+    return Label(name_of_task, performer, target, name, *times, f"proposed: {start_how}; {end_how}")
+
+
+def _tidy(recording: Recording, time_s: float) -> float:
+    """To the millisecond, inside of the recording."""
+    return min(max(round(time_s, 3), float(recording.times_s[0])), float(recording.times_s[-1]))
 
 
 def _moved_most(recording: Recording) -> str:
@@ -132,8 +140,9 @@ def _handover(
     released = max((g.end_s for g in grips if g.agent == performer and g.start_s <= taken), default=None)
     if released is None:
         return None
-    end = _placed(observer, name, from_s=max(released, taken), until_s=held_until)
-    return end, f"ends when {performer} lets go and {target} holds it"
+    event = _placed(observer, name, from_s=max(released, taken), until_s=held_until)
+    end = min(event + SETTLED_S, (event + held_until) / 2)
+    return end, f"ends {SETTLED_S} s after {performer} has let go, while {target} holds it"
 
 
 def _placed(observer: Observer, name: str, *, from_s: float, until_s: float) -> float:

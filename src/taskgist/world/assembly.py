@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -18,6 +19,8 @@ from taskgist.world.profile import AgentProfile, builtin_profile_text, parse_pro
 from taskgist.world.rotations import about_z
 from taskgist.world.scene_file import DEFAULT_STATURE_M, STATURE, AgentEntry, SceneFile
 from taskgist.world.state import State
+
+mujoco.set_mju_user_warning(logging.getLogger("taskgist.world").warning)  # otherwise MuJoCo writes a file of its own
 
 BUILDERS: dict[str, Callable[[HumanSize], str]] = {"human": human_mjcf}
 """Models that are made to measure, by the name under which a profile asks for them."""
