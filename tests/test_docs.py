@@ -53,7 +53,7 @@ def test_commands_parse(page: str, line: str) -> None:
 
 def test_the_parser_of_command_lines_is_not_too_kind() -> None:
     assert parse("taskgist label X.mcap --propose [--task give]  # a comment")["task"] == "give"
-    assert parse("taskgist learn X.mcap... -k k.db")["knowledge"] == Path("k.db")
+    assert parse("taskgist learn X.mcap... -k k.db")["knowledge"] == "k.db"
     for wrong in (
         "taskgist fly",
         "taskgist see x.toml --agnt P1",

@@ -65,7 +65,8 @@ def _labelled(recording: Recording) -> Recording:
     giver, taker = (recording.signals[f"{agent}_grip"].values for agent in ("P1", "P2"))
     proposed = propose_label(recording, observer, task="give", performing_agent="P1", target_agent="P2")
     released = float(recording.times_s[((giver < GRIP_N) & (taker > GRIP_N)).argmax()]) + SETTLED_S
-    how = f"{proposed.how.partition(';')[0]}; ends {SETTLED_S} s after P1 has let go by the grip forces (the right hands were not tracked)"
+    lets_go = f"ends {SETTLED_S} s after P1 has let go by the grip forces (the right hands were not tracked)"
+    how = f"{proposed.how.partition(';')[0]}; {lets_go}"
     return recording.with_label(Label("give", "P1", "P2", "baton", proposed.start_s, round(released, 3), how))
 
 

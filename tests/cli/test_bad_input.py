@@ -210,7 +210,7 @@ CASES: dict[str, list[str]] = {
     "label good.mcap --start 1 --end 99": [
         "good.mcap: --end: ",
         "outside",
-        "(got 99.0); give a time between 0 and 7.8",
+        "(got 99.0); give a time between 0 and 7.",
     ],
     "label good.mcap --start 7": ["good.mcap: --end: the label ends before it starts", "after start_s = 7"],
     "label good.mcap --start nan": ["good.mcap: --start: must be a time (got nan); give seconds"],

@@ -20,7 +20,7 @@ SURFACE: dict[str, set[str]] = {
     },
     "check": {"recordings"},
     "facts": {"recording", "--agent", "--object", "--at", "--every"},
-    "learn": {"demonstrations", "--knowledge", "-k"},
+    "learn": {"demonstrations", "--knowledge", "-k", "--replace"},
     "explain": {"task", "--knowledge", "-k", "--why", "--band"},
     "see": {"where", "--agent", "--at", "--object", "--out", "-o"},
 }

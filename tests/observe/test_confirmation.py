@@ -60,3 +60,10 @@ def test_a_change_is_provisional_and_then_backdated() -> None:
 
 def test_nothing_is_confirmed_by_one_frame() -> None:
     assert fed(["A"]).at(0.0) is None
+
+
+def test_only_the_key_must_last() -> None:
+    confirmation: Confirmation[tuple[str, int]] = Confirmation(0.2, key=lambda value: value[0])
+    for frame, value in enumerate([("A", 1), ("A", 2), ("A", 1), ("B", 1), ("B", 2), ("B", 3)]):
+        confirmation.update(frame * STEP_S, value)
+    assert [i.value for i in confirmation.intervals] == [("A", 1), ("B", 1)]

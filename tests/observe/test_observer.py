@@ -109,3 +109,47 @@ def test_unknown_names_are_named(room: Scene) -> None:
         observer.placement("cups")
     with pytest.raises(UnknownNameError, match="known: P1, P2"):
         observer.posture("P3")
+
+
+def test_holding_something_else_is_told_apart(room: Scene, carried: list[State]) -> None:
+    both = scene(
+        TABLE,
+        cylinder("cup", -0.25, -0.15, TOP + 0.05),
+        cylinder("mug", 0.2, 0.3, TOP + 0.05),
+        agents=agent("P1", -0.8, 0) + agent("P2", 0.8, 0, yaw_deg=180),
+    )
+    assert both.nq == room.nq + 7
+    states = []
+    for state in carried:
+        qpos = np.array(both.initial.qpos)
+        for name in room.agents:
+            qpos[both.base_slice(name)] = state.qpos[room.base_slice(name)]
+            qpos[both.joint_indices(name)] = state.qpos[room.joint_indices(name)]
+        qpos[both.object_slice("cup")] = state.qpos[room.object_slice("cup")]
+        states.append(State(qpos, state.time_s))
+    observer = Observer.of(both, states)
+    found = snapshot(Stage(both, states[50]), observer, agent="P1", name="mug")
+    assert found["hands"].value == {"left": "Free_of_Object", "right": "Holding_Other_Object"}
+
+
+@pytest.mark.parametrize("every", [1, 2, 4])
+def test_the_story_does_not_depend_on_the_frame_rate(room: Scene, carried: list[State], every: int) -> None:
+    observer = Observer.of(room, carried[::every])
+    assert [i.value.symbol for i in observer.placement("cup").intervals] == ["On_Support", "In_Hand", "In_Air"]
+    assert [i.value for i in observer.motion("cup").intervals] == ["Static", "Moving", "Static"]
+
+
+def test_a_hand_that_only_slows_down_does_not_begin_to_hold(room: Scene) -> None:
+    """Slower than what lets go, faster than what takes hold."""
+    contact = DEFAULT.contact
+    speed = (contact.slip_start_m_s + contact.slip_stop_m_s) / 2
+    fitter, states = Fitter(room, "P1", moving="arms"), []
+    for frame in range(30):
+        time = frame / RATE_HZ
+        palm = (-0.3, -0.15 + speed * (time - 0.75), 1.1)
+        fit = fitter.fit(room.initial, points={"right_palm": palm})
+        states.append(
+            State(fit.state.replace(at=room.object_slice("cup"), to=(-0.3, -0.15, 1.1, 1, 0, 0, 0)).qpos, time)
+        )
+    observer = Observer.of(room, states)
+    assert "Holding_Object" not in {i.value.symbol for i in observer.hand("P1", "right").intervals}

@@ -20,6 +20,8 @@ Severity = Literal["unfit", "warning", "note"]
 
 GAP_FACTOR = 3.0
 """A step of time longer than this many usual ones is a gap."""
+SLOWEST_S = 0.1
+"""Frames farther apart than this are fewer than the windows of motion and holding ask for."""
 OVERLAP_M = 0.03
 """Bodies that overlap deeper than this were tracked or shaped wrongly; fitted hands do so by 1-2 cm while they hold."""
 OVERLAP_EVERY_S = 0.2
@@ -84,6 +86,9 @@ def check(recording: Recording, settings: Settings = DEFAULT, progress: Progress
 def _time_gaps(recording: Recording) -> Iterator[Finding]:
     steps = np.diff(recording.times_s)
     usual = float(np.median(steps))
+    if usual > SLOWEST_S:
+        rate = f"only {1 / usual:.0f} frames per second"
+        yield Finding("warning", "time", f"{rate}: short holds and stops are missed", "record faster")
     for index in np.flatnonzero(steps > GAP_FACTOR * usual):
         start = recording.times_s[index]
         yield Finding(
@@ -127,11 +132,12 @@ def _overlaps(recording: Recording) -> Iterator[Finding]:
             if state.known(pair) and depth > worst.get(pair, (0.0, 0.0))[0]:
                 worst[pair] = (depth, float(time_s))
     for (a, b), (depth, time_s) in worst.items():
+        held = {a, b} & set(recording.scene.agents) and {a, b} & set(recording.scene.objects)
         yield Finding(
-            "warning",
+            "note" if held else "warning",
             f"{a} and {b}",
             f"overlap by up to {100 * depth:.1f} cm (at {time_s:.2f} s)",
-            "check shapes and poses",
+            "usual where a hand closes around it" if held else "check shapes and poses",
         )
 
 

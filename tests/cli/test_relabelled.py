@@ -1,0 +1,56 @@
+"""A recording whose label was moved is not counted twice, and knowledge notices when it was changed."""
+
+import shutil
+import sqlite3
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from taskgist.cli.app import app
+from taskgist.store import load
+from taskgist.study import shipped_recordings
+
+
+def run(*words: str) -> tuple[int, str]:
+    result = CliRunner().invoke(app, list(words))
+    return result.exit_code, result.output
+
+
+@pytest.fixture
+def learned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(shipped_recordings("give")[0], tmp_path / "a.mcap")
+    assert run("learn", "a.mcap")[0] == 0
+    return tmp_path
+
+
+@pytest.mark.usefixtures("learned")
+def test_a_moved_label_is_refused_and_can_replace() -> None:
+    assert run("label", "a.mcap", "--start", "1.5")[0] == 0
+    code, output = run("learn", "a.mcap")
+    assert code == 2
+    assert "--replace" in output
+    assert len(load("knowledge.db").explanations) == 1
+    assert run("learn", "a.mcap", "--replace")[0] == 0
+    (explanation,) = load("knowledge.db").explanations
+    assert "1.5000-" in explanation.source
+    assert run("learn", "a.mcap")[0] == 0, "the same again changes nothing"
+
+
+def test_changed_knowledge_is_noticed(learned: Path) -> None:
+    with sqlite3.connect(learned / "knowledge.db") as connection:
+        connection.execute("UPDATE taskgist_explanations SET document = replace(document, 'Becomes_Easier', 'Becomes_Harder')")
+    code, output = run("explain", "give")
+    assert code == 2
+    assert "damaged explanation" in output
+
+
+def test_halves_of_characters_are_refused(learned: Path) -> None:
+    text = '{"schema": "taskgist.facts/1", "task": "give", "demonstration": "\\ud800", "performing_agent": "P1"}'
+    (learned / "facts.json").write_text(text)
+    code, output = run("learn", "facts.json")
+    assert code == 2
+    assert "no Unicode" in output
+    (learned / "deep.json").write_text("[" * 100_000)
+    assert run("learn", "deep.json")[0] == 2
