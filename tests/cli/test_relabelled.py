@@ -40,7 +40,9 @@ def test_a_moved_label_is_refused_and_can_replace() -> None:
 
 def test_changed_knowledge_is_noticed(learned: Path) -> None:
     with sqlite3.connect(learned / "knowledge.db") as connection:
-        connection.execute("UPDATE taskgist_explanations SET document = replace(document, 'Becomes_Easier', 'Becomes_Harder')")
+        connection.execute(
+            "UPDATE taskgist_explanations SET document = replace(document, 'Becomes_Easier', 'Becomes_Harder')"
+        )
     code, output = run("explain", "give")
     assert code == 2
     assert "damaged explanation" in output

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from taskgist.errors import LabelError
-from taskgist.facts import STANDARD_TREE, Episode, HypothesisTree, Predicate
+from taskgist.facts import STANDARD_TREE, Episode, HypothesisTree, Predicate, known_predicates
 from taskgist.learning import Explanation, explain
 from taskgist.observe import Observer, snapshot
 from taskgist.recording import Label, Recording
@@ -103,15 +103,15 @@ def explain_recording(
     *,
     tree: HypothesisTree = STANDARD_TREE,
     settings: Settings = DEFAULT,
-    predicates: Iterable[Predicate] = (),
+    predicates: Iterable[Predicate] | None = None,
     progress: Progress = silent,
 ) -> Explanation:
-    """The explanation of a labelled recording; predicates join the tree.
+    """The explanation of a labelled recording; predicates join the tree: by default all that are known.
 
     Raises:
         LabelError: There is no label.
     """
-    predicates = tuple(predicates)
+    predicates = known_predicates() if predicates is None else tuple(predicates)
     whole = tree.extended(*(predicate.subtree for predicate in predicates))
     episode = episode_of(recording, settings=settings, predicates=predicates, progress=progress)
     return explain(episode, whole, settings)

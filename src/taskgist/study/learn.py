@@ -17,7 +17,7 @@ def learn(
     *,
     tree: HypothesisTree = STANDARD_TREE,
     settings: Settings = DEFAULT,
-    predicates: Iterable[Predicate] = (),
+    predicates: Iterable[Predicate] | None = None,
     progress: Progress = silent,
 ) -> Knowledge:
     """Learn from labelled recordings, each for the task of its label.
@@ -26,7 +26,7 @@ def learn(
         recordings: Labelled recordings of one or several tasks.
         tree: The hypothesis space; ``predicates`` extend it.
         settings: All settings.
-        predicates: A user's own predicates.
+        predicates: A user's own predicates; by default all that are known.
         progress: Told how far it is.
 
     Raises:
@@ -44,7 +44,7 @@ def explain_all(
     *,
     tree: HypothesisTree = STANDARD_TREE,
     settings: Settings = DEFAULT,
-    predicates: Iterable[Predicate] = (),
+    predicates: Iterable[Predicate] | None = None,
     progress: Progress = silent,
 ) -> Iterable[Explanation]:
     """The explanation of each recording, one after the other.
@@ -53,7 +53,8 @@ def explain_all(
         RecordingError: There are no recordings.
         LabelError: A recording has no label.
     """
-    recordings, predicates = tuple(recordings), tuple(predicates)
+    recordings = tuple(recordings)
+    predicates = None if predicates is None else tuple(predicates)
     if not recordings:
         raise RecordingError("no demonstrations to learn from", hint="name at least one labelled recording")
     for number, recording in enumerate(recordings):

@@ -105,11 +105,13 @@ def _like(section: str, name: str, tables: dict[str, Any], file: Path, seen: tup
     if not isinstance(table, dict) or "like" not in table:
         return table
     model = table["like"]
-    if model not in tables:
+    if not isinstance(model, str) or model not in tables:
         raise UnknownNameError(_SINGULAR[section], str(model), tables, where=f"{file}: {section}.{name}.like")
     if model in (*seen, name):
         raise MappingError("refers to itself", where=file, field=f"{section}.{name}.like", value=model)
     copied = _like(section, model, tables, file, (*seen, name))
+    if not isinstance(copied, dict):
+        raise MappingError("must be a table", where=file, field=f"{section}.{model}", value=copied)
     if section == "people":
         copied = {key: value for key, value in copied.items() if key not in _PERSONAL}
     own = {key: value for key, value in table.items() if key != "like"}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import sys
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -135,8 +136,10 @@ class Section:
 
 
 def is_number(value: object) -> bool:
-    """Whether a TOML value is a finite number (true and false are not)."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    """Whether a TOML value is a finite number (true and false are not, nor is an integer beyond all floats)."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return abs(value) < sys.float_info.max if isinstance(value, int) else math.isfinite(value)
 
 
 def _limits(least: float, most: float) -> str:
