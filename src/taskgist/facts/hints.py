@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
+
+from taskgist.errors import nearest
 
 
 def allowed_names(given: object, allowed: Iterable[str]) -> str:
     """Text such as "did you mean 'Sitting'? (allowed: Standing, Sitting)"."""
     names = tuple(allowed)
-    near = difflib.get_close_matches(str(given), names, n=1)
-    guess = f"did you mean {near[0]!r}? " if near else ""
+    near = nearest(str(given), names)
+    guess = f"did you mean {near!r}? " if near else ""
     return f"{guess}(allowed: {', '.join(names)})"

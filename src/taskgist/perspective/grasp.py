@@ -13,11 +13,10 @@ from functools import cached_property
 
 import numpy as np
 
+from taskgist.perspective.by_hand import ByHand
 from taskgist.perspective.grasp_samples import Grasps, hand_poses, sample_grasps
-from taskgist.perspective.hold import Hold
-from taskgist.perspective.judge import Miss, Outcome, best_first, untracked_parts
-from taskgist.perspective.reach import PARTS
-from taskgist.perspective.sector import ROUNDING, arms_of, within_reach
+from taskgist.perspective.judge import Miss, Outcome, best_first
+from taskgist.perspective.sector import ROUNDING, within_reach
 from taskgist.perspective.standpoint import Standpoint
 from taskgist.perspective.virtual_actions import Stance, stretch
 from taskgist.world import ArmIndices, Hand
@@ -28,7 +27,7 @@ TOUCH_M = 1e-4
 """Overlaps below this are touches: they do not depend on how the scene is turned."""
 
 
-class Grasp:
+class Grasp(ByHand):
     """Judges the ability to grasp one object.
 
     Args:
@@ -37,21 +36,8 @@ class Grasp:
     """
 
     def __init__(self, here: Standpoint, name: str) -> None:
-        self._here, self._name = here, name
-        self._stage, self._agent = here.stage, here.agent
-        self._arms = arms_of(here)
-        self._hold = Hold(here, name)
+        super().__init__(here, name)
         self._blocked_by: dict[int, str] = {}
-
-    def unknown(self, level: int) -> str | None:
-        """As for reach."""
-        if level == 0:
-            return self._hold.unknown
-        return untracked_parts(self._here.state, self._agent.name, PARTS[level])
-
-    def without_effort(self) -> Outcome | Miss:
-        """Level 0: held."""
-        return self._hold.outcome()
 
     def from_stance(self, stance: Stance) -> Iterator[Outcome | Miss]:
         """The arms that can grasp the object, the nearer shoulder's first."""

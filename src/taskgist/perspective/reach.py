@@ -10,18 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from taskgist.perspective.hold import Hold
-from taskgist.perspective.judge import Miss, Outcome, best_first, untracked_parts
-from taskgist.perspective.sector import arms_of, within_reach
+from taskgist.perspective.by_hand import ByHand
+from taskgist.perspective.judge import Miss, Outcome, best_first
+from taskgist.perspective.sector import within_reach
 from taskgist.perspective.standpoint import Standpoint
 from taskgist.perspective.virtual_actions import Stance, stretch
 from taskgist.world import ArmIndices, object_points
 
-PARTS: tuple[tuple[str, ...], ...] = ((), ("torso",), ("torso",), ("torso", "legs"), ("torso", "legs"))
-"""Parts that must be tracked to judge each level."""
 
-
-class Reach:
+class Reach(ByHand):
     """Judges the ability to reach one object.
 
     Args:
@@ -30,21 +27,8 @@ class Reach:
     """
 
     def __init__(self, here: Standpoint, name: str) -> None:
-        self._here, self._name = here, name
-        self._stage, self._agent = here.stage, here.agent
+        super().__init__(here, name)
         self._points = object_points(here.stage, name, here.settings.reach.cell_m)
-        self._arms = arms_of(here)
-        self._hold = Hold(here, name)
-
-    def unknown(self, level: int) -> str | None:
-        """The shoulders are where the torso is; legs matter from their level on; hands for holding only."""
-        if level == 0:
-            return self._hold.unknown
-        return untracked_parts(self._here.state, self._agent.name, PARTS[level])
-
-    def without_effort(self) -> Outcome | Miss:
-        """Level 0: held."""
-        return self._hold.outcome()
 
     def from_stance(self, stance: Stance) -> Iterator[Outcome | Miss]:
         """The arms that reach the object, the nearer shoulder's first."""

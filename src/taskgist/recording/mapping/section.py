@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import sys
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from taskgist.errors import MappingError
+from taskgist.errors import MappingError, nearest
 
 _REQUIRED: Any = object()
 
@@ -68,8 +67,8 @@ class Section:
         value = self.any(key, default)
         known = sorted(choices)
         if value is not default and value not in known:
-            near = difflib.get_close_matches(str(value), known, n=1)
-            guess = f"did you mean {near[0]!r}? " if near else ""
+            near = nearest(str(value), known)
+            guess = f"did you mean {near!r}? " if near else ""
             raise self.error("is none of the choices", key, value, f"{guess}(known: {', '.join(known)})")
         return value
 
@@ -130,8 +129,8 @@ class Section:
             MappingError: There is one.
         """
         for key in sorted(self.values.keys() - set(known)):
-            near = difflib.get_close_matches(key, known, n=1)
-            guess = f"did you mean {near[0]!r}? " if near else ""
+            near = nearest(key, known)
+            guess = f"did you mean {near!r}? " if near else ""
             raise self.error("no such field", key, self.values[key], f"{guess}(known: {', '.join(sorted(known))})")
 
 

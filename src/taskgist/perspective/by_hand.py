@@ -1,0 +1,36 @@
+"""What the judges of reach and grasp share: arms that are stretched out, and level 0, which is holding."""
+
+from __future__ import annotations
+
+from taskgist.perspective.hold import Hold
+from taskgist.perspective.judge import Miss, Outcome, untracked_parts
+from taskgist.perspective.sector import arms_of
+from taskgist.perspective.standpoint import Standpoint
+
+PARTS: tuple[tuple[str, ...], ...] = ((), ("torso",), ("torso",), ("torso", "legs"), ("torso", "legs"))
+"""Parts that must be tracked to judge each level."""
+
+
+class ByHand:
+    """Judges an ability of the hands towards one object.
+
+    Args:
+        here: Whose, and from where.
+        name: The object.
+    """
+
+    def __init__(self, here: Standpoint, name: str) -> None:
+        self._here, self._name = here, name
+        self._stage, self._agent = here.stage, here.agent
+        self._arms = arms_of(here)
+        self._hold = Hold(here, name)
+
+    def unknown(self, level: int) -> str | None:
+        """The shoulders are where the torso is; legs matter from their level on; hands for holding only."""
+        if level == 0:
+            return self._hold.unknown
+        return untracked_parts(self._here.state, self._agent.name, PARTS[level])
+
+    def without_effort(self) -> Outcome | Miss:
+        """Level 0: held."""
+        return self._hold.outcome()
