@@ -13,9 +13,7 @@ from taskgist.cli.understanding import print_understanding, understanding_docume
 from taskgist.errors import InputError
 from taskgist.learning import Explanation, Knowledge
 from taskgist.recording import Recording, read
-from taskgist.store import update
 from taskgist.study import explain_all, label_of, shipped_recordings
-from taskgist.view import before_after_picture
 from taskgist.world import Stage
 
 RULE = "─" * 80
@@ -49,6 +47,8 @@ def demo(
             picture = _picture(recordings[0], out / f"{task}.png")
         knowledge = knowledge.add(*explanations)
         documents[task] = _report(knowledge, task, source, explanations, picture, as_json=as_json)
+    from taskgist.store import update  # with sqlalchemy, which only knowledge should wait for
+
     update(out / "knowledge.db", knowledge.explanations)
     if as_json:
         print_json({"knowledge": str(out / "knowledge.db"), "tasks": documents})
@@ -75,6 +75,8 @@ def _picture(recording: Recording, path: Path) -> Path:
     label = label_of(recording)
     states = (recording.at(label.start_s), recording.at(label.end_s))
     title = f"{label.task}: {label.performing_agent} → {label.target_agent}, {label.target_object} ({recording.name})"
+    from taskgist.view import before_after_picture  # with matplotlib, which only pictures should wait for
+
     return before_after_picture(
         Stage(recording.scene), states, label.target_agent, label.target_object, path, title=title
     )

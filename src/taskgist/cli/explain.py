@@ -10,12 +10,11 @@ import typer
 from taskgist.cli.files import KNOWLEDGE, KnowledgeOption, about
 from taskgist.cli.output import JsonOption, command, console, print_json
 from taskgist.cli.understanding import print_understanding, understanding_document
-from taskgist.errors import UnknownNameError
+from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts import STANDARD_TREE, known_predicates
 from taskgist.language import why
 from taskgist.learning import Context
 from taskgist.settings import BANDS, DEFAULT
-from taskgist.store import load
 
 
 @command
@@ -37,6 +36,10 @@ def explain(
     if band not in BANDS:
         raise UnknownNameError("band", band, BANDS)
     tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in known_predicates()))
+    from taskgist.store import load  # with sqlalchemy, which only knowledge should wait for
+
+    if node is not None and task is None:
+        raise KnowledgeError("of which task?", field="--why", value=node, hint="taskgist explain TASK --why NODE")
     known = load(knowledge, expected=Context.of(DEFAULT, tree))
     if task is None:
         _list_tasks(known.tasks, as_json=as_json)

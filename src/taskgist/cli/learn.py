@@ -15,7 +15,6 @@ from taskgist.facts import STANDARD_TREE, HypothesisTree, known_predicates, read
 from taskgist.learning import Context, Explanation, Knowledge, explain
 from taskgist.recording import Recording
 from taskgist.settings import DEFAULT
-from taskgist.store import file_of, load, update
 from taskgist.study import explain_all, label_of
 
 
@@ -67,6 +66,8 @@ def learn(
 
 def _check_knowledge(knowledge: str, tree: HypothesisTree) -> None:
     """Refuse knowledge that cannot be added to before the long work, not after it."""
+    from taskgist.store import file_of, load, update  # with sqlalchemy, which only knowledge should wait for
+
     path = file_of(knowledge)
     if path is None:
         update(knowledge)
@@ -82,6 +83,8 @@ def _kept(knowledge: str, explanations: list[Explanation], *, replace: bool) -> 
     Raises:
         KnowledgeError: A recording was learned from already, with another label.
     """
+    from taskgist.store import update
+
     known = update(knowledge)
     older = [each for explanation in explanations for each in known.rivals(explanation)]
     if older and not replace:

@@ -12,7 +12,6 @@ from taskgist.cli.output import JsonOption, command, console, print_json
 from taskgist.errors import RecordingError
 from taskgist.perspective import Visibility, visibility
 from taskgist.recording import read
-from taskgist.view import see_picture
 from taskgist.world import Scene, Stage, State
 
 
@@ -41,6 +40,8 @@ def see(
     path = out or where.with_name(f"{where.stem}_{body.name}_sees.png")
     check_target(path, "--out")
     stage = Stage(scene, state)
+    from taskgist.view import see_picture  # with matplotlib, which only pictures should wait for
+
     see_picture(stage, agent, path, target=object)
     seen = {name: visibility(stage, agent, name) for name in scene.objects}
     if as_json:
