@@ -105,3 +105,16 @@ def test_the_schema_knows_every_attribute_and_predicates_too() -> None:
     assert set(schema["properties"]["start"]["properties"]) == set(STANDARD_TREE.attributes)
     extended: Any = facts_schema(STANDARD_TREE.extended(predicate_subtree("on_box")))
     assert extended["properties"]["end"]["properties"]["on_box"]["anyOf"][0] == {"enum": ["True", "False", True, False]}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"target_agent": "P1"}, "performing and target agent are the same"),
+        ({"start": {}, "end": {}}, "no facts"),
+        ({"target_object": "\ud800"}, "no Unicode"),
+    ],
+)
+def test_what_could_teach_nothing_is_refused(change: dict[str, Any], message: str) -> None:
+    with pytest.raises(FactsError, match=message):
+        parse_facts(DOCUMENT | change, where="facts.json")

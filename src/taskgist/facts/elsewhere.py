@@ -29,6 +29,7 @@ from taskgist.facts.episode import Episode
 from taskgist.facts.frozen import FrozenMap, Json, canonical_text, freeze
 from taskgist.facts.hints import allowed_names
 from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.subtree import Snapshot
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import NOT_OBSERVED, Observation, Raw
 
@@ -71,6 +72,7 @@ def parse_facts(document: object, tree: HypothesisTree = STANDARD_TREE, *, where
     _check_fields(fields, where)
     start, end = (_snapshot(fields, part, tree, where) for part in ("start", "end"))
     names = {name: _name(fields[name], where, name) for name in NAMES}
+    _check_sense(names, start, end, where)
     content: Json = {**names, "start": _plain(start), "end": _plain(end)}
     digest = hashlib.sha256(canonical_text(content).encode()).hexdigest()[:16]
     return Episode(**names, start=start, end=end, source=f"facts:{digest}")
@@ -193,3 +195,18 @@ def _check_text(document: object, where: str | Path | None) -> None:
         ) from error
     except (TypeError, ValueError, RecursionError):
         return  # what else is wrong is told where the field is read
+
+
+def _check_sense(names: Mapping[str, str], start: Snapshot, end: Snapshot, where: str | Path | None) -> None:
+    """Refuse what could teach nothing: one agent doing something for itself, or no fact at all."""
+    if names["performing_agent"] == names["target_agent"]:
+        hint = "name the other agent, for whom the task is performed"
+        raise FactsError(
+            "performing and target agent are the same",
+            where=where,
+            field="target_agent",
+            value=names["target_agent"],
+            hint=hint,
+        )
+    if not start and not end:
+        raise FactsError("no facts", where=where, field="start, end", hint="give at least one attribute")
