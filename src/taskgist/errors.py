@@ -49,8 +49,10 @@ class InputError(TaskgistError):
         place = ": ".join(part for part in (self.where, self.field) if part)
         text = f"{place}: {self.problem}" if place else self.problem
         if self.value is not None:
-            text += f" (got {self.value!r})"
-        return f"{text}; {self.hint}" if self.hint else text
+            text += f" (got {_shortened(repr(self.value))})"
+        if not self.hint:
+            return text
+        return f"{text} {self.hint}" if self.hint.startswith("(") else f"{text}; {self.hint}"
 
 
 class SceneError(InputError):
@@ -108,6 +110,14 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     alike = 0.5 if len(name) <= 3 else 0.6
     found = difflib.get_close_matches(name.casefold(), by_folded, n=1, cutoff=alike)
     return by_folded[found[0]] if found else None
+
+
+LONGEST = 600
+"""Letters of a value that a message shows."""
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
 
 
 def _rebuild(

@@ -232,7 +232,7 @@ CASES: dict[str, list[str]] = {
     "see sound.toml --agent P1 --at 1": ["sound.toml: --at: a scene has no time (got 1.0); leave --at out"],
     "see field.toml --agent P1": ["field.toml: [agents.P1]: no field 'postur'; did you mean 'posture'? (known: body, "],
     "see profile.toml --agent P1": ["profile.toml: agents.P1: no profile 'humen'; did you mean 'human'? (known: human"],
-    "see posture.toml --agent P1": ["posture.toml: agents.P1: no posture 'lying'; (known: sitting, standing)"],
+    "see posture.toml --agent P1": ["posture.toml: agents.P1: no posture 'lying' (known: sitting, standing)"],
     "see seatless.toml --agent P1": [
         "seatless.toml: agents.P1.position_m: nothing to sit on there (got ",
         "over a seat",
@@ -296,7 +296,7 @@ CASES: dict[str, list[str]] = {
     "import map_sound.toml -o nowhere/out.mcap": ["nowhere/out.mcap: --out: cannot be written: ", NO_FOLDER],
     "import map_sound.toml -o empty": ["empty: --out: cannot be written: it is a folder; name a file"],
     "import map_sound.toml -o out.mcap --set take": ["--set: not a parameter (got 'take'); write NAME=VALUE"],
-    "import map_sound.toml -o out.mcap --set take=1": ["map_sound.toml: no parameter 'take'; "],
+    "import map_sound.toml -o out.mcap --set take=1": ["map_sound.toml: no parameter 'take' (known"],
     "import map_missing.toml -o good.mcap": ["map_missing.toml: ", "none.npz: ", NO_FILE],
     "import map_key.toml -o good.mcap": ["map_key.toml: sources.body.unit: no such field", "did you mean 'units'"],
     "import map_landmark.toml -o good.mcap": [

@@ -103,8 +103,11 @@ def test_label_sets_and_changes_nothing_else(own: Path) -> None:
     run("label own.mcap --start 1.3")
     again = run_json("label own.mcap")
     assert again == {**document, "start_s": 1.3, "how": again["how"]}
-    assert again["how"].startswith(original.label.how), "how the end was found is not forgotten"
-    assert again["how"].count("by hand: start_s") == 1
+    assert again["how"].startswith(original.label.how.partition("; by hand")[0]), (
+        "how the end was found is not forgotten"
+    )
+    assert again["how"].count("by hand: ") == 1
+    assert again["how"].count("start_s") == 1
 
 
 def test_label_tries_without_writing(own: Path) -> None:

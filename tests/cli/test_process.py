@@ -17,7 +17,7 @@ from tests.shipped import PATHS
 def taskgist(*words: str, folder: Path) -> subprocess.CompletedProcess[str]:
     code = "from taskgist.cli import main; main()"
     return subprocess.run(
-        [sys.executable, "-c", code, *words], cwd=folder, capture_output=True, text=True, check=False, timeout=60
+        [sys.executable, "-c", code, *words], cwd=folder, capture_output=True, text=True, check=False, timeout=300
     )
 
 

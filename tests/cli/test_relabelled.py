@@ -56,3 +56,16 @@ def test_halves_of_characters_are_refused(learned: Path) -> None:
     assert "no Unicode" in output
     (learned / "deep.json").write_text("[" * 100_000)
     assert run("learn", "deep.json")[0] == 2
+
+
+def test_corrected_facts_replace_the_old_ones(learned: Path) -> None:
+    facts = Path(__file__).parent.parent.parent / "docs" / "extending.md"
+    text = facts.read_text(encoding="utf-8")
+    start = text.index('    {\n      "schema"')
+    document = text[start : text.index("\n    }\n", start) + 7]
+    (learned / "one.json").write_text(document)
+    (learned / "two.json").write_text(document.replace("0.012", "0.013"))
+    assert run("learn", "one.json")[0] == 0
+    assert run("learn", "two.json")[0] == 2
+    assert run("learn", "two.json", "--replace")[0] == 0
+    assert len(load("knowledge.db").experience("show").explanations) == 1

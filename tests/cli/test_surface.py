@@ -91,6 +91,6 @@ def test_misuse_points_to_the_help(line: str) -> None:
     ],
 )
 def test_a_wrong_name_leads_to_the_one_that_was_meant(name: str, known: tuple[str, ...], meant: str | None) -> None:
-    guess = f"did you mean {meant!r}? " if meant else ""
+    guess = f"; did you mean {meant!r}?" if meant else ""
     listed = ", ".join(sorted(known))
-    assert str(UnknownNameError("agent", name, known)) == f"no agent {name!r}; {guess}(known: {listed})"
+    assert str(UnknownNameError("agent", name, known)) == f"no agent {name!r}{guess} (known: {listed})"

@@ -182,7 +182,7 @@ CSV_MISTAKES = {
     "text": ("t,x,y,z\n0,1,2,3\n0.1,1,oops,3\n", r"cup.csv, line 3: column 'y': is no number \(got 'oops'\)"),
     "infinite": ("t,x,y,z\n0,1,2,3\n0.1,1,inf,3\n", r"line 3: column 'y': is no number \(got 'inf'\)"),
     "cut off": ("t,x,y,z\n0,1,2,3\n0.1,1\n", r"line 3: the row has 2 cells, the first one 4"),
-    "column": ("t,x,y,w\n0,1,2,3\n0.1,1,2,3\n", r"no column 'z'; \(known: t, w, x, y\)"),
+    "column": ("t,x,y,w\n0,1,2,3\n0.1,1,2,3\n", r"no column 'z' \(known: t, w, x, y\)"),
     "column twice": ("t,x,y,z,z\n0,1,2,3,3\n0.1,1,2,3,3\n", r"two columns have the name \(got 'z'\)"),
     "backwards": ("t,x,y,z\n0.2,1,2,3\n0.1,1,2,3\n", r"line 3: time: t: times run backwards: 0.2 s, then 0.1 s"),
     "repeated": ("t,x,y,z\n0.2,1,2,3\n0.2,1,2,3\n", r"line 3: time: t: times repeat"),

@@ -112,6 +112,15 @@ def test_a_declared_unknown_hand_stays_unknown(tmp_path: Path) -> None:
     assert any("hidden behind the table" in note for note in recording.provenance.notes)
 
 
+def test_declared_unknown_legs_have_no_posture(tmp_path: Path) -> None:
+    room, states = person("sitting")
+    extra = 'unknown = { legs = "swapped by the tracker" }\n'
+    recording = imported(tmp_path, keypoints(room, states), extra=extra)
+    fitted = Stage(recording.scene, recording.state(5))
+    assert "P1/legs" in recording.state(5).untracked
+    assert posture_of(fitted, recording.scene.agent("P1"), DEFAULT.contact) is None
+
+
 def test_a_body_that_only_has_a_trunk_and_a_head(tmp_path: Path) -> None:
     room, states = person("standing")
     few = ["pelvis", "neck", "head", "left_shoulder", "right_shoulder"]

@@ -175,5 +175,5 @@ def test_no_display_is_needed(tmp_path: Path) -> None:
     environment = {
         key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL")
     }
-    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, check=True, timeout=300)
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")

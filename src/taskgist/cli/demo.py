@@ -11,6 +11,7 @@ from rich.text import Text
 from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
 from taskgist.cli.understanding import print_understanding, understanding_document
 from taskgist.errors import InputError
+from taskgist.facts import STANDARD_TREE, known_predicates
 from taskgist.learning import Explanation, Knowledge
 from taskgist.recording import Recording, read
 from taskgist.study import explain_all, label_of, shipped_recordings
@@ -38,6 +39,9 @@ def demo(
     Example: taskgist demo -o /tmp/demo
     """
     _make_folder(out)
+    from taskgist.store import update  # with sqlalchemy, which only knowledge should wait for
+
+    update(out / "knowledge.db")  # what lies there must be usable, before any long work
     knowledge, documents = Knowledge(), {}
     for task, source in TASKS.items():
         recordings = [read(path) for path in shipped_recordings(task)]
@@ -47,8 +51,6 @@ def demo(
             picture = _picture(recordings[0], out / f"{task}.png")
         knowledge = knowledge.add(*explanations)
         documents[task] = _report(knowledge, task, source, explanations, picture, as_json=as_json)
-    from taskgist.store import update  # with sqlalchemy, which only knowledge should wait for
-
     update(out / "knowledge.db", knowledge.explanations)
     if as_json:
         print_json({"knowledge": str(out / "knowledge.db"), "tasks": documents})
@@ -59,7 +61,8 @@ def demo(
 def _report(
     knowledge: Knowledge, task: str, source: str, explanations: list[Explanation], picture: Path, *, as_json: bool
 ) -> dict[str, Any]:
-    understanding = knowledge.understand(task)
+    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in known_predicates()))
+    understanding = knowledge.understand(task, tree)
     if not as_json:
         console.print(Text.assemble((task, "bold"), f": {source}\n{RULE}"))
         names = ", ".join(explanation.demonstration for explanation in explanations)

@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Annotated, Any
 
 import typer
-from rich.table import Table
 from rich.text import Text
 
 from taskgist.cli.files import RecordingArgument, about
@@ -89,13 +88,11 @@ def _print_instant(agent: str, name: str, at: float, observed: dict[str, Observa
             {"agent": agent, "object": name, "time_s": at, "attributes": {k: o.to_json() for k, o in observed.items()}}
         )
         return
-    table = Table(title=f"{name} for {agent} at {at:.2f} s", title_justify="left", box=None)
-    for column in ("attribute", "value", "why"):
-        table.add_column(column, overflow="fold")
+    console.print(Text(f"{name} for {agent} at {at:.2f} s", style="bold"))
     for attribute, observation in observed.items():
-        value = "unknown" if observation.value is UNKNOWN else observation.to_json()["value"]
-        table.add_row(attribute, _value_text(value), str(thaw(observation.evidence.get("reason", ""))))
-    console.print(table)
+        value = "unknown" if observation.value is UNKNOWN else _value_text(observation.to_json()["value"])
+        reason = thaw(observation.evidence.get("reason", ""))
+        console.print(f"  {attribute:18}{value}{f'   ({reason})' if reason else ''}")
 
 
 def _value_text(value: Any) -> str:
@@ -130,7 +127,8 @@ def _print_effect(effect: Explanation | None) -> None:
     console.print(
         Text.assemble(("effect", "bold"), f" of {effect.task!r} {subject}, between the label's start and end")
     )
-    for node in STANDARD_TREE.nodes:
+    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in known_predicates()))
+    for node in tree.nodes:
         if node.level < 3:
             value = effect.nodes[node.name].value
             indent = "    " if node.parent is None else "      "

@@ -85,9 +85,19 @@ def _changed(base: Label | None, changes: Mapping[str, object]) -> Label:
     missing = [OPTIONS[key] for key, value in fields.items() if value is None]
     if missing:
         raise LabelError(f"missing: {', '.join(missing)}", field="label", hint="give them, or add --propose")
-    by_hand = f"by hand: {', '.join(sorted(changes))}" if changes else ""
-    before = [text for text in (base.how if base else "").split("; ") if text and text != by_hand]
-    return Label(**{**fields, "how": "; ".join([*before, by_hand] if by_hand else before)})
+    return Label(**{**fields, "how": _how(base.how if base else "", changes)})
+
+
+BY_HAND = "by hand: "
+
+
+def _how(before: str, changes: Mapping[str, object]) -> str:
+    """How each field was set: one clause for all that was set by hand, the others as they were."""
+    clauses = [clause for clause in before.split("; ") if clause]
+    hands = [clause.removeprefix(BY_HAND).split(", ") for clause in clauses if clause.startswith(BY_HAND)]
+    by_hand = sorted({*changes, *(field for fields in hands for field in fields)})
+    others = [clause for clause in clauses if not clause.startswith(BY_HAND)]
+    return "; ".join([*others, *([BY_HAND + ", ".join(by_hand)] if by_hand else [])])
 
 
 def _single(values: list[str] | None, field: str) -> str | None:

@@ -22,7 +22,7 @@ from taskgist.study import explain_all, label_of
 def learn(
     demonstrations: Annotated[
         list[Path] | None,
-        typer.Argument(help="Labelled recordings (.mcap), folders of them, or facts from elsewhere (.json)."),
+        typer.Argument(help="Labelled recordings (.mcap), folders of them, or files of facts from elsewhere (.json)."),
     ] = None,
     knowledge: KnowledgeOption = KNOWLEDGE,
     replace: Annotated[

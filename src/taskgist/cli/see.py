@@ -9,7 +9,7 @@ import typer
 
 from taskgist.cli.files import about, check_target
 from taskgist.cli.output import JsonOption, command, console, print_json
-from taskgist.errors import RecordingError
+from taskgist.errors import InputError, RecordingError
 from taskgist.perspective import Visibility, visibility
 from taskgist.recording import read
 from taskgist.world import Scene, Stage, State
@@ -39,6 +39,8 @@ def see(
             scene.object_body(object)
     path = out or where.with_name(f"{where.stem}_{body.name}_sees.png")
     check_target(path, "--out")
+    if path.suffix.lower() != ".png":
+        raise InputError("pictures are PNG", where=path, field="--out", hint="name it .png")
     stage = Stage(scene, state)
     from taskgist.view import see_picture  # with matplotlib, which only pictures should wait for
 
@@ -51,6 +53,8 @@ def see(
     console.print(f"saved {path}")
     for name, visible in seen.items():
         console.print(f"  {name:20} {_sentence(visible)}")
+    if not seen:
+        console.print("  there are no objects in this scene")
 
 
 def _sentence(visible: Visibility | None) -> str:
@@ -66,7 +70,7 @@ def _sentence(visible: Visibility | None) -> str:
 
 
 def _scene_and_state(where: Path, at: float | None) -> tuple[Scene, State]:
-    if where.suffix == ".toml":
+    if where.suffix.lower() == ".toml":
         if at is not None:
             raise RecordingError("a scene has no time", where=where, field="--at", value=at, hint="leave --at out")
         scene = Scene.load(where)

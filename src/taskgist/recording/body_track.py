@@ -101,8 +101,9 @@ def fit_person(name: str, size: HumanSize, person: PersonTrack, progress: Callab
     notes: tuple[str, ...] = ()
     if not legs_tracked and tracked["torso"].any():
         _estimate_legs(scene, name, states)
-        tracked = {**tracked, "legs": tracked["torso"]}
-        notes = (f"{name}'s legs are estimated from the height of the hips",)
+        if "legs" not in person.unknown:
+            tracked = {**tracked, "legs": tracked["torso"]}
+            notes = (f"{name}'s legs are estimated from the height of the hips",)
     base, joints = states[:, scene.base_slice(name)], states[:, scene.joint_indices(name)]
     return BodyTrack(base, joints, tracked, _report(errors_m, errors_rad), notes)
 

@@ -66,7 +66,8 @@ def _engine(address: Address, *, writing: bool) -> Engine:
     try:
         engine = create_engine(url, poolclass=NullPool)
     except (ImportError, NoSuchModuleError) as error:
-        hint = "install its driver, such as: pip install psycopg2-binary"
+        drivers = {"postgresql": 'pip install "psycopg[binary]"', "mysql": "pip install mysqlclient"}
+        hint = f"install its driver: {drivers.get(url.get_backend_name(), 'see the documentation of SQLAlchemy')}"
         raise KnowledgeError(f"no driver: {error}", where=shown(address), hint=hint) from error
     if path is not None:
         _begin_explicitly(engine, "BEGIN IMMEDIATE" if writing else "BEGIN")

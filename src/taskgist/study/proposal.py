@@ -160,7 +160,10 @@ def _start(recording: Recording, observer: Observer, name: str, grips: tuple[Gri
     event = min(events, default=first)
     still = [i for i in observer.motion(name).intervals if i.value == v.STATIC and i.start_s < event]
     earliest = still[-1].start_s if still else first
-    return max(first, earliest, event - BEFORE_S), f"starts {BEFORE_S} s before the object is moved"
+    start = max(first, earliest, event - BEFORE_S)
+    if event <= first:
+        return start, "starts where the object is first known"
+    return start, f"starts {event - start:.2g} s before the object is moved"
 
 
 def _rest(recording: Recording, observer: Observer, name: str, *, after_s: float) -> tuple[float, str]:

@@ -153,15 +153,21 @@ def _place(model: mujoco.MjModel, agents: Mapping[str, Agent], file: SceneFile) 
         agent = agents[entry.name]
         legs, height = _stance(model, data, agent, entry, file.where)
         qpos[agent.base] = (*entry.position_m, height, *about_z(entry.yaw_rad))
-        for joint, angle in (legs | _joints(entry, agent, file.where)).items():
+        for joint, angle in (legs | _joints(model, entry, agent, file.where)).items():
             qpos[agent.joints[joint]] = angle
     return State(qpos)
 
 
-def _joints(entry: AgentEntry, agent: Agent, where: str) -> dict[str, float]:
-    for joint in entry.joints_rad:
+def _joints(model: mujoco.MjModel, entry: AgentEntry, agent: Agent, where: str) -> dict[str, float]:
+    field = f"agents.{entry.name}.joints_deg"
+    for joint, angle in entry.joints_rad.items():
         if joint not in agent.joints:
-            raise UnknownNameError("joint", joint, agent.joints, where=f"{where}: agents.{entry.name}.joints_deg")
+            raise UnknownNameError("joint", joint, agent.joints, where=f"{where}: {field}")
+        limits = model.joint(f"{agent.name}/{joint}")
+        low, high = (math.degrees(limit) for limit in limits.range)
+        if limits.limited[0] and not low - 1e-6 <= math.degrees(angle) <= high + 1e-6:
+            hint, given = f"it turns from {low:.0f} to {high:.0f} degrees", round(math.degrees(angle), 3)
+            raise SceneError("beyond the joint", where=where, field=f"{field}.{joint}", value=given, hint=hint)
     return dict(entry.joints_rad)
 
 

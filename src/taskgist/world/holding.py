@@ -23,9 +23,8 @@ class Holding:
         hands: The holding hands as (agent, side), in the scene's order.
         support: What the object rests on, or None.
         container: What the object lies in, or None.
-        complete: False when an untracked hand might hold it, or an untracked object might carry it: then an empty
-        ``hands``
-            or a missing ``support`` says nothing.
+        complete: False when an untracked hand might hold it, or an untracked object might carry it: then empty
+            ``hands`` or a missing ``support`` say nothing.
     """
 
     hands: tuple[tuple[str, str], ...]

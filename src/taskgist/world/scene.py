@@ -4,7 +4,7 @@ A scene file is a short TOML document beside the model::
 
     [scene]
     name = "living room"
-    model = "room.xml"                 # MJCF (or URDF) of room and objects
+    model = "room.xml"                 # MJCF of room and objects
     objects = ["cup", "box"]           # optional; default: every free body
     estimated = ["table"]              # optional: bodies that nobody measured
 
@@ -48,9 +48,9 @@ class Scene:
         name: Name for people.
         model: The compiled MuJoCo model of room, objects and agents.
         initial: The state in which the scene file places everything.
-        bundle: Every file that makes the scene, by relative name: ``Scene.from_bundle(scene.bundle)`` is the same
-        scene. estimated: Bodies whose place or shape nobody measured. owners: What each geom belongs to, by geom
-        index: an agent, an object or a piece of furniture.
+        bundle: Every file that makes the scene, by relative name; ``Scene.from_bundle`` makes the same scene of it.
+        estimated: Bodies whose place or shape nobody measured.
+        owners: What each geom belongs to, by geom index: an agent, an object or a piece of furniture.
     """
 
     name: str
@@ -237,11 +237,19 @@ def _check_shapes(file: SceneFile, model: mujoco.MjModel, name: str, body: int) 
     """Every object needs a surface that can be seen; of others no fact could be said."""
     own = np.flatnonzero(model.geom_bodyid == body)
     flat = (int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD))
-    if not any(model.geom_group[g] in SEEN and int(model.geom_type[g]) not in flat for g in own):
-        hint = "give it a box, sphere, capsule, cylinder, ellipsoid or mesh in group 0, 1 or 2, or name other objects"
+    seen = own[np.isin(model.geom_group[own], SEEN) & ~np.isin(model.geom_type[own], flat) & _opaque(model, own)]
+    if not len(seen):
+        hint = "give it a box, sphere, capsule, cylinder, ellipsoid or mesh in group 0, 1 or 2 that is not transparent"
         raise SceneError(
             "an object without a shape that can be seen", where=file.where, field="objects", value=name, hint=hint
         )
+
+
+def _opaque(model: mujoco.MjModel, geoms: np.ndarray) -> np.ndarray:
+    """Rays pass what has no colour at all, (n,)."""
+    materials = model.geom_matid[geoms]
+    own = model.geom_rgba[geoms, 3] > 0
+    return np.asarray(own if not model.nmat else np.where(materials < 0, own, model.mat_rgba[materials, 3] > 0))
 
 
 SEEN = (0, 1, 2)
