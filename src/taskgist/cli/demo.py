@@ -11,7 +11,7 @@ from rich.text import Text
 from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
 from taskgist.cli.understanding import print_understanding, understanding_document
 from taskgist.errors import InputError
-from taskgist.facts import STANDARD_TREE, known_predicates
+from taskgist.facts import STANDARD_TREE, with_predicates
 from taskgist.learning import Explanation, Knowledge
 from taskgist.recording import Recording, read
 from taskgist.study import explain_all, label_of, shipped_recordings
@@ -61,7 +61,7 @@ def demo(
 def _report(
     knowledge: Knowledge, task: str, source: str, explanations: list[Explanation], picture: Path, *, as_json: bool
 ) -> dict[str, Any]:
-    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in known_predicates()))
+    tree = with_predicates(STANDARD_TREE)
     understanding = knowledge.understand(task, tree)
     if not as_json:
         console.print(Text.assemble((task, "bold"), f": {source}\n{RULE}"))

@@ -11,7 +11,7 @@ from taskgist.cli.files import KNOWLEDGE, KnowledgeOption, about
 from taskgist.cli.output import JsonOption, command, console, print_json
 from taskgist.cli.understanding import print_understanding, understanding_document
 from taskgist.errors import KnowledgeError, UnknownNameError
-from taskgist.facts import STANDARD_TREE, known_predicates
+from taskgist.facts import STANDARD_TREE, with_predicates
 from taskgist.language import why
 from taskgist.learning import Context
 from taskgist.settings import BANDS, DEFAULT
@@ -35,7 +35,7 @@ def explain(
     """
     if band not in BANDS:
         raise UnknownNameError("band", band, BANDS)
-    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in known_predicates()))
+    tree = with_predicates(STANDARD_TREE)
     from taskgist.store import load  # with sqlalchemy, which only knowledge should wait for
 
     if node is not None and task is None:

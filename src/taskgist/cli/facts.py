@@ -11,7 +11,7 @@ from rich.text import Text
 from taskgist.cli.files import RecordingArgument, about
 from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
 from taskgist.errors import LabelError
-from taskgist.facts import STANDARD_TREE, UNKNOWN, Observation, known_predicates, thaw
+from taskgist.facts import STANDARD_TREE, UNKNOWN, Observation, known_predicates, thaw, with_predicates
 from taskgist.learning import Explanation, explain
 from taskgist.observe import Observer, snapshot
 from taskgist.recording import Recording, read
@@ -77,7 +77,7 @@ def _effect(recording: Recording, agent: str, name: str, observer: Observer) -> 
         return None
     other = label.target_agent if agent == label.performing_agent else label.performing_agent
     label = replace(label, performing_agent=other, target_agent=agent, target_object=name)
-    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in known_predicates()))
+    tree = with_predicates(STANDARD_TREE)
     episode = episode_of(recording, label=label, predicates=known_predicates(), observer=observer)
     return explain(episode, tree, DEFAULT)
 
@@ -127,7 +127,7 @@ def _print_effect(effect: Explanation | None) -> None:
     console.print(
         Text.assemble(("effect", "bold"), f" of {effect.task!r} {subject}, between the label's start and end")
     )
-    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in known_predicates()))
+    tree = with_predicates(STANDARD_TREE)
     for node in tree.nodes:
         if node.level < 3:
             value = effect.nodes[node.name].value

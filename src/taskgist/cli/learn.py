@@ -11,7 +11,7 @@ from taskgist.cli.files import KNOWLEDGE, KnowledgeOption, about, check_target, 
 from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
 from taskgist.cli.understanding import print_understanding, understanding_document
 from taskgist.errors import KnowledgeError, RecordingError
-from taskgist.facts import STANDARD_TREE, HypothesisTree, known_predicates, read_facts
+from taskgist.facts import STANDARD_TREE, HypothesisTree, known_predicates, read_facts, with_predicates
 from taskgist.learning import Context, Explanation, Knowledge, explain
 from taskgist.recording import Recording
 from taskgist.settings import DEFAULT
@@ -45,7 +45,7 @@ def learn(
             "no demonstrations to learn from", hint="name at least one labelled recording or facts file"
         )
     predicates = known_predicates()
-    tree = STANDARD_TREE.extended(*(predicate.subtree for predicate in predicates))
+    tree = with_predicates(STANDARD_TREE, predicates)
     _check_knowledge(knowledge, tree)
     explanations = [_from_facts(path, tree) for path in demonstrations if path.suffix == ".json"]
     recordings = _labelled([path for path in demonstrations if path.suffix != ".json"])

@@ -8,7 +8,7 @@ and is called by whoever observes. A package offers its predicates by an entry p
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib import metadata
 from typing import Any
@@ -17,6 +17,7 @@ from taskgist.errors import FactsError
 from taskgist.facts.attributes import SymbolAttribute
 from taskgist.facts.comparisons import compare_statuses
 from taskgist.facts.subtree import Comparison, Leaf, Nature, NatureOf, Relation, Subtree
+from taskgist.facts.tree import HypothesisTree
 
 ENTRY_POINTS = "taskgist.predicates"
 """Group of the entry points that offer a ``Predicate``."""
@@ -89,6 +90,16 @@ def known_predicates() -> tuple[Predicate, ...]:
     offered = (_load(entry) for entry in metadata.entry_points(group=ENTRY_POINTS))
     by_name = {predicate.subtree.name: predicate for predicate in offered} | _REGISTERED
     return tuple(by_name[name] for name in sorted(by_name))
+
+
+def with_predicates(tree: HypothesisTree, predicates: Iterable[Predicate] | None = None) -> HypothesisTree:
+    """A tree extended by predicates: by default by all that are known.
+
+    Raises:
+        FactsError: A name is taken, or as ``known_predicates``.
+    """
+    chosen = known_predicates() if predicates is None else predicates
+    return tree.extended(*(predicate.subtree for predicate in chosen))
 
 
 def _load(entry: metadata.EntryPoint) -> Predicate:

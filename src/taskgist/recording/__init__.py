@@ -4,7 +4,7 @@
 ``import_recording`` that into a recording.
 """
 
-from taskgist.recording.build import import_recording
+from taskgist.recording.build import Progress, import_recording, silent
 from taskgist.recording.label import Label
 from taskgist.recording.mapping import Mapping, load_mapping
 from taskgist.recording.mcap_file import read, write
@@ -18,6 +18,7 @@ __all__ = [
     "Mapping",
     "ObjectTrack",
     "PersonTrack",
+    "Progress",
     "Provenance",
     "Recording",
     "Signal",
@@ -26,5 +27,6 @@ __all__ = [
     "load_mapping",
     "read",
     "read_tracks",
+    "silent",
     "write",
 ]

@@ -1,7 +1,7 @@
 """Study: whole runs over recordings, from geometry to knowledge."""
 
 from taskgist.study.checkup import Checkup, Finding, check
-from taskgist.study.episodes import Progress, episode_of, explain_recording, label_of, observe_recording, silent
+from taskgist.study.episodes import episode_of, explain_recording, label_of, observe_recording
 from taskgist.study.grip_forces import GripCheck, check_grips
 from taskgist.study.learn import explain_all, learn
 from taskgist.study.proposal import Grip, grips_of, propose_label
@@ -13,7 +13,6 @@ __all__ = [
     "Finding",
     "Grip",
     "GripCheck",
-    "Progress",
     "Timeline",
     "attribute_nodes",
     "check",
@@ -27,6 +26,5 @@ __all__ = [
     "observe_recording",
     "propose_label",
     "shipped_recordings",
-    "silent",
     "timeline",
 ]

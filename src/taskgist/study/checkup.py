@@ -11,9 +11,9 @@ import numpy as np
 from taskgist.facts import UNKNOWN, Observation, Raw
 from taskgist.facts import vocabulary as v
 from taskgist.observe import Observer, snapshot
-from taskgist.recording import Label, Recording
+from taskgist.recording import Label, Progress, Recording, silent
 from taskgist.settings import DEFAULT, Settings
-from taskgist.study.episodes import Progress, observe_recording, silent
+from taskgist.study.episodes import observe_recording
 from taskgist.world import Stage, overlaps
 
 Severity = Literal["unfit", "warning", "note"]

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 from taskgist.errors import LabelError
-from taskgist.facts import STANDARD_TREE, Episode, HypothesisTree, Predicate, known_predicates
+from taskgist.facts import STANDARD_TREE, Episode, HypothesisTree, Predicate, known_predicates, with_predicates
 from taskgist.learning import Explanation, explain
 from taskgist.observe import Observer, snapshot
-from taskgist.recording import Label, Recording
+from taskgist.recording import Label, Progress, Recording, silent
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Stage
 
-Progress = Callable[[str, float], None]
-"""Called with what is being done and how far it is, from 0 to 1."""
 WATCHING = 0.9
 """Share of the work that watching a recording is; taking perspective at both ends is the rest."""
-
-
-def silent(_what: str, _share: float) -> None:
-    """Progress that nobody watches."""
 
 
 def label_of(recording: Recording, name: str = "") -> Label:
@@ -112,6 +106,6 @@ def explain_recording(
         LabelError: There is no label.
     """
     predicates = known_predicates() if predicates is None else tuple(predicates)
-    whole = tree.extended(*(predicate.subtree for predicate in predicates))
+    whole = with_predicates(tree, predicates)
     episode = episode_of(recording, settings=settings, predicates=predicates, progress=progress)
     return explain(episode, whole, settings)

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from taskgist.errors import RecordingError
 from taskgist.facts import STANDARD_TREE, HypothesisTree, Predicate
 from taskgist.learning import Explanation, Knowledge
-from taskgist.recording import Recording
+from taskgist.recording import Progress, Recording, silent
 from taskgist.settings import DEFAULT, Settings
-from taskgist.study.episodes import Progress, explain_recording, silent
+from taskgist.study.episodes import explain_recording
 
 
 def learn(

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from taskgist.facts import STANDARD_TREE, HypothesisTree, Predicate, Unknown, Value
+from taskgist.facts import STANDARD_TREE, HypothesisTree, Predicate, Unknown, Value, with_predicates
 from taskgist.observe import Interval, Observer, Snapshot, snapshot, status_observations
-from taskgist.recording import Recording
+from taskgist.recording import Progress, Recording, silent
 from taskgist.settings import DEFAULT, Settings
-from taskgist.study.episodes import Progress, silent
 from taskgist.world import Stage
 
 Samples = dict[str, list[tuple[float, str | None]]]
@@ -64,7 +63,7 @@ def timeline(
         progress: Told how far it is.
     """
     predicates = tuple(predicates)
-    whole = tree.extended(*(predicate.subtree for predicate in predicates))
+    whole = with_predicates(tree, predicates)
     stage = Stage(recording.scene)
     first, last = float(recording.times_s[0]), float(recording.times_s[-1])
     times = [*np.arange(first, last, every_s), last]

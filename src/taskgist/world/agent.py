@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from taskgist.errors import SceneError
 from taskgist.world.profile import AgentProfile, Arm
 
+SEEN_GROUPS = (0, 1, 2)
+"""Geom groups that rays meet: MuJoCo shows them by default and keeps 3 for collision shapes."""
+SEEN_MASK = np.array([group in SEEN_GROUPS for group in range(6)], dtype=np.uint8)
 GHOST_GROUP = 5
 """Geom group of the shapes with which virtual grasps are tested: never seen, never touched."""
 GHOST_SHAPES = ("palm", "fingers", "thumb")

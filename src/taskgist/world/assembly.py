@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.agent import GHOST_GROUP, GHOST_SHAPES, Agent, resolve_agent
+from taskgist.world.agent import GHOST_GROUP, GHOST_SHAPES, SEEN_MASK, Agent, resolve_agent
 from taskgist.world.anthropometry import HumanSize
 from taskgist.world.human import human_mjcf
 from taskgist.world.legs import legs_for
@@ -191,8 +191,7 @@ def _stance(
 
 def _seat_height(model: mujoco.MjModel, data: mujoco.MjData, entry: AgentEntry, where: str) -> float:
     top = np.array([*entry.position_m, ABOVE_SEATS_M])
-    seen = np.array([1, 1, 1, 0, 0, 0], dtype=np.uint8)
-    distance = mujoco.mj_ray(model, data, top, np.array([0.0, 0.0, -1.0]), seen, True, -1, np.zeros(1, np.int32))
+    distance = mujoco.mj_ray(model, data, top, np.array([0.0, 0.0, -1.0]), SEEN_MASK, True, -1, np.zeros(1, np.int32))
     height = ABOVE_SEATS_M - distance
     if distance < 0 or height < 0.2:
         raise SceneError(

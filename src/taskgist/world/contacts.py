@@ -34,41 +34,35 @@ def support_of(stage: Stage, name: str, settings: Contact) -> str | None:
     ``support_m`` beneath the object, that surface carries it. The lift makes the answer robust to interpenetration.
     Agents are never supports (DESIGN 4.5).
     """
-    points = _low_points(stage, name)
+    samples = object_points(stage, name, POINT_SPACING_M)
+    points = _low_points(stage, name, samples)
     if not len(points):
         return None
-    lift = _lift_m(stage, name, settings)
-    body = stage.scene.object_body(name)
+    # The lift stays inside the object, so that what stands above it is not taken for its support.
+    lift = min(settings.lift_m, float(np.ptp(samples[:, 2])) / 2)
+    body, normal = stage.scene.object_body(name), np.zeros((1, 3))
     for point in points:
-        origin = point + (0, 0, lift)
-        geoms, distances = stage.cast(origin, DOWN[None], exclude_body=body)
+        geoms, distances = stage.cast(point + (0, 0, lift), DOWN[None], exclude_body=body, normals=normal)
+        level = bool(normal[0, 2] >= math.cos(settings.support_slope_rad))
         owner = _carrier(stage, int(geoms[0]), float(distances[0]) - lift, settings)
-        if owner and owner != name and _level(stage, origin, body, settings):
+        if level and owner and owner != name:
             return owner
     return None
 
 
-def _low_points(stage: Stage, name: str) -> Array:
-    """Surface points within reach of a support, lowest first: exact lowest points, then samples."""
-    model = stage.scene.model
+def _low_points(stage: Stage, name: str, samples: Array) -> Array:
+    """Surface points within reach of a support, lowest first: exact lowest points, and the lowest of the samples."""
     exact = []
     for geom in stage.scene.object_geoms(name):
         pose = stage.geom(int(geom))
-        lowest = lowest_point(model, int(geom), pose.matrix)
+        lowest = lowest_point(stage.scene.model, int(geom), pose.matrix)
         if lowest is not None:
             exact.append(pose.to_world(lowest))
     if not exact:
         return np.empty((0, 3))
-    points = np.concatenate((np.array(exact), object_points(stage, name, POINT_SPACING_M)))
-    order = np.argsort(np.round(points[:, 2], 6), kind="stable")
-    points = points[order]
+    points = np.concatenate((np.array(exact), samples))
+    points = points[np.argsort(np.round(points[:, 2], 6), kind="stable")]
     return np.asarray(points[points[:, 2] < points[0, 2] + 2 * POINT_SPACING_M])
-
-
-def _lift_m(stage: Stage, name: str, settings: Contact) -> float:
-    """A lift that stays inside the object, so that what stands above it is not taken for its support."""
-    points = object_points(stage, name, POINT_SPACING_M)
-    return min(settings.lift_m, float(np.ptp(points[:, 2])) / 2)
 
 
 def _carrier(stage: Stage, geom: int, gap_m: float, settings: Contact) -> str | None:
@@ -76,11 +70,6 @@ def _carrier(stage: Stage, geom: int, gap_m: float, settings: Contact) -> str | 
         return None
     owner = stage.scene.owners[geom]
     return None if owner in stage.scene.agents else owner
-
-
-def _level(stage: Stage, origin: Array, exclude_body: int, settings: Contact) -> bool:
-    normal = stage.normal(origin, DOWN, exclude_body=exclude_body)
-    return normal is not None and bool(normal[2] >= math.cos(settings.support_slope_rad))
 
 
 def container_of(stage: Stage, name: str, settings: Contact) -> str | None:

@@ -31,7 +31,7 @@ import mujoco
 import numpy as np
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.agent import GHOST_GROUP, Agent
+from taskgist.world.agent import GHOST_GROUP, SEEN_GROUPS, Agent
 from taskgist.world.assembly import Assembled, assemble
 from taskgist.world.scene_file import SceneFile, bundle_from_path, parse_scene_file
 from taskgist.world.shapes import surface_points
@@ -237,7 +237,7 @@ def _check_shapes(file: SceneFile, model: mujoco.MjModel, name: str, body: int) 
     """Every object needs a surface that can be seen; of others no fact could be said."""
     own = np.flatnonzero(model.geom_bodyid == body)
     flat = (int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD))
-    seen = own[np.isin(model.geom_group[own], SEEN) & ~np.isin(model.geom_type[own], flat) & _opaque(model, own)]
+    seen = own[np.isin(model.geom_group[own], SEEN_GROUPS) & ~np.isin(model.geom_type[own], flat) & _opaque(model, own)]
     if not len(seen):
         hint = "give it a box, sphere, capsule, cylinder, ellipsoid or mesh in group 0, 1 or 2 that is not transparent"
         raise SceneError(
@@ -250,10 +250,6 @@ def _opaque(model: mujoco.MjModel, geoms: np.ndarray) -> np.ndarray:
     materials = model.geom_matid[geoms]
     own = model.geom_rgba[geoms, 3] > 0
     return np.asarray(own if not model.nmat else np.where(materials < 0, own, model.mat_rgba[materials, 3] > 0))
-
-
-SEEN = (0, 1, 2)
-"""Geom groups that can be seen; MuJoCo keeps 3 for collision shapes."""
 
 
 def _owners(model: mujoco.MjModel, agents: set[str], objects: set[str]) -> tuple[str, ...]:

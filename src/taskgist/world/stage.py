@@ -19,14 +19,12 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from taskgist.world.agent import Agent, ArmIndices
+from taskgist.world.agent import SEEN_MASK, Agent, ArmIndices
 from taskgist.world.gaps import gap_m
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
 
 Array = NDArray[np.float64]
-SEEN_GROUPS = np.array([1, 1, 1, 0, 0, 0], dtype=np.uint8)
-"""Geom groups that rays meet: MuJoCo shows 0-2 by default and keeps 3 for collision shapes."""
 UNSEEN_GROUP = 3
 NO_GEOM = -1
 
@@ -149,7 +147,7 @@ class Stage:
                 self._data,
                 np.asarray(origin, dtype=float),
                 rays.ravel(),
-                SEEN_GROUPS,
+                SEEN_MASK,
                 True,
                 exclude_body,
                 geoms,
@@ -179,22 +177,6 @@ class Stage:
         model = copy.copy(self.scene.model)
         model.geom_group[hidden] = UNSEEN_GROUP
         return model
-
-    def normal(self, origin: ArrayLike, direction: ArrayLike, *, exclude_body: int = -1) -> Array | None:
-        """Outward normal (3,) of the surface that one ray meets; None where it meets nothing."""
-        normal = np.zeros(3)
-        hit = mujoco.mj_ray(
-            self._known[1],
-            self._data,
-            np.asarray(origin, dtype=float),
-            np.asarray(direction, dtype=float),
-            SEEN_GROUPS,
-            True,
-            exclude_body,
-            np.zeros(1, np.int32),
-            normal,
-        )
-        return normal if hit >= 0 else None
 
     def distance(self, geom_a: int, geom_b: int, *, limit_m: float) -> float:
         """Signed distance in metres between two shapes (negative: how deep they overlap), at most ``limit_m``."""
