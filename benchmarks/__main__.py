@@ -1,30 +1,125 @@
-"""Run all benchmarks; print a table and write benchmarks.json."""
+"""Measure; print a table and write benchmarks.json.
+
+python -m benchmarks [TOPIC ...]
+"""
 
 from __future__ import annotations
 
+import argparse
 import json
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.cases import CASES
+from benchmarks import demonstrations, growth, learning, maps, profiled, rooms, scenes, sight, start
+from benchmarks.figure import Figure, seconds_text
+from benchmarks.machine import machine
+from benchmarks.timing import use_one_core
 
 OUT = Path("benchmarks.json")
+TOPICS: Mapping[str, Callable[[], Iterator[Figure]]] = {
+    "start": start.figures,
+    "sight": sight.figures,
+    "demonstrations": demonstrations.figures,
+    "scenes": scenes.figures,
+    "maps": maps.figures,
+    "learning": learning.figures,
+}
+GROWTH, PROFILE = "growth", "profile"
 
 
 def main() -> None:
-    """Run all benchmarks."""
-    results = [case() for case in CASES]
-    table = Table(box=None)
-    for column in ("what", "taskgist", "beside", "by", "ratio"):
-        table.add_column(column, overflow="fold")
-    for r in results:
-        beside = f"{1000 * r.peer_s:.3g} ms" if r.peer_s is not None else "-"
-        share = f"{r.ratio:.3g}" if r.ratio is not None else "-"
-        table.add_row(r.what, f"{1000 * r.ours_s:.3g} ms", beside, r.peer, share)
-    Console().print(table)
-    OUT.write_text(json.dumps([vars(r) for r in results], indent=2) + "\n", encoding="utf-8")
+    """Measure the chosen topics, all by default; what was measured before of others stays in the file."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("topics", nargs="*", choices=[[], *TOPICS, PROFILE, GROWTH], help="default: all")
+    chosen = parser.parse_args().topics or [*TOPICS, PROFILE, GROWTH]
+    use_one_core()
+    warm_up()
+    console, document = Console(), measured_before()
+    for topic in (each for each in TOPICS if each in chosen):
+        measured = list(TOPICS[topic]())
+        console.print(table(topic, measured))
+        document["figures"] = [figure for figure in document["figures"] if figure["topic"] != topic]
+        document["figures"] += [figure.plain for figure in measured]
+    if PROFILE in chosen:
+        document[PROFILE] = list(profiled.rows())
+        console.print(profile_table(document[PROFILE]))
+    if GROWTH in chosen:
+        document[GROWTH] = [point.plain for point in growth.points()]
+        console.print(growth_table(document[GROWTH]))
+    document["machine"] = machine()
+    OUT.write_text(json.dumps(document, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def measured_before() -> dict[str, Any]:
+    """The file as it is, or an empty one."""
+    found = json.loads(OUT.read_text(encoding="utf-8")) if OUT.exists() else {}
+    return {"machine": {}, "figures": [], PROFILE: [], GROWTH: [], **(found if isinstance(found, dict) else {})}
+
+
+def warm_up() -> None:
+    """Have the inner loops compiled, once and for all, before anything is measured."""
+    scene = rooms.furnished(2, 6)
+    scenes.everything(scene, scene.initial)
+
+
+def table(topic: str, figures: list[Figure]) -> Table:
+    """Figures of one topic, each with its peers beneath."""
+    made = Table(title=topic, box=None, title_justify="left", title_style="bold")
+    for column in ("what", "time", "ratio", "goal, work, bound"):
+        made.add_column(column, overflow="fold")
+    for each in figures:
+        mark = {True: "met: ", False: "NOT MET: ", None: ""}[each.met]
+        made.add_row(each.what, seconds_text(each.ours_s), "", f"{mark}{each.goal}")
+        for name, seconds in sorted(each.peers_s.items(), key=lambda item: item[1]):
+            made.add_row(f"  {name}", seconds_text(seconds), f"{seconds / each.ours_s:.3g}", "")
+        for line in remarks(each):
+            made.add_row("", "", "", line)
+    return made
+
+
+def remarks(figure: Figure) -> Iterator[str]:
+    """Work, bound and note, a line each."""
+    if figure.counts:
+        yield ", ".join(f"{count:,.0f} {name}" for name, count in figure.counts.items())
+    if figure.bound:
+        bound = figure.bound
+        yield f"bound {seconds_text(bound.seconds)} ({bound.by}): {figure.ours_s / bound.seconds:.2g} times that"
+    if figure.note:
+        yield figure.note
+
+
+def profile_table(rows: list[dict[str, Any]]) -> Table:
+    """Functions by the time that they take themselves."""
+    made = Table(title=PROFILE, box=None, title_justify="left", title_style="bold")
+    for column in ("function", "calls", "alone", "with all it calls"):
+        made.add_column(column)
+    for row in rows:
+        made.add_row(row["function"], row["calls"], f"{row['own']:.1%}", f"{row['with_calls']:.1%}")
+    return made
+
+
+def growth_table(points: list[dict[str, Any]]) -> Table:
+    """Every size that was measured."""
+    made = Table(title=GROWTH, box=None, title_justify="left", title_style="bold")
+    for column in ("agents", "objects", "pixels", "first", "again", "per agent and object", "memory"):
+        made.add_column(column)
+    for point in points:
+        size = point["size"]
+        first, again, each, memory = (point[key] for key in ("first_s", "seconds", "per_pair_ms", "memory_mib"))
+        made.add_row(
+            str(size["agents"]),
+            str(size["objects"]),
+            "{} × {}".format(*size["image_px"]),
+            seconds_text(first),
+            seconds_text(again),
+            f"{each:.3g} ms",
+            f"{memory:.0f} MiB",
+        )
+    return made
 
 
 if __name__ == "__main__":

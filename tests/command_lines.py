@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+from collections.abc import Iterator
 
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
@@ -12,11 +13,19 @@ from taskgist.cli.app import app
 
 
 def commands() -> dict[str, TyperCommand]:
+    """Every command by its name; those of a group by the group's name and theirs."""
     group = get_command(app)
     assert isinstance(group, TyperGroup)
-    found = {name: command for name, command in group.commands.items() if isinstance(command, TyperCommand)}
-    assert len(found) == len(group.commands)
-    return found
+    return dict(_below(group))
+
+
+def _below(group: TyperGroup, above: str = "") -> Iterator[tuple[str, TyperCommand]]:
+    for name, command in group.commands.items():
+        if isinstance(command, TyperGroup):
+            yield from _below(command, f"{above}{name} ")
+        else:
+            assert isinstance(command, TyperCommand)
+            yield f"{above}{name}", command
 
 
 def parse(line: str) -> dict[str, object]:
@@ -29,5 +38,8 @@ def parse(line: str) -> dict[str, object]:
     assert program == "taskgist", line
     if name.startswith("-"):
         return {}
-    with commands()[name].make_context(name, words) as context:
+    known = commands()
+    if name not in known and words:
+        name, *words = f"{name} {words[0]}", *words[1:]
+    with known[name].make_context(name, words) as context:
         return dict(context.params)

@@ -116,6 +116,18 @@ class Timing:
 
 
 @dataclass(frozen=True)
+class Maps:
+    """The grid of ability maps. It shapes no facts and stays out of the digest."""
+
+    cell_m: float = 0.05
+    """Edge of a cell (authors' code: 5 cm)."""
+    half_width_m: float = 1.5
+    """How far the grid extends ahead, behind and to each side of the agent (authors' code)."""
+    height_m: float = 2.0
+    """How far it extends above the floor (authors' code: 2 to 2.5 m)."""
+
+
+@dataclass(frozen=True)
 class Learning:
     """The m-estimate and its bands (Eq. 27, 33-35). These shape verdicts, not facts, and stay out of the digest."""
 
@@ -126,6 +138,9 @@ class Learning:
     band: str = "narrow"
     """Named confusion band; see ``BANDS``."""
 
+
+UNSHAPING = ("maps", "learning")
+"""Stages whose settings shape no facts: they stay out of the digest."""
 
 BANDS: dict[str, tuple[tuple[int, int], tuple[int, int]]] = {
     "narrow": ((3, 10), (1, 10)),
@@ -144,12 +159,13 @@ class Settings:
     efforts: Efforts = field(default_factory=Efforts)
     contact: Contact = field(default_factory=Contact)
     timing: Timing = field(default_factory=Timing)
+    maps: Maps = field(default_factory=Maps)
     learning: Learning = field(default_factory=Learning)
 
     @property
     def digest(self) -> str:
         """Short digest of the settings that shape facts, 12 hexadecimal digits."""
-        shaping = {name: value for name, value in dataclasses.asdict(self).items() if name != "learning"}
+        shaping = {name: value for name, value in dataclasses.asdict(self).items() if name not in UNSHAPING}
         text = json.dumps(shaping, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:12]
 

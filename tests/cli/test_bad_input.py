@@ -231,7 +231,9 @@ CASES: dict[str, list[str]] = {
     "see syntax.toml --agent P1": ["syntax.toml: not valid TOML: ", "line 1"],
     "see sound.toml --agent P1 --at 1": ["sound.toml: --at: a scene has no time (got 1.0); leave --at out"],
     "see field.toml --agent P1": ["field.toml: [agents.P1]: no field 'postur'; did you mean 'posture'? (known: body, "],
-    "see profile.toml --agent P1": ["profile.toml: agents.P1: no profile 'humen'; did you mean 'human'? (known: human"],
+    "see profile.toml --agent P1": [
+        "profile.toml: agents.P1: no profile 'humen'; did you mean 'human'? (known: hrp2, human"
+    ],
     "see posture.toml --agent P1": ["posture.toml: agents.P1: no posture 'lying' (known: sitting, standing)"],
     "see seatless.toml --agent P1": [
         "seatless.toml: agents.P1.position_m: nothing to sit on there (got ",

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,8 +28,24 @@ COARSE = Settings(
 
 
 @dataclass(frozen=True)
+class Shape:
+    """One shape of a thing, in the thing's frame; a mesh is the hull of its vertices."""
+
+    kind: str
+    size: tuple[float, ...] = ()
+    at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    vertices: tuple[tuple[float, float, float], ...] = ()
+
+    def mjcf(self, mesh: str) -> str:
+        where = f'pos="{_numbers(self.at)}"'
+        if self.kind == "mesh":
+            return f'<geom type="mesh" mesh="{mesh}" {where}/>'
+        return f'<geom type="{self.kind}" size="{_numbers(self.size)}" {where}/>'
+
+
+@dataclass(frozen=True)
 class Thing:
-    """A box (half sizes) or a sphere or cylinder (radius, half height); free things are objects."""
+    """A box (half sizes), a sphere, cylinder or capsule (radius, half height), or several shapes; free: an object."""
 
     name: str
     size: tuple[float, ...]
@@ -35,15 +53,32 @@ class Thing:
     kind: str = "box"
     yaw: float = 0.0
     free: bool = True
+    shapes: tuple[Shape, ...] = ()
+    roll: float = 0.0
 
     def mjcf(self) -> str:
         joint = "<freejoint/>" if self.free else ""
-        numbers = [" ".join(repr(float(v)) for v in values) for values in (self.place, self.size)]
-        turn = f"{math.cos(self.yaw / 2):.17g} 0 0 {math.sin(self.yaw / 2):.17g}"
-        return (
-            f'<body name="{self.name}" pos="{numbers[0]}" quat="{turn}">{joint}'
-            f'<geom type="{self.kind}" size="{numbers[1]}"/></body>'
+        yaw, roll = self.yaw / 2, self.roll / 2
+        turn = (
+            math.cos(yaw) * math.cos(roll),
+            math.cos(yaw) * math.sin(roll),
+            math.sin(yaw) * math.sin(roll),
+            math.sin(yaw) * math.cos(roll),
         )
+        shapes = self.shapes or (Shape(self.kind, self.size),)
+        geoms = "".join(shape.mjcf(f"{self.name} {number}") for number, shape in enumerate(shapes))
+        return f'<body name="{self.name}" pos="{_numbers(self.place)}" quat="{_numbers(turn)}">{joint}{geoms}</body>'
+
+    def assets(self) -> str:
+        return "".join(
+            f'<mesh name="{self.name} {number}" vertex="{" ".join(map(_numbers, shape.vertices))}"/>'
+            for number, shape in enumerate(self.shapes)
+            if shape.kind == "mesh"
+        )
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(repr(float(value)) for value in values)
 
 
 @dataclass(frozen=True)
@@ -54,13 +89,16 @@ class Person:
     posture: str = "standing"
     joints_deg: tuple[tuple[str, float], ...] = ()
     stature: float = 1.75
+    profile: str = "human"
 
     def toml(self) -> str:
         joints = ", ".join(f"{name} = {float(angle)!r}" for name, angle in self.joints_deg)
+        body = f"body = {{ stature_m = {self.stature} }}\n" if self.profile == "human" else ""
         return (
-            f"[agents.{self.name}]\nposition_m = [{float(self.place[0])!r}, {float(self.place[1])!r}]\n"
+            f'[agents.{self.name}]\nprofile = "{self.profile}"\n'
+            f"position_m = [{float(self.place[0])!r}, {float(self.place[1])!r}]\n"
             f'yaw_deg = {math.degrees(self.yaw)!r}\nposture = "{self.posture}"\njoints_deg = {{ {joints} }}\n'
-            f"body = {{ stature_m = {self.stature} }}\n"
+            f"{body}"
         )
 
 
@@ -92,14 +130,16 @@ class Room:
 
     def scene(self) -> Scene:
         bodies = "".join(thing.mjcf() for thing in self.things)
+        assets = "".join(thing.assets() for thing in self.things)
         floor = '<geom name="floor" type="plane" size="9 9 0.1"/>'
         files = {
             "scene.toml": '[scene]\nmodel = "room.xml"\n' + "".join(person.toml() for person in self.people),
-            "room.xml": f"<mujoco><worldbody>{floor}{bodies}</worldbody></mujoco>",
+            "room.xml": f"<mujoco><asset>{assets}</asset><worldbody>{floor}{bodies}</worldbody></mujoco>",
         }
-        px = "[{}, {}]".format(*self.image_px)
+        px = "image_px = [{}, {}]".format(*self.image_px)
         for person in self.people:
-            files[f"{person.name}.profile.toml"] = builtin_profile_text("human").replace("[320, 240]", px)
+            profile = builtin_profile_text(person.profile)
+            files[f"{person.name}.profile.toml"] = re.sub(r"image_px = \[.*?\]", px, profile)
         return Scene.from_bundle({name: text.encode() for name, text in files.items()})
 
     def stage(self) -> Stage:

@@ -1,7 +1,6 @@
-"""Pixels against independent witnesses: projections worked out by hand, and another renderer."""
+"""Pixels against projections worked out by hand."""
 
 import math
-import warnings
 from itertools import product
 
 import numpy as np
@@ -142,55 +141,3 @@ def test_own_hands_occlude() -> None:
 def raise_to(person: Person, abduction_deg: float) -> Person:
     joints = (*person.joints_deg, ("right_shoulder_abduction", abduction_deg))
     return Person(person.name, person.place, joints_deg=joints)
-
-
-def test_another_renderer_agrees() -> None:
-    """Tiny Renderer draws triangles, we cast rays: they may differ at outlines only."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        bullet = pytest.importorskip("pybullet")
-    things = (
-        table(1.0),
-        wall("wall", 3.0),
-        Thing("cup", (0.12,), (0.9, 0.1, 0.95), "sphere"),
-        Thing("brick", (0.1, 0.15, 0.2), (1.1, -0.3, 1.0), yaw=0.4),
-        Thing("post", (0.05, 0.4), (0.75, 0.3, 1.2), "cylinder"),
-    )
-    stage = Room(things, (EYE,)).stage()
-    ours = view_of(stage, "P1")
-    named = np.array([*(things.index(t) if t else -1 for t in map(by_name(things), ours.owners)), -1])
-    assert np.mean(named[ours.geoms] == rasterised(bullet, stage, things)) > 0.98
-
-
-def by_name(things: tuple[Thing, ...]):  # type: ignore[no-untyped-def]
-    return lambda owner: next((thing for thing in things if thing.name == owner), None)
-
-
-def rasterised(bullet, stage: Stage, things: tuple[Thing, ...]) -> np.ndarray:  # type: ignore[no-untyped-def]
-    client = bullet.connect(bullet.DIRECT)
-    try:
-        ids = {solid(bullet, thing): index for index, thing in enumerate(things)}
-        eye = stage.eye(stage.scene.agent("P1"))
-        forward, up = eye.matrix[:, 0], eye.matrix[:, 2]
-        view = bullet.computeViewMatrix(eye.position.tolist(), (eye.position + forward).tolist(), up.tolist())
-        right, top = 0.02 * math.tan(math.radians(60)), 0.02 * math.tan(math.radians(52.5))
-        lens = bullet.computeProjectionMatrix(-right, right, -top, top, 0.02, 20.0)
-        image = bullet.getCameraImage(WIDTH, HEIGHT, view, lens, renderer=bullet.ER_TINY_RENDERER)
-        drawn = np.asarray(image[4]).reshape(HEIGHT, WIDTH)
-        return np.asarray(np.vectorize(lambda body: ids.get(body, -1))(drawn))
-    finally:
-        bullet.disconnect(client)
-
-
-def solid(bullet, thing: Thing) -> int:  # type: ignore[no-untyped-def]
-    kinds = {
-        "box": lambda: bullet.createVisualShape(bullet.GEOM_BOX, halfExtents=thing.size),
-        "sphere": lambda: bullet.createVisualShape(bullet.GEOM_SPHERE, radius=thing.size[0]),
-        "cylinder": lambda: bullet.createVisualShape(
-            bullet.GEOM_CYLINDER, radius=thing.size[0], length=2 * thing.size[-1]
-        ),
-    }
-    turn = (0.0, 0.0, math.sin(thing.yaw / 2), math.cos(thing.yaw / 2))
-    return int(
-        bullet.createMultiBody(baseVisualShapeIndex=kinds[thing.kind](), basePosition=thing.place, baseOrientation=turn)
-    )

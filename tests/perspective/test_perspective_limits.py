@@ -1,5 +1,7 @@
 """What bodies cannot do, what is in the way, and what is unknown."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -10,9 +12,10 @@ import pytest
 from taskgist.errors import UnknownNameError
 from taskgist.perspective import ABILITIES, Ability, Amount, Effort, Standpoint, able, least_effort, view_of, visibility
 from taskgist.perspective.aim import aimed
-from taskgist.perspective.floor import Floor, moved
+from taskgist.perspective.floor import Floor, Place, moved
 from taskgist.perspective.judge import Miss, Outcome
 from taskgist.perspective.search import Found, least
+from taskgist.perspective.stances import Stances
 from taskgist.perspective.virtual_actions import Stance, actions_of
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage
@@ -28,6 +31,27 @@ def cup_at(x: float, y: float, z: float) -> Thing:
     return replace(CUP, place=(x, y, z))
 
 
+def head_aimed(stage: Stage, target: np.ndarray) -> dict[int, float]:
+    """Head angles by index into qpos with which P1, where it is, looks at a target."""
+    (stances,) = Standpoint(stage, "P1", COARSE).stances(1, target)
+    return aimed(stances.placed, stances.frames, target, HEAD).changes(0)
+
+
+def all_stances(here: Standpoint, level: int, target: np.ndarray) -> list[Stance]:
+    return [batch[index] for batch in here.stances(level, target) for index in range(len(batch))]
+
+
+def floor_of(here: Standpoint) -> list[Place]:
+    """All places that can be got to, with collisions as of the whole body."""
+    floor = Floor(
+        here.state,
+        here.agent,
+        here.settings.efforts,
+        lambda offset_m: here.blocked(moved(here.state, here.agent, offset_m)) is None,
+    )
+    return [place for batch in floor.batches() for place in batch]
+
+
 def effort(room: Room, ability: Ability, name: str = "cup") -> Effort:
     return least_effort(room.stage(), "P1", name, ability, COARSE)
 
@@ -38,7 +62,7 @@ def test_the_head_turns_no_further_than_its_range(angle_deg: int) -> None:
     agent = stage.scene.agent("P1")
     direction = math.radians(angle_deg)
     target = np.array((2 * math.cos(direction), 2 * math.sin(direction), 3.5 if angle_deg % 40 else 0.0))
-    angles = aimed(stage, agent, stage.state, target, HEAD)
+    angles = head_aimed(stage, target)
     pan, tilt = (math.degrees(angles[agent.joints[joint]]) for joint in ("head_pan", "head_tilt"))
     assert abs(pan) <= 60 + 1e-9
     assert abs(tilt) <= 30 + 1e-9
@@ -50,7 +74,7 @@ def test_the_head_aims_within_a_degree() -> None:
     stage = Room((), (replace(STANDING, joints_deg=(("torso_turn", 20), ("torso_lean", 15))),)).stage()
     agent = stage.scene.agent("P1")
     for target in np.array([(1.0, 0.6, 1.3), (0.8, 0.2, 1.2), (2.0, -0.3, 1.5), (0.7, 0.1, 1.1)]):
-        angles = aimed(stage, agent, stage.state, target, HEAD)
+        angles = head_aimed(stage, target)
         x, y, z = stage.show(stage.state.replace(angles)).eye(agent).to_local(target)
         assert math.degrees(math.atan2(math.hypot(y, z), x)) < 1.0
         stage.show(stage.scene.initial)
@@ -60,7 +84,7 @@ def test_an_angle_beyond_the_range_may_stay() -> None:
     turned = replace(STANDING, joints_deg=(("head_pan", 75.0),))
     stage = Room((), (turned,)).stage()
     agent = stage.scene.agent("P1")
-    angles = aimed(stage, agent, stage.state, np.array((0.2, 3.0, 1.6)), HEAD)
+    angles = head_aimed(stage, np.array((0.2, 3.0, 1.6)))
     assert math.degrees(angles[agent.joints["head_pan"]]) == pytest.approx(75.0)
 
 
@@ -80,7 +104,7 @@ def test_nothing_moves_but_the_joints_of_the_level(level: int, joints: set[str],
     allowed = {agent.joints[j] for j in joints - {"legs"}} | {agent.joints[j] for j in legs if "legs" in joints}
     allowed |= set(range(agent.base.start, agent.base.stop)) if moves else set()
     changed: set[int] = set()
-    for stance in Standpoint(stage, "P1", COARSE).stances(level, np.array((0.9, 0.1, 0.8))):
+    for stance in all_stances(Standpoint(stage, "P1", COARSE), level, np.array((0.9, 0.1, 0.8))):
         changed |= set(np.flatnonzero(stance.state.qpos != stage.scene.initial.qpos).tolist())
     assert changed
     assert changed <= allowed
@@ -91,7 +115,7 @@ def test_who_walks_turns_the_chest_to_the_object() -> None:
     stage = Room((), (turned,)).stage()
     agent = stage.scene.agent("P1")
     target = np.array((-1.0, 2.0, 1.0))
-    stances = list(Standpoint(stage, "P1", COARSE).stances(4, target))
+    stances = all_stances(Standpoint(stage, "P1", COARSE), 4, target)
     assert len({stance.amount.moved_m for stance in stances}) > 2
     for stance in stances:
         chest = stage.show(stance.state).site(stage.scene.model.site("P1/chest").id)
@@ -110,13 +134,31 @@ def test_of_equal_amounts_the_best_is_taken() -> None:
     class LeftTurns:
         """Every stance will do, the farther left the better."""
 
+        def __init__(self, stances: Stances | None = None) -> None:
+            self.stances = stances
+
         def unknown(self, level: int) -> str | None: ...
 
         def without_effort(self) -> Miss:
             return Miss(0.0, "no")
 
-        def from_stance(self, stance: Stance) -> Iterator[Outcome | Miss]:
-            yield Outcome(stance.state, merit=-float(stance.state.qpos[turn]))
+        def parts(self, stances: Stances) -> tuple[Stances, ...]:
+            return stances.parts
+
+        def among(self, stances: Stances) -> LeftTurns:
+            return LeftTurns(stances)
+
+        @property
+        def hopeful(self) -> np.ndarray:
+            assert self.stances is not None
+            return np.ones(len(self.stances), dtype=np.bool_)
+
+        def outcomes(self, index: int) -> Iterator[Outcome | Miss]:
+            assert self.stances is not None
+            yield Outcome(merit=-float(self.stances[index].state.qpos[turn]))
+
+        def miss(self) -> Miss:
+            return Miss(0.0, "no")
 
     for level in (2, 4):
         found = least(here, LeftTurns(), level, np.array((1.0, 0.0, 1.0)))
@@ -125,7 +167,7 @@ def test_of_equal_amounts_the_best_is_taken() -> None:
     narrow = replace(COARSE, efforts=replace(COARSE.efforts, turn_step_rad=0.2))
     found = least(Standpoint(stage, "P1", narrow), LeftTurns(), 2, np.zeros(3))
     assert isinstance(found, Found)
-    assert found.outcome.state.qpos[turn] == 0.2
+    assert found.state.qpos[turn] == 0.2
 
 
 def test_standing_up_is_free_without_a_table_and_blocked_by_one_over_the_thighs() -> None:
@@ -184,8 +226,8 @@ def test_sitting_down_needs_a_seat() -> None:
 def test_nobody_walks_through_a_thin_wall() -> None:
     room = Room((wall("wall", 0.4, half=(0.005, 6.0, 1.2)),), (replace(STANDING, stature=1.0),))
     here = Standpoint(room.stage(), "P1", DEFAULT)
-    floor = Floor(here.state, here.agent, DEFAULT.efforts, lambda state: here.blocked(state) is None)
-    assert len(list(floor)) > 50
+    floor = floor_of(here)
+    assert len(floor) > 50
     assert max(place.offset_m[0] for place in floor) < 0.4
     at = {place.offset_m[0] for place in floor}
     assert here.blocked(moved(here.state, here.agent, (0.25, 0.0))) is None
@@ -196,8 +238,7 @@ def test_nobody_walks_through_a_thin_wall() -> None:
 def test_the_way_round_is_longer_than_the_straight_one() -> None:
     def ways(*things: Thing) -> dict[tuple[float, float], float]:
         here = Standpoint(Room(things, (STANDING,)).stage(), "P1", DEFAULT)
-        floor = Floor(here.state, here.agent, DEFAULT.efforts, lambda state: here.blocked(state) is None)
-        return {(round(p.offset_m[0], 6), round(p.offset_m[1], 6)): p.way_m for p in floor}
+        return {(round(p.offset_m[0], 6), round(p.offset_m[1], 6)): p.way_m for p in floor_of(here)}
 
     free, round_about = ways(), ways(wall("wall", 0.6, half=(0.02, 0.5, 1.2)))
     assert free[(1.5, 0.0)] == pytest.approx(1.5)

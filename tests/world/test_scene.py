@@ -59,7 +59,7 @@ def test_meshes_of_one_base_name_stay_apart(tmp_path: Path) -> None:
         ("[agents.P1]\nposture = 'lying'", "no posture 'lying'"),
         ("[agents.P1]\nposture = 'sitting'\nposition_m = [3, 3]", "nothing to sit on there.*seat_height_m"),
         ("[agents.P1]\nposture = 'sitting'\nseat_height_m = 50", "nobody sits at that height"),
-        ("[agents.P1]\nprofile = 'robot'", "no profile 'robot'.*known: human"),
+        ("[agents.P1]\nprofile = 'robot'", "no profile 'robot'.*known: hrp2, human"),
         ("[agents.P1]\njoints_deg = { head_pam = 3 }", "no joint 'head_pam'; did you mean 'head_pan'"),
         ("[agents.P1]\njoints_deg = { head_tilt = -200 }", "head_tilt: beyond the joint .*from -60 to 60 degrees"),
         ("[agents.P1]\nyaw = 3", "no field 'yaw'; did you mean 'yaw_deg'"),

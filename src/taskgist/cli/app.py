@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from taskgist.cli.agent import agent_app
 from taskgist.cli.check import check
 from taskgist.cli.demo import demo
 from taskgist.cli.explain import explain
@@ -14,7 +15,9 @@ from taskgist.cli.facts import facts
 from taskgist.cli.import_ import import_
 from taskgist.cli.label import label
 from taskgist.cli.learn import learn
+from taskgist.cli.map_ import map_
 from taskgist.cli.output import console
+from taskgist.cli.query import query
 from taskgist.cli.see import see
 
 app = typer.Typer(
@@ -53,3 +56,6 @@ app.command("facts")(facts)
 app.command("learn")(learn)
 app.command("explain")(explain)
 app.command("see")(see)
+app.command("query")(query)
+app.command("map")(map_)
+app.add_typer(agent_app, name="agent")

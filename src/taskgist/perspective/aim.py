@@ -1,4 +1,4 @@
-"""Aiming the head: analytic, joint by joint.
+"""Aiming the head: analytic, joint by joint, for many stances at once.
 
 Each joint of the head turns by the signed angle, about its own axis, between where the eye looks and where the target
 is. Turning moves the eye as well, so this is done twice; what remains is below a degree for anything farther than an
@@ -9,52 +9,68 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.virtual_actions import PAN, TILT
-from taskgist.world import Agent, Stage, State
+from taskgist.perspective.frames import Frames, Placed
+from taskgist.world import State
+from taskgist.world.compiled import compiled
+from taskgist.world.linkage import rotated, turn_about
 
 Array = NDArray[np.float64]
 ROUNDS = 2
 
 
-def head_joints(agent: Agent, actions: frozenset[str]) -> dict[str, tuple[int, tuple[float, float]]]:
-    """Index into qpos and range in radians of the head's joints, by the virtual action that moves them."""
-    axes = {PAN: agent.profile.pan, TILT: agent.profile.tilt}
-    return {
-        action: (agent.joints[axis.joint], axis.range_rad)
-        for action, axis in axes.items()
-        if axis and action in actions
-    }
+@dataclass(frozen=True, eq=False)
+class Aims:
+    """The head aimed at a target, from n stances.
+
+    Attributes:
+        joints: Index into qpos of each joint of the head that may be used, (h,).
+        angles: Angles of these joints in radians, (n, h).
+        eyes: Where the eye is then, metres, (n, 3).
+        turned: How it is turned, (n, 3, 3); it looks along its x axis.
+    """
+
+    joints: tuple[int, ...]
+    angles: Array
+    eyes: Array
+    turned: Array
+
+    @property
+    def gazes(self) -> Array:
+        """Unit directions in which it looks, (n, 3)."""
+        return self.turned[:, :, 0]
+
+    def changes(self, index: int) -> dict[int, float]:
+        """Angles of one stance, by index into qpos."""
+        return dict(zip(self.joints, self.angles[index].tolist(), strict=True))
 
 
-def aimed(stage: Stage, agent: Agent, state: State, target: Array, actions: frozenset[str]) -> dict[int, float]:
+def aimed(placed: Placed, frames: Frames, target: Array, actions: frozenset[str]) -> Aims:
     """Head angles with which the eye looks at a target, as nearly as the joints' ranges allow.
 
     Args:
-        stage: The scene; shows some other state afterwards.
-        agent: The agent.
-        state: From where; the current angles are always allowed.
+        placed: Where the stances bring the eye and the head's joints.
+        frames: Whose; it knows the joints' present angles, which are always allowed, and their ranges.
         target: Point in the world, metres, (3,).
         actions: Virtual actions that may be used.
-
-    Returns:
-        Angles in radians by index into qpos.
     """
-    joints = head_joints(agent, actions)
-    names = {PAN: agent.profile.pan, TILT: agent.profile.tilt}
-    angles = {index: float(state.qpos[index]) for index, _ in joints.values()}
-    for _ in range(ROUNDS):
-        for action, (index, range_rad) in joints.items():
-            axis = names[action]
-            assert axis is not None
-            stage.show(state.replace(angles))
-            eye = stage.eye(agent)
-            turn = _angle_about(stage.joint_axis(agent, axis.joint), eye.matrix[:, 0], target - eye.position)
-            angles[index] = clamped(angles[index] + turn, range_rad, float(state.qpos[index]))
-    return angles
+    used = [index for index, joint in enumerate(frames.head) if joint.action in actions]
+    joints = [frames.head[index] for index in used]
+    ranges = np.array([joint.range_rad for joint in joints]).reshape(-1, 2)
+    by, eyes, turned = _aimed(
+        *placed.eyes,
+        placed.anchors[:, used],
+        placed.axes[:, used],
+        np.argsort([-joint.depth for joint in joints]),
+        np.array([joint.now_rad for joint in joints]),
+        ranges,
+        target,
+    )
+    return Aims(tuple(joint.index for joint in joints), by, eyes, turned)
 
 
 def on_the_way(state: State, angles: Mapping[int, float], steps: int) -> list[dict[int, float]]:
@@ -65,21 +81,74 @@ def on_the_way(state: State, angles: Mapping[int, float], steps: int) -> list[di
     ]
 
 
-def clamped(angle_rad: float, range_rad: tuple[float, float], current_rad: float) -> float:
-    """The angle within a range that the current angle widens if it lies outside."""
-    low, high = min(range_rad[0], current_rad), max(range_rad[1], current_rad)
-    return min(max(angle_rad, low), high)
-
-
 def _between(start: float, end: float, share: float) -> float:
     return start + (end - start) * share
 
 
-def _angle_about(axis: Array, start: Array, end: Array) -> float:
-    """Signed angle about a unit axis that turns one direction towards another; vectors (3,)."""
-    ax, ay, az = axis.tolist()
-    sx, sy, sz = start.tolist()
-    ex, ey, ez = end.tolist()
+@compiled
+def _aimed(
+    eyes: Array,
+    matrices: Array,
+    anchors: Array,
+    axes: Array,
+    outwards: NDArray[np.int64],
+    now: Array,
+    ranges: Array,
+    target: Array,
+) -> tuple[Array, Array, Array]:
+    count, joints = len(eyes), len(now)
+    angles, places, turned = np.empty((count, joints)), eyes.copy(), matrices.copy()
+    by, axis = np.zeros(joints), np.zeros(3)
+    for i in range(count):
+        by[:] = 0.0
+        for _ in range(ROUNDS):
+            for joint in range(joints):
+                _turn_head(i, places, turned, eyes, matrices, anchors, axes, outwards, by)
+                _axis_now(i, joint, axes, outwards, by, axis)
+                turn = _angle_about(axis, turned[i, :, 0], target, places[i])
+                low, high = min(ranges[joint, 0], now[joint]), max(ranges[joint, 1], now[joint])
+                by[joint] = min(max(now[joint] + by[joint] + turn, low), high) - now[joint]
+        _turn_head(i, places, turned, eyes, matrices, anchors, axes, outwards, by)
+        angles[i] = now + by
+    return angles, places, turned
+
+
+@compiled
+def _turn_head(
+    i: int,
+    places: Array,
+    turned: Array,
+    eyes: Array,
+    matrices: Array,
+    anchors: Array,
+    axes: Array,
+    outwards: NDArray[np.int64],
+    by: Array,
+) -> None:
+    """Write where an eye gets to: the outermost joint turns first."""
+    places[i], turned[i] = eyes[i], matrices[i]
+    for joint in outwards:
+        turn_about(anchors[i, joint], axes[i, joint], by[joint], places[i], turned[i])
+
+
+@compiled
+def _axis_now(i: int, of: int, axes: Array, outwards: NDArray[np.int64], by: Array, axis: Array) -> None:
+    """Write the direction of a joint's axis, turned by those joints that carry it, (3,)."""
+    axis[:] = axes[i, of]
+    within = True
+    for joint in outwards:  # those nearer to the eye than the joint itself do not carry it
+        if not within:
+            x, y, z = rotated(axes[i, joint], math.sin(by[joint]), math.cos(by[joint]), axis[0], axis[1], axis[2])
+            axis[0], axis[1], axis[2] = x, y, z
+        within = within and joint != of
+
+
+@compiled
+def _angle_about(axis: Array, start: Array, target: Array, eye: Array) -> float:
+    """Signed angle about a unit axis that turns a direction towards a target, seen from an eye; vectors (3,)."""
+    ax, ay, az = axis[0], axis[1], axis[2]
+    sx, sy, sz = start[0], start[1], start[2]
+    ex, ey, ez = target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]
     across = ax * (sy * ez - sz * ey) + ay * (sz * ex - sx * ez) + az * (sx * ey - sy * ex)
     along = (sx * ex + sy * ey + sz * ez) - (ax * sx + ay * sy + az * sz) * (ax * ex + ay * ey + az * ez)
     return math.atan2(across, along)

@@ -6,13 +6,15 @@ that is deeper than the same two shapes' contact in the current state, by more t
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.settings import Settings
-from taskgist.world import Agent, Stage, hand_gap_m, holding_of
+from taskgist.perspective.region import Region
+from taskgist.settings import Contact, Settings
+from taskgist.world import Agent, Stage, holding_of, objects_near
 
 
 @dataclass(frozen=True)
@@ -47,11 +49,12 @@ class Collisions:
         stage: The scene in the agent's current state, with whose contacts others are compared.
         agent: The agent.
         settings: Tolerance.
+        held: Objects that the agent holds: they are in nobody's way.
     """
 
-    def __init__(self, stage: Stage, agent: Agent, settings: Settings) -> None:
+    def __init__(self, stage: Stage, agent: Agent, settings: Settings, held: Collection[str]) -> None:
         self._stage, self._agent = stage, agent
-        self.obstacles = obstacles(stage, agent, settings)
+        self.obstacles = _obstacles(stage, agent, held)
         self._tolerance_m = settings.efforts.collision_m
         self._usual_m = {
             (geom, other): depth for geom, other, depth in stage.overlaps(agent.core_geoms, self.obstacles)
@@ -64,27 +67,43 @@ class Collisions:
                 return Blocking(part_of(self._stage, self._agent, geom), self._stage.scene.owners[other], depth_m)
         return None
 
+    def add_to(self, region: Region) -> None:
+        """Let a region hold the agent's head, torso and base as the stage shows them."""
+        core = self._agent.core_geoms
+        region.add_balls(self._stage.geom_centers(core), self._stage.scene.model.geom_rbound[core])
 
-def obstacles(stage: Stage, agent: Agent, settings: Settings) -> NDArray[np.intp]:
+    def footprint(self) -> Callable[[tuple[float, float]], bool]:
+        """Tells whether the agent, as the stage shows it now, would be free when moved over the floor, by offset."""
+        core = self._agent.core_geoms
+        positions, matrices = self._stage.geoms(core)
+
+        def free(offset_m: tuple[float, float]) -> bool:
+            self._stage.place(core, positions + (*offset_m, 0.0), matrices)
+            return self.find() is None
+
+        return free
+
+
+def _obstacles(stage: Stage, agent: Agent, held: Collection[str]) -> NDArray[np.intp]:
     """Solid shapes that are neither the agent's own nor of anything that it holds."""
-    free = {agent.name, *held_by(stage, agent, settings)}
-    return np.array([geom for geom in stage.solid_geoms() if stage.scene.owners[geom] not in free], dtype=np.intp)
+    own = [agent.name, *held]
+    return np.setdiff1d(stage.solid_geoms(), np.concatenate([stage.scene.geoms_of(name) for name in own]))
 
 
-def held_by(stage: Stage, agent: Agent, settings: Settings) -> tuple[str, ...]:
-    """Objects that an agent holds."""
-    grip_m = settings.contact.grip_m
-    near = [
-        name
-        for name in stage.scene.objects
-        if any(hand_gap_m(stage, arm, name, limit_m=grip_m) < grip_m for arm in agent.arms)
-    ]
-    holdings = {name: holding_of(stage, name, settings.contact) for name in near}
-    return tuple(
-        name
-        for name, holding in holdings.items()
-        if holding and agent.name in (hand_of for hand_of, _ in holding.hands)
-    )
+def held_by(stage: Stage, agent: Agent, settings: Contact) -> dict[str, str]:
+    """Objects that an agent holds, with the side of the hand (the first in the profile's order)."""
+    decided = stage.state.holding
+    if decided is None:
+        candidates: Iterable[str] = objects_near(stage, agent, settings)
+    else:
+        candidates = sorted({hold.object for hold in decided if hold.agent == agent.name})
+    held = {}
+    for name in candidates:
+        holding = holding_of(stage, name, settings)
+        sides = [side for holder, side in (holding.hands if holding else ()) if holder == agent.name]
+        if sides:
+            held[name] = sides[0]
+    return held
 
 
 def part_of(stage: Stage, agent: Agent, geom: int) -> str:

@@ -22,6 +22,10 @@ Cell = tuple[int, int]
 STEPS: tuple[Cell, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1))
 
 
+BATCHES_M = (0.6, math.inf)
+"""Lengths of the way up to which places are looked at together."""
+
+
 @dataclass(frozen=True)
 class Place:
     """A cell that can be got to: offset from the start along world axes, and length of the way, all in metres."""
@@ -37,28 +41,34 @@ class Floor:
         start: The standing agent's state.
         agent: The agent.
         settings: Step and radius.
-        free: Whether the agent collides with nothing in a state.
+        free: Whether the agent collides with nothing when moved by an offset in metres along the world's axes.
     """
 
-    def __init__(self, start: State, agent: Agent, settings: Efforts, free: Callable[[State], bool]) -> None:
-        self._start, self._agent, self._settings, self._free = start, agent, settings, free
+    def __init__(
+        self, start: State, agent: Agent, settings: Efforts, free: Callable[[tuple[float, float]], bool]
+    ) -> None:
+        self._settings, self._free = settings, free
         yaw = yaw_of(start.qpos[agent.base][3:])
         self._forward = settings.move_step_m * np.array((math.cos(yaw), math.sin(yaw)))
         self._free_at: dict[tuple[float, float], bool] = {}
-        self._found: list[Place] = []
+        self._batches: list[list[Place]] = []
         self._flood = self._flooded()
+        self._next: Place | None = next(self._flood, None)
 
-    def __iter__(self) -> Iterator[Place]:
-        """Places in order of the way; what was flooded once is kept."""
-        index = 0
-        while True:
-            if index == len(self._found):
-                place = next(self._flood, None)
-                if place is None:
-                    return
-                self._found.append(place)
-            yield self._found[index]
-            index += 1
+    def batches(self) -> Iterator[list[Place]]:
+        """Places in order of the way, in batches up to a growing length; what was flooded once is kept."""
+        for index, limit_m in enumerate(BATCHES_M):
+            if index == len(self._batches):
+                self._batches.append(self._up_to(limit_m))
+            if self._batches[index]:
+                yield self._batches[index]
+
+    def _up_to(self, limit_m: float) -> list[Place]:
+        batch: list[Place] = []
+        while self._next is not None and self._next.way_m <= limit_m:
+            batch.append(self._next)
+            self._next = next(self._flood, None)
+        return batch
 
     def _flooded(self) -> Iterator[Place]:
         """Dijkstra's algorithm over the grid."""
@@ -87,7 +97,7 @@ class Floor:
 
     def _stands(self, at: tuple[float, float]) -> bool:
         if at not in self._free_at:
-            self._free_at[at] = self._free(moved(self._start, self._agent, self._offset(*at)))
+            self._free_at[at] = self._free(self._offset(*at))
         return self._free_at[at]
 
     def _offset(self, ahead: float, aside: float) -> tuple[float, float]:

@@ -1,8 +1,9 @@
 """Grasp: the object is reachable, and at least one collision-free grasp of that hand exists (5.1.3).
 
-A grasp is tried with the shapes of a hand before it closes. They must be free of everything solid: the support, other
-agents' hands, the agent's own head, torso and legs, and the object's other shapes; the two that the fingers close on
-are touched by design. The agent's own arms do not count, they are where the virtual action brings them.
+A grasp is tried with the shapes of a hand before it closes, and all that they sweep on the last finger's length of its
+approach. They must be free of everything solid: the support, other agents' hands, the agent's own head, torso and
+legs, and the object itself; only what the fingers close on is touched by design. The agent's own arms do not count,
+they are where the virtual action brings them.
 """
 
 from __future__ import annotations
@@ -12,19 +13,27 @@ from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from taskgist.perspective.by_hand import ByHand
-from taskgist.perspective.grasp_samples import Grasps, hand_poses, sample_grasps
-from taskgist.perspective.judge import Miss, Outcome, best_first
-from taskgist.perspective.sector import ROUNDING, within_reach
+from taskgist.perspective.grasp_hand import hand_centers, hand_frames
+from taskgist.perspective.grasp_samples import sample_grasps
+from taskgist.perspective.grasp_touch import TOUCH_M
+from taskgist.perspective.grasps import Grasps
+from taskgist.perspective.judge import Among, Hopeless, Miss, Outcome
+from taskgist.perspective.reach import ReachAmong
+from taskgist.perspective.sector import DIGITS, Cloud, grasps_in_reach
+from taskgist.perspective.stances import Stances
 from taskgist.perspective.standpoint import Standpoint
+from taskgist.perspective.target import Target
 from taskgist.perspective.virtual_actions import Stance, stretch
 from taskgist.world import ArmIndices, Hand
 
+Array = NDArray[np.float64]
 NEVER = -20.0
 """Shortfall of what no stance can change: nothing is more worth telling."""
-TOUCH_M = 1e-4
-"""Overlaps below this are touches: they do not depend on how the scene is turned."""
+NAMED = 2
+"""Names of what is in the way that a reason tells; the evidence has all of them."""
 
 
 class Grasp(ByHand):
@@ -32,21 +41,19 @@ class Grasp(ByHand):
 
     Args:
         here: Whose, and from where.
-        name: The object.
+        target: The object.
     """
 
-    def __init__(self, here: Standpoint, name: str) -> None:
-        super().__init__(here, name)
+    def __init__(self, here: Standpoint, target: Target) -> None:
+        super().__init__(here, target)
         self._blocked_by: dict[int, str] = {}
+        self._told: Miss | None = None
 
-    def from_stance(self, stance: Stance) -> Iterator[Outcome | Miss]:
-        """The arms that can grasp the object, the nearer shoulder's first."""
-        impossible = self._impossible
-        if impossible is not None:
-            yield impossible
-            return
-        self._stage.show(stance.state)
-        yield from best_first(self._grasped(arm, stance) for arm in self._arms)
+    def among(self, stances: Stances) -> Among:
+        """What the arms can grasp from some stances."""
+        if self._impossible is not None:
+            return Hopeless(self._impossible, len(stances))
+        return GraspAmong(self, stances)
 
     @cached_property
     def _impossible(self) -> Miss | None:
@@ -54,70 +61,66 @@ class Grasp(ByHand):
         hand = self._agent.profile.hand
         if hand is None:
             return Miss(NEVER, "no hand that grasps")
-        if self._grasps.narrowest_m is None:
+        narrowest_m = self._grasps.narrowest_m
+        if narrowest_m is None:
             return Miss(NEVER, "no two opposite faces to close on")
-        if not self._grasps.pairs:
-            return Miss(NEVER, f"too wide ({self._grasps.narrowest_m:.2f} m > {hand.opening_m:.2f} m)")
-        return None
+        if narrowest_m > hand.opening_m and not len(self._grasps):
+            return Miss(NEVER, f"too wide ({narrowest_m:.2f} m > {hand.opening_m:.2f} m)")
+        return None if len(self._grasps) else Miss(NEVER, "too narrow for both fingers to meet it")
 
     @cached_property
     def _grasps(self) -> Grasps:
-        return sample_grasps(self._stage, self._name, self._hand, self._here.settings.grasp)
+        return sample_grasps(self._stage, self.target.name, self._hand, self._here.settings.grasp)
 
     @property
     def _hand(self) -> Hand:
         assert self._agent.profile.hand is not None
         return self._agent.profile.hand
 
-    def _grasped(self, arm: ArmIndices, stance: Stance) -> Outcome | Miss:
-        shoulder = self._stage.shoulder(arm)
-        reached = within_reach(shoulder, arm.profile, self._grasps.centers)
-        if not reached.inside.any():
-            return reached.miss(arm.profile)
-        facing = np.einsum("ij,ij->i", self._grasps.approaches, self._grasps.centers - shoulder.position)
-        in_front = facing >= self._here.settings.grasp.facing * reached.distances_m - ROUNDING
-        order = [int(index) for index in reached.nearest_first() if in_front[index]]
-        for index in order:
-            if self._free(arm, index):
-                return self._outcome(arm, stance, index, float(reached.distances_m[index]))
-        return self._miss(order)
+    def grasped(self, stance: Stance, arm: int, shoulder: Array, carrier: Array) -> Outcome | Miss:
+        """The nearest free grasp of an arm from a stance."""
+        grasps, facing = self._grasps, self._here.settings.grasp.facing
+        order = grasps_in_reach(shoulder, carrier, self.arm(arm), grasps.centers, grasps.approaches, facing)
+        to_try = order[self._open[order]].tolist()
+        if to_try:
+            self._stage.show(stance.state)
+        index = next((index for index in to_try if self._free(self.arm(arm), index)), None)
+        return self._miss(order.tolist()) if index is None else self._outcome(self.arm(arm), index, shoulder)
 
-    def _outcome(self, arm: ArmIndices, stance: Stance, index: int, distance_m: float) -> Outcome:
-        pair, approach, side = self._grasps.pairs[index], self._grasps.approaches[index], arm.profile.side
-        return Outcome(
-            stance.state,
-            (stretch(side),),
-            merit=round(distance_m, 6),
-            evidence=lambda: {
-                "arm": side,
-                "point_m": pair.center.tolist(),
-                "distance_m": distance_m,
-                "width_m": pair.width_m,
-                "closing": pair.closing.tolist(),
-                "approach": approach.tolist(),
-            },
-        )
+    @cached_property
+    def _open(self) -> NDArray[np.bool_]:
+        """Grasps of which nothing but the agent itself is known to be in the way, (n,)."""
+        return ~self._grasps.in_itself
+
+    @cached_property
+    def cloud(self) -> Cloud:
+        """Where grasps are."""
+        return Cloud.of(self._grasps.centers)
 
     def _free(self, arm: ArmIndices, index: int) -> bool:
         """Whether the hand meets nothing; what others block stays blocked from every stance."""
-        if index in self._blocked_by:
-            return False
-        poses = hand_poses(self._grasps, index, self._hand, self._here.settings.grasp.clearance_m)
-        self._stage.place_ghosts(arm, poses)
-        met = self._meets(arm, index)
+        self._put_hand(arm, index)
+        overlaps = self._stage.overlaps(arm.ghosts, self._others)
+        met = next((other for _, other, depth_m in overlaps if depth_m > TOUCH_M), None)
         if met is not None:
-            self._blocked_by[index] = met
+            self._blocked_by[index], self._open[index] = self._called(met), False
             return False
-        return all(depth <= TOUCH_M for *_, depth in self._stage.overlaps(arm.ghosts, self._agent.core_geoms))
+        return all(depth_m <= TOUCH_M for *_, depth_m in self._stage.overlaps(arm.ghosts, self._agent.core_geoms))
 
-    def _meets(self, arm: ArmIndices, index: int) -> str | None:
-        """What the hand meets besides the agent itself and the two shapes that the fingers close on."""
-        palm = int(arm.ghosts[0])
-        touched = self._grasps.pairs[index].shapes
-        for ghost, other, depth_m in self._stage.overlaps(arm.ghosts, self._here.collisions.obstacles):
-            if depth_m > TOUCH_M and (ghost == palm or other not in touched):
-                return self._called(other)
-        return None
+    @cached_property
+    def _others(self) -> NDArray[np.intp]:
+        """What is in the hand's way besides the object and the agent itself."""
+        return np.setdiff1d(self._here.collisions.obstacles, self._grasps.solids)
+
+    def _put_hand(self, arm: ArmIndices, index: int) -> None:
+        """Put the shapes of the arm's virtual hand where they are in a grasp."""
+        frames, centers = self._hand_places
+        self._stage.place(arm.ghosts, centers[index], frames[index])
+
+    @cached_property
+    def _hand_places(self) -> tuple[Array, Array]:
+        """Axes of the hand, (n, 9), and middles of its boxes, (n, k, 3), in each grasp."""
+        return hand_frames(self._grasps).reshape(-1, 9), hand_centers(self._grasps, self._hand)
 
     def _called(self, geom: int) -> str:
         """Name of an obstacle: another agent's hand is called so."""
@@ -127,9 +130,62 @@ class Grasp(ByHand):
             return f"{owner}'s hand"
         return owner
 
+    def _outcome(self, arm: ArmIndices, index: int, shoulder: Array) -> Outcome:
+        grasps, side = self._grasps, arm.profile.side
+        distance_m = float(np.linalg.norm(grasps.centers[index] - shoulder))
+        return Outcome(
+            actions=(stretch(side),),
+            merit=round(distance_m, DIGITS),
+            evidence=lambda: {
+                "arm": side,
+                "hand": self._hand.kind,
+                "point_m": grasps.centers[index].tolist(),
+                "distance_m": distance_m,
+                "width_m": float(grasps.widths_m[index]),
+                "closing": grasps.closings[index].tolist(),
+                "approach": grasps.approaches[index].tolist(),
+            },
+        )
+
     def _miss(self, tried: list[int]) -> Miss:
+        """Why none of the grasps that an arm reaches is free."""
         if not tried:
             return Miss(-1.0, "could only be grasped from behind")
-        met = Counter(self._blocked_by.get(index, self._agent.name) for index in tried)
-        by = " and ".join(sorted(met, key=lambda name: (-met[name], name))[:2])
-        return Miss(-2.0, f"every approach blocked by {by}")
+        if self._told is None:
+            self._told = self._blocked_miss(tried)
+        return self._told
+
+    def _blocked_miss(self, tried: list[int]) -> Miss:
+        """What is in the way of which grasps."""
+        itself = dict.fromkeys(np.flatnonzero(self._grasps.in_itself).tolist(), self.target.name)
+        met = Counter((itself | self._blocked_by).get(index, self._agent.name) for index in tried)
+        names = sorted(met, key=lambda name: (-met[name], name))
+        telling = [name for name in names if name != self.target.name] or names  # it is always in its own way somewhere
+        counted = [f"{name} ({met[name]} of {len(tried)})" for name in telling] if len(telling) > 1 else telling
+        why = f"every approach blocked by {' and '.join(counted[:NAMED])}"
+        return Miss(-2.0, why, {"approaches": {name: met[name] for name in names}})
+
+
+class GraspAmong:
+    """Where an arm reaches some grasp of the object, from n stances."""
+
+    def __init__(self, grasp: Grasp, stances: Stances) -> None:
+        self._grasp, self._stances = grasp, stances
+        self._reach = ReachAmong(grasp, stances, grasp.cloud)
+        self.hopeful: NDArray[np.bool_] = self._reach.hopeful
+
+    def outcomes(self, index: int) -> Iterator[Outcome | Miss]:
+        """The arms that can grasp the object, the nearer grasp first; or the nearest miss."""
+        stance, placed = self._stances[index], self._stances.placed
+        results = [
+            self._grasp.grasped(stance, arm, placed.shoulders[index, arm], placed.carriers[index, arm])
+            for arm in self._reach.able(index)
+        ]
+        outcomes = [result for result in results if isinstance(result, Outcome)]
+        yield from sorted(outcomes, key=lambda outcome: outcome.merit)
+        if not outcomes:
+            yield min(result for result in results if isinstance(result, Miss))
+
+    def miss(self) -> Miss:
+        """Why no grasp is reached from the hopeless stances."""
+        return self._reach.miss()

@@ -1,177 +1,130 @@
-"""Grasps of an object by a hand that closes between a thumb and fingers: pairs of opposite surface points (5.1.3).
+"""Grasps of an object by a hand that closes between a thumb and fingers (5.1.3).
 
-From each of many points of the object's surface, a ray goes through the object along the inward normal, to where it
-leaves it. The two points can be grasped if their faces are opposed and the hand opens that wide; the hand may come
-from several directions around the line between them. All of it is done in the object's own frame, so it does not
-depend on the room.
+The two points of a pair can be grasped if the hand opens that wide; it may come from several directions around the
+line between them. Before it closes it is open by little more than the width, or, where the object itself is then in
+its way (as the curved wall of a bowl in that of straight fingers), as wide as it goes.
+
+Grasps are sampled in the object's own frame, once for each scene, object, hand and settings (and, of an object with
+joints of its own, each position of these): wherever the object goes, they go with it.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Hashable
+from dataclasses import replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
+from taskgist.perspective.grasp_pairs import Pairs, opposite_points
+from taskgist.perspective.grasp_touch import in_itself, met_by_all_fingers, touching
+from taskgist.perspective.grasps import Array, Grasps
 from taskgist.settings import Grasp
-from taskgist.world import Hand, Pose, Stage
+from taskgist.world import Hand, Scene, Stage
 
-Array = NDArray[np.float64]
-INSIDE_M = 1e-5
-"""How deep beneath the surface a ray starts."""
-SHRINK = 1e-3
-"""How far, of the way to the shape's centre, it starts from an edge, so that it does not graze the next face."""
-SAME_M = 1e-4
 ROUNDING = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class Pair:
-    """Two opposite points of an object's surface.
-
-    Attributes:
-        center: Half-way between them in the world, metres, (3,).
-        closing: Unit direction from one to the other, (3,).
-        width_m: How far they are apart.
-        shapes: The shapes that they lie on.
-    """
-
-    center: Array
-    closing: Array
-    width_m: float
-    shapes: tuple[int, int]
-
-
-@dataclass(frozen=True, eq=False)
-class Grasps:
-    """Sampled grasps, by index.
-
-    Attributes:
-        pairs: What each closes on.
-        centers: Half-way between the two points, metres, (n, 3).
-        approaches: Unit directions in which the palm comes, (n, 3).
-        narrowest_m: Width of the object's narrowest opposite points, whether the hand opens that wide or not; None if
-            it has no opposite faces.
-    """
-
-    pairs: tuple[Pair, ...]
-    centers: Array
-    approaches: Array
-    narrowest_m: float | None
+REMEMBERED = 256
+"""Sampled objects kept for each scene."""
+IDENTITY = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
 def sample_grasps(stage: Stage, name: str, hand: Hand, settings: Grasp) -> Grasps:
-    """Grasps of an object where it is now.
+    """Grasps of an object where it is now, in the world.
 
     Args:
         stage: The scene in a state.
         name: The object.
-        hand: How wide it opens.
+        hand: What is to grasp it.
         settings: How densely to sample.
     """
-    pairs = opposite_points(stage, name, settings)
-    fitting = [pair for pair in pairs if pair.width_m <= hand.opening_m + ROUNDING]
-    closing = np.array([pair.closing for pair in fitting]).reshape(-1, 3)
-    frame = stage.body(stage.scene.object_body(name)).matrix
-    repeated = tuple(pair for pair in fitting for _ in range(settings.approaches))
+    return grasps_in_object(stage, name, hand, settings).placed(stage.body(stage.scene.object_body(name)))
+
+
+def grasps_in_object(stage: Stage, name: str, hand: Hand, settings: Grasp) -> Grasps:
+    """Grasps of an object in its own frame, sampled once; only the object's own joints are read off the stage."""
+    scene = stage.scene
+    joints = {int(index): round(float(stage.state.qpos[index]), 6) for index in scene.inner_joints(name)}
+    known = _SAMPLED.setdefault(scene, {})
+    key = (name, hand, settings, tuple(joints.values()))
+    if key not in known:
+        if len(known) >= REMEMBERED:
+            known.pop(next(iter(known)))
+        at_origin = scene.initial.replace(joints, at=scene.object_slice(name), to=IDENTITY)
+        known[key] = _sampled(Stage(scene, at_origin), name, hand, settings)
+    return known[key]
+
+
+_SAMPLED: WeakKeyDictionary[Scene, dict[Hashable, Grasps]] = WeakKeyDictionary()
+
+
+def _sampled(bench: Stage, name: str, hand: Hand, settings: Grasp) -> Grasps:
+    pairs = opposite_points(bench, name, settings)
+    narrowest_m = float(pairs.widths_m.min()) if len(pairs.widths_m) else None
+    pairs = pairs.take(pairs.widths_m <= hand.opening_m + ROUNDING)
+    grasps = _around(bench, name, _both_ways(pairs) if hand.one_sided else pairs, narrowest_m, settings)
+    if hand.one_sided:
+        grasps = grasps.only(met_by_all_fingers(bench, name, grasps, hand))
+    return _frozen(_opened(bench, grasps, hand))
+
+
+def _around(bench: Stage, name: str, pairs: Pairs, narrowest_m: float | None, settings: Grasp) -> Grasps:
+    """Grasps of each pair from all directions, the hand opened little more than wide enough."""
+    rows = np.repeat(np.arange(len(pairs.centers)), settings.approaches)
     return Grasps(
-        pairs=repeated,
-        centers=np.array([pair.center for pair in repeated]).reshape(-1, 3),
-        approaches=around(closing, frame, settings.approaches).reshape(-1, 3),
-        narrowest_m=min((pair.width_m for pair in pairs), default=None),
+        centers=pairs.centers[rows],
+        closings=pairs.closings[rows],
+        approaches=around(pairs.closings, settings.approaches).reshape(-1, 3),
+        widths_m=pairs.widths_m[rows],
+        gaps_m=np.full(len(rows), settings.clearance_m),
+        in_itself=np.zeros(len(rows), dtype=bool),
+        shapes=pairs.shapes[rows],
+        solids=bench.scene.solid_geoms_of(name),
+        touching=touching(bench, name, pairs)[rows],
+        narrowest_m=narrowest_m,
     )
 
 
-def opposite_points(stage: Stage, name: str, settings: Grasp) -> list[Pair]:
-    """Distinct pairs of opposite points of an object's surface."""
-    shapes = stage.scene.object_geoms(name)
-    found = [
-        pair
-        for shape in shapes
-        for point, normal in _surface(stage, int(shape), settings.cell_m)
-        if (pair := _through(stage, shapes, int(shape), point, normal, settings))
-    ]
-    if not found:
-        return []
-    return [found[index] for index in _distinct(_keys(found, stage.body(stage.scene.object_body(name))))]
+def _opened(bench: Stage, grasps: Grasps, hand: Hand) -> Grasps:
+    """Grasps opened as wide as the hand goes where they would be in the object otherwise."""
+    tight = in_itself(bench, grasps, hand)
+    widest = np.maximum((hand.opening_m - grasps.widths_m) / 2, grasps.gaps_m)
+    wide = replace(grasps, gaps_m=np.where(tight, widest, grasps.gaps_m))
+    blocked = np.zeros(len(grasps), dtype=bool)
+    blocked[tight] = in_itself(bench, wide.only(tight), hand)
+    return replace(wide, gaps_m=np.where(blocked, grasps.gaps_m, wide.gaps_m), in_itself=blocked)
 
 
-def around(closing: Array, frame: Array, count: int) -> Array:
-    """Directions square to closing directions, evenly around each from an axis of the object.
+def around(closings: Array, count: int) -> Array:
+    """Directions square to closing directions, evenly around each, beginning near an axis of the frame.
 
     Args:
-        closing: Unit directions, (n, 3).
-        frame: The object's axes in the world, the columns of (3, 3).
+        closings: Unit directions, (n, 3).
         count: How many around each.
 
     Returns:
         Unit directions, (n, count, 3).
     """
-    least_aligned = np.argmin(np.round(np.abs(closing @ frame), 6), axis=1)
-    reference = frame.T[least_aligned]
-    first = reference - closing * np.sum(closing * reference, axis=1, keepdims=True)
+    reference = np.eye(3)[np.argmin(np.round(np.abs(closings), 6), axis=1)]
+    first = reference - closings * np.sum(closings * reference, axis=1, keepdims=True)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
-    second = np.cross(closing, first)
+    second = np.cross(closings, first)
     angles = 2 * math.pi * np.arange(count)[:, None] / count
     return np.asarray(np.cos(angles) * first[:, None] + np.sin(angles) * second[:, None])
 
 
-def hand_poses(grasps: Grasps, index: int, hand: Hand, clearance_m: float) -> tuple[Pose, Pose, Pose]:
-    """Where palm, fingers and thumb are before they close; x along the approach, y along the closing direction.
-
-    The pads, a finger's thickness behind the tips, are at the two points; the palm is behind the fingers.
-    """
-    pair, approach = grasps.pairs[index], grasps.approaches[index]
-    matrix = np.stack((approach, pair.closing, np.cross(approach, pair.closing)), axis=1)
-    fingers_back_m = hand.finger_length_m / 2 - hand.finger_thickness_m
-    palm_back_m = hand.finger_length_m - hand.finger_thickness_m + hand.palm_m[1] / 2
-    beside = pair.closing * (pair.width_m / 2 + clearance_m + hand.finger_thickness_m / 2)
-    fingers = pair.center - approach * fingers_back_m
-    return (
-        Pose(pair.center - approach * palm_back_m, matrix),
-        Pose(fingers + beside, matrix),
-        Pose(fingers - beside, matrix),
+def _both_ways(pairs: Pairs) -> Pairs:
+    """Each pair, and with thumb and fingers changed over."""
+    return Pairs(
+        np.concatenate((pairs.centers, pairs.centers)),
+        np.concatenate((pairs.closings, -pairs.closings)),
+        np.concatenate((pairs.widths_m, pairs.widths_m)),
+        np.concatenate((pairs.shapes, pairs.shapes[:, ::-1])),
     )
 
 
-def _surface(stage: Stage, shape: int, spacing_m: float) -> list[tuple[Array, Array]]:
-    """Points and outward normals of a shape in the world, pulled from its edges; a fine mesh is thinned."""
-    points, normals = stage.scene.surface_points(shape, spacing_m)
-    if not len(points):
-        return []
-    kept = _distinct(np.concatenate((np.round(points / (spacing_m / 4)), np.round(2 * normals)), axis=1))
-    pose = stage.geom(shape)
-    inner = points[kept] * (1 - SHRINK)
-    return list(zip(pose.to_world(inner), normals[kept] @ pose.matrix.T, strict=True))
-
-
-def _through(
-    stage: Stage, shapes: NDArray[np.intp], shape: int, point: Array, normal: Array, settings: Grasp
-) -> Pair | None:
-    """The point and where a ray through the object leaves it; None if the two faces are not opposed."""
-    exit_normal = np.zeros((1, 3))
-    start = point - INSIDE_M * normal
-    geoms, distances = stage.cast(start, -normal[None], only=shapes, normals=exit_normal)
-    if geoms[0] < 0 or float(exit_normal[0] @ -normal) < math.cos(settings.opposed_rad):
-        return None
-    back, back_m = stage.cast(start, normal[None], only=shapes[shapes == shape])
-    if back[0] < 0:
-        return None
-    width_m = float(distances[0] + back_m[0])
-    center = start + normal * (float(back_m[0]) - width_m / 2)
-    return Pair(center, -normal, width_m, (shape, int(geoms[0])))
-
-
-def _keys(pairs: list[Pair], frame: Pose) -> Array:
-    """Centres and undirected closing lines in the object's frame, (n, 6): thumb and fingers may change places."""
-    centers = frame.to_local([pair.center for pair in pairs])
-    closing = np.round(np.array([pair.closing for pair in pairs]) @ frame.matrix, 4)
-    leading = np.argmax(closing != 0.0, axis=1)
-    signs = np.sign(closing[np.arange(len(pairs)), leading])
-    return np.concatenate((np.round(centers / SAME_M), closing * signs[:, None]), axis=1)
-
-
-def _distinct(keys: Array) -> NDArray[np.intp]:
-    """Indices of the first row of each kind, in order."""
-    return np.sort(np.unique(keys + 0.0, axis=0, return_index=True)[1])
+def _frozen(grasps: Grasps) -> Grasps:
+    for value in vars(grasps).values():
+        if isinstance(value, np.ndarray):
+            value.flags.writeable = False
+    return grasps

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.world import Eye, Stage
+from taskgist.world.compiled import compiled
 
 Array = NDArray[np.float64]
 EDGE_PX = 1e-6
@@ -77,40 +78,67 @@ def pixel_rays(eye: Eye) -> Array:
     return rays
 
 
-def window(eye: Eye, centers_in_eye: Array, radii_m: Array) -> tuple[slice, slice]:
-    """The part of an image that holds everything inside some spheres.
-
-    Seen from above (or from the side), the tangents from the eye to a sphere enclose its bounding cone, so the pixels
-    of the cone lie between the two columns (rows) that the tangents meet.
+def rays_towards(eye: Eye, centers_in_eye: Array, radii_m: Array, cone_rad: float = math.inf) -> Array:
+    """Rays through all the pixels that might show what lies in some spheres.
 
     Args:
         eye: Field of view and size of the image.
         centers_in_eye: Centres of the spheres in the eye's frame, metres, (n, 3).
         radii_m: Their radii, (n,).
+        cone_rad: Half-angle of a cone about the gaze; no pixel outside of it.
 
     Returns:
-        Rows and columns; empty where nothing can be seen.
+        Unit directions in the eye's frame, (k, 3), row by row.
     """
-    x, y, z = centers_in_eye.T
-    columns = _span(x, y, radii_m, eye.fov_rad[0], eye.image_px[0])
-    rows = _span(x, z, radii_m, eye.fov_rad[1], eye.image_px[1])
+    rows, columns = window(eye.fov_rad, eye.image_px, centers_in_eye, radii_m)
+    least = math.cos(cone_rad) if cone_rad < math.pi else -1.0
+    return _within(pixel_rays(eye), rows, columns, least)
+
+
+@compiled
+def _within(rays: Array, rows: tuple[int, int], columns: tuple[int, int], least_cosine: float) -> Array:
+    """The rays of a window that are near enough to the gaze, (k, 3)."""
+    found = np.empty(((rows[1] - rows[0]) * (columns[1] - columns[0]), 3))
+    count = 0
+    for row in range(rows[0], rows[1]):
+        for column in range(columns[0], columns[1]):
+            if rays[row, column, 0] >= least_cosine:
+                found[count] = rays[row, column]
+                count += 1
+    return found[:count]
+
+
+@compiled
+def window(
+    fov_rad: tuple[float, float], image_px: tuple[int, int], centers_in_eye: Array, radii_m: Array
+) -> tuple[tuple[int, int], tuple[int, int]]:
+    """The part of an image that holds everything inside some spheres: first and last-but-one of rows and columns.
+
+    Seen from above (or from the side), the tangents from the eye to a sphere enclose its bounding cone, so the pixels
+    of the cone lie between the two columns (rows) that the tangents meet.
+    """
+    columns = _span(centers_in_eye[:, 0], centers_in_eye[:, 1], radii_m, fov_rad[0], image_px[0])
+    rows = _span(centers_in_eye[:, 0], centers_in_eye[:, 2], radii_m, fov_rad[1], image_px[1])
     return rows, columns
 
 
-def _span(ahead: Array, aside: Array, radii_m: Array, fov_rad: float, pixels: int) -> slice:
-    """Pixels between the outermost tangents; ``aside`` grows towards pixel 0."""
-    middle = np.arctan2(aside, ahead)
-    half = np.arcsin(np.clip(radii_m / np.maximum(np.hypot(ahead, aside), 1e-12), 0.0, 1.0))
-    half[half >= math.pi / 2] = math.pi  # the eye is inside: all round
-    low, high = middle - half, middle + half
-    seen = (high > -fov_rad / 2) & (low < fov_rad / 2)
-    if not seen.any():
-        return slice(0, 0)
-    first = _pixel(min(float(high[seen].max()), fov_rad / 2), fov_rad, pixels)
-    last = _pixel(max(float(low[seen].min()), -fov_rad / 2), fov_rad, pixels)
-    return slice(max(0, math.ceil(first - EDGE_PX)), min(pixels, math.floor(last + EDGE_PX) + 1))
+@compiled
+def _span(ahead: Array, aside: Array, radii_m: Array, fov_rad: float, pixels: int) -> tuple[int, int]:
+    """Pixels between the outermost tangents, the last not included; ``aside`` grows towards pixel 0."""
+    lowest, highest = fov_rad / 2, -fov_rad / 2
+    for x, y, radius in zip(ahead, aside, radii_m):  # noqa: B905 - numba knows no strict
+        middle, distance = math.atan2(y, x), math.hypot(x, y)
+        half = math.asin(radius / distance) if radius < distance else 2 * math.pi  # the eye is inside: all round
+        if middle + half > -fov_rad / 2 and middle - half < fov_rad / 2:
+            lowest, highest = min(lowest, middle - half), max(highest, middle + half)
+    if lowest > highest:
+        return 0, 0
+    first = _pixel(min(highest, fov_rad / 2), fov_rad, pixels)
+    last = _pixel(max(lowest, -fov_rad / 2), fov_rad, pixels)
+    return max(0, math.ceil(first - EDGE_PX)), min(pixels, math.floor(last + EDGE_PX) + 1)
 
 
+@compiled
 def _pixel(angle_rad: float, fov_rad: float, pixels: int) -> float:
     """Where a direction meets the row of pixel centres."""
     return (1 - math.tan(angle_rad) / math.tan(fov_rad / 2)) * pixels / 2 - 0.5

@@ -17,12 +17,12 @@ from taskgist.perspective.reach import Reach
 from taskgist.perspective.search import Found, least
 from taskgist.perspective.see import See
 from taskgist.perspective.standpoint import Standpoint
+from taskgist.perspective.target import Target
 from taskgist.perspective.virtual_actions import NO_ACTION, NO_KNOWN_ACTION
-from taskgist.perspective.visibility import object_middle
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Posture, Stage, State, posture_of
 
-JUDGES: Mapping[Ability, Callable[[Standpoint, str], Judge]] = {"see": See, "reach": Reach, "grasp": Grasp}
+JUDGES: Mapping[Ability, Callable[[Standpoint, Target], Judge]] = {"see": See, "reach": Reach, "grasp": Grasp}
 
 
 def least_effort(stage: Stage, agent: str, name: str, ability: Ability, settings: Settings = DEFAULT) -> Effort:
@@ -50,10 +50,11 @@ def effort_from(here: Standpoint, name: str, ability: Ability) -> Effort:
         UnknownNameError: There is no such object or ability.
     """
     with here.stage.showing(here.state):
+        here.consult_anew()
         judge = _judge(here, name, ability)
         if judge is None:
             return _unattained(here, name, ability, None, [Miss(0.0, f"{name} not tracked")])
-        target = object_middle(here.stage, name)
+        target = here.target(name).middle
         misses: list[Miss] = []
         for level in range(NO_KNOWN_LEVEL):
             unknown = judge.unknown(level)
@@ -90,7 +91,7 @@ def able(
         judge = _judge(here, name, ability)
         if judge is None:
             return None
-        target = object_middle(stage, name)
+        target = here.target(name).middle
         levels = range(min(max_level, NO_KNOWN_LEVEL - 1) + 1)
         known = [level for level in levels if judge.unknown(level) is None]
         if any(isinstance(least(here, judge, level, target), Found) for level in known):
@@ -103,7 +104,7 @@ def _judge(here: Standpoint, name: str, ability: Ability) -> Judge | None:
     if ability not in JUDGES:
         raise UnknownNameError("ability", ability, ABILITIES)
     here.stage.scene.object_body(name)
-    return JUDGES[ability](here, name) if here.state.known([name]) else None
+    return JUDGES[ability](here, here.target(name)) if here.state.known([name]) else None
 
 
 def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: Found, misses: list[Miss]) -> Effort:
@@ -122,8 +123,8 @@ def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: 
         level=level,
         actions=found.actions or (NO_ACTION,),
         amount=amount,
-        joints_rad=_joints_rad(here, found.outcome.state),
-        posture=_posture(here, found.outcome.state),
+        joints_rad=_joints_rad(here, found.state),
+        posture=_posture(here, found.state),
         evidence=evidence,
         reason=reason,
     )

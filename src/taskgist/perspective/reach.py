@@ -9,42 +9,73 @@ whole arm.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
 
 from taskgist.perspective.by_hand import ByHand
-from taskgist.perspective.judge import Miss, Outcome, best_first
-from taskgist.perspective.sector import within_reach
-from taskgist.perspective.standpoint import Standpoint
-from taskgist.perspective.virtual_actions import Stance, stretch
-from taskgist.world import ArmIndices, object_points
+from taskgist.perspective.judge import NO_ARM, Among, Miss, Outcome
+from taskgist.perspective.sector import DIGITS, NOWHERE, Cloud, reaching
+from taskgist.perspective.stances import Stances
+from taskgist.perspective.virtual_actions import stretch
+
+Array = NDArray[np.float64]
 
 
 class Reach(ByHand):
-    """Judges the ability to reach one object.
+    """Judges the ability to reach one object."""
+
+    @cached_property
+    def _cloud(self) -> Cloud:
+        return Cloud.of(self.target.points)
+
+    def among(self, stances: Stances) -> Among:
+        """What the arms reach from some stances."""
+        return ReachAmong(self, stances, self._cloud)
+
+
+class ReachAmong:
+    """What each arm reaches from n stances, of points of the object.
 
     Args:
-        here: Whose, and from where.
-        name: The object.
+        judge: Whose arms.
+        stances: The stances.
+        cloud: The points.
     """
 
-    def __init__(self, here: Standpoint, name: str) -> None:
-        super().__init__(here, name)
-        self._points = object_points(here.stage, name, here.settings.reach.cell_m)
+    def __init__(self, judge: ByHand, stances: Stances, cloud: Cloud) -> None:
+        self._judge, self._stances, self._points, placed = judge, stances, cloud.points, stances.placed
+        self._by_arm = {
+            arm: reaching(placed.shoulders[:, arm], placed.carriers[:, arm], judge.arm(arm), cloud)
+            for arm in judge.arms
+        }
+        self.hopeful: NDArray[np.bool_] = np.zeros(len(stances), dtype=np.bool_)
+        for reached in self._by_arm.values():
+            self.hopeful |= reached.nearest != NOWHERE
 
-    def from_stance(self, stance: Stance) -> Iterator[Outcome | Miss]:
-        """The arms that reach the object, the nearer shoulder's first."""
-        self._stage.show(stance.state)
-        yield from best_first(self._stretched(arm, stance) for arm in self._arms)
+    def able(self, index: int) -> list[int]:
+        """The arms that reach some point from a stance, the nearer shoulder's first."""
+        able = [arm for arm, reached in self._by_arm.items() if reached.nearest[index] != NOWHERE]
+        return sorted(able, key=lambda arm: round(float(self._by_arm[arm].reach_m[index]), DIGITS))
 
-    def _stretched(self, arm: ArmIndices, stance: Stance) -> Outcome | Miss:
-        reached = within_reach(self._stage.shoulder(arm), arm.profile, self._points)
-        if not reached.inside.any():
-            return reached.miss(arm.profile)
-        nearest = int(reached.nearest_first()[0])
-        distance_m = float(reached.distances_m[nearest])
-        point, side = self._points[nearest], arm.profile.side
+    def outcomes(self, index: int) -> Iterator[Outcome | Miss]:
+        """How those arms reach the object."""
+        return (self._stretched(arm, index) for arm in self.able(index))
+
+    def miss(self) -> Miss:
+        """Why the hopeless stances reach nothing: the one that misses the object least."""
+        return min((self._nearest_miss(arm) for arm in self._by_arm), default=NO_ARM)
+
+    def _nearest_miss(self, arm: int) -> Miss:
+        shoulders = self._stances.placed.shoulders[:, arm]
+        return self._by_arm[arm].miss(shoulders, self._judge.arm(arm).profile, self._points, ~self.hopeful)
+
+    def _stretched(self, arm: int, index: int) -> Outcome:
+        reached, side = self._by_arm[arm], self._judge.arm(arm).profile.side
+        point, distance_m = self._points[reached.nearest[index]], float(reached.reach_m[index])
         return Outcome(
-            stance.state,
-            (stretch(side),),
-            merit=round(distance_m, 6),
+            actions=(stretch(side),),
+            merit=round(distance_m, DIGITS),
             evidence=lambda: {"arm": side, "point_m": point.tolist(), "distance_m": distance_m},
         )

@@ -6,16 +6,20 @@ the level's answer; of several states with equal amounts the best one is taken (
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.judge import Judge, Miss, Outcome
+from taskgist.perspective.judge import Among, Judge, Miss, Outcome
 from taskgist.perspective.standpoint import Standpoint
 from taskgist.perspective.virtual_actions import Amount, Stance
+from taskgist.world import State
+
+HEAD = "head"
+BLOCKED = -10.0
+"""Shortfall of what would do but for a collision: nothing is nearer, and nothing more worth telling."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +28,11 @@ class Found:
 
     stance: Stance
     outcome: Outcome
+
+    @property
+    def state(self) -> State:
+        """The attained state."""
+        return self.stance.state.replace(self.outcome.angles_rad)
 
     @property
     def actions(self) -> tuple[str, ...]:
@@ -54,29 +63,29 @@ def least(here: Standpoint, judge: Judge, level: int, target: NDArray[np.float64
         result = judge.without_effort()
         return Found(here.here, result) if isinstance(result, Outcome) else result
     misses: list[Miss] = []
-    for _, stances in itertools.groupby(here.stances(level, target), key=lambda stance: stance.amount.key):
-        found = [each for stance in stances for each in _free(here, judge, stance, misses)]
-        if found:
-            return min(found, key=lambda each: each.order)
+    looked_at: list[Among] = []
+    for stances in (part for batch in here.stances(level, target) for part in judge.parts(batch)):
+        among = judge.among(stances)
+        looked_at.append(among)
+        for group in stances.groups(among.hopeful):
+            found = [each for index in group for each in _free(here, among, index, stances[index], misses)]
+            if found:
+                return min(found, key=lambda each: each.order)
+    misses += [among.miss() for among in looked_at if not among.hopeful.all()]
     return min(misses) if misses else here.no_stance(level)
 
 
-def _free(here: Standpoint, judge: Judge, stance: Stance, misses: list[Miss]) -> Iterator[Found]:
+def _free(here: Standpoint, among: Among, index: int, stance: Stance, misses: list[Miss]) -> Iterator[Found]:
     """The best outcome from a stance that respects the constraints, if any; notes why others do not count."""
-    for result in judge.from_stance(stance):
+    for result in among.outcomes(index):
         if isinstance(result, Miss):
             misses.append(result)
             continue
         found = Found(stance, result)
-        blocking = here.blocked(result.state)
+        blocking = here.blocked(found.state)
         if blocking is None:
             yield found
             return
         misses.append(Miss(BLOCKED, f"{' + '.join(found.actions)} is blocked: {blocking}", blocking.evidence))
         if blocking.part != HEAD:
             return  # outcomes of one stance differ in the head only
-
-
-HEAD = "head"
-BLOCKED = -10.0
-"""Shortfall of what would do but for a collision: nothing is nearer, and nothing more worth telling."""

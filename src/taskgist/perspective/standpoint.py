@@ -20,25 +20,30 @@ and arms can keep it in place while the torso moves.
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.constraints import Blocking, Collisions
-from taskgist.perspective.floor import Floor, Place, moved
+from taskgist.perspective.constraints import Blocking, Collisions, held_by
+from taskgist.perspective.floor import Floor, Place
+from taskgist.perspective.frames import Frames
 from taskgist.perspective.judge import Miss
+from taskgist.perspective.region import Region
 from taskgist.perspective.seat import seat_height_m
-from taskgist.perspective.torso import bent
-from taskgist.perspective.virtual_actions import MOVE, SIT, STAND, TURN, Amount, Stance, checked_actions
+from taskgist.perspective.stances import Stances, bent, displaced, turns_towards
+from taskgist.perspective.target import Target
+from taskgist.perspective.torso import Bend, bends_of
+from taskgist.perspective.virtual_actions import MOVE, SIT, STAND, TURN, Stance, checked_actions
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Agent, Posture, Stage, State, posture_of, with_posture
-from taskgist.world.rotations import wrapped, yaw_of
+from taskgist.world.rotations import yaw_of
 
 Array = NDArray[np.float64]
+AROUND_M = 0.6
+"""How far around an agent what it might hold or sit down onto is looked for, at most."""
 NO_STANCE = {2: "the torso does not move", 3: "no other posture to take", 4: "cannot move about"}
 """Why an effort level has nothing to try."""
 
@@ -65,27 +70,46 @@ class Standpoint:
         self.agent: Agent = stage.scene.agent(agent)
         self.state: State = stage.state
         self.actions = checked_actions(self.agent, actions)
-        self.collisions = Collisions(stage, self.agent, settings)
+        self.held: Mapping[str, str] = held_by(stage, self.agent, settings.contact)
+        self.collisions = Collisions(stage, self.agent, settings, self.held)
+        self._walks: dict[bytes, list[Stances]] = {}
+        self._targets: dict[str, Target] = {}
+        self._frames: dict[tuple[str, ...], Frames] = {}
+        self._own = self._own_region()
+        self.consulted = Region()
         self.posture: Posture | None = posture_of(stage, self.agent, settings.contact)
+
+    def consult_anew(self) -> None:
+        """Begin a new answer: ``consulted`` is the region in which it will have been found."""
+        self.consulted = Region()
+        self.consulted.add(self._own)
+
+    def _own_region(self) -> Region:
+        """Where the agent is, what it might hold or sit down onto included."""
+        region, own = Region(), self.agent.geoms
+        region.add_balls(self.stage.geom_centers(own), self.stage.scene.model.geom_rbound[own])
+        region.grow(AROUND_M)
+        return region
 
     def blocked(self, state: State) -> Blocking | None:
         """What the agent would push into in a state; None if nothing. The stage shows that state afterwards."""
         self.stage.show(state)
+        self.collisions.add_to(self.consulted)
         return self.collisions.find()
 
-    def stances(self, level: int, target: Array) -> Iterator[Stance]:
-        """Stances of an effort level, by increasing amount.
+    def stances(self, level: int, target: Array) -> Iterator[Stances]:
+        """Stances of an effort level, by increasing amount, in batches.
 
         Args:
             level: Effort level, 0 to 4.
             target: Where the object is, metres, (3,): agents that walk turn to it.
         """
         if level <= 1:
-            yield self.here
+            yield self._here_alone
         elif level == 2:
-            yield from self._bent(self.here, turns=True)[1:]
+            yield self._bent_here
         elif level == 3 and self.other_posture is not None:
-            yield from self._bent(self.other_posture, turns=True)
+            yield self._bent_other
         elif level == 4:
             yield from self._displaced(target)
 
@@ -95,6 +119,12 @@ class Standpoint:
             blocking = self.blocked(self.other_posture.state)
             return Miss(math.inf, f"{STAND} is blocked: {blocking}", blocking.evidence if blocking else None)
         return Miss(math.inf, NO_STANCE[level])
+
+    def target(self, name: str) -> Target:
+        """An object as it is now."""
+        if name not in self._targets:
+            self._targets[name] = Target(self.stage, name, self.settings)
+        return self._targets[name]
 
     @cached_property
     def here(self) -> Stance:
@@ -121,35 +151,65 @@ class Standpoint:
         return standing if standing is not None and self.blocked(standing.state) is None else None
 
     @cached_property
-    def _floor(self) -> Iterable[Place]:
+    def _here_alone(self) -> Stances:
+        return bent(self.agent, self.here, self._frames_of(self.here), [Bend()])
+
+    @cached_property
+    def _bent_here(self) -> Stances:
+        bends = [bend for bend in self._bends(self.actions) if bend.actions]
+        return bent(self.agent, self.here, self._frames_of(self.here), bends)
+
+    @cached_property
+    def _bent_other(self) -> Stances:
+        assert self.other_posture is not None
+        return bent(self.agent, self.other_posture, self._frames_of(self.other_posture), self._bends(self.actions))
+
+    def _displaced(self, target: Array) -> Iterator[Stances]:
+        """Places in batches of growing distance: most objects are near to where somebody can stand."""
         if MOVE not in self.actions or self.upright is None:
-            return ()
-        return Floor(self.upright.state, self.agent, self.settings.efforts, lambda state: self.blocked(state) is None)
+            return
+        self.consulted.add(self._floor_region)
+        known = self._walks.setdefault(target.tobytes(), [])  # the three abilities ask for the same stances
+        for index, places in enumerate(self._floor.batches()):
+            if index == len(known):
+                known.append(self._walk(self.upright, places, target))
+            yield known[index]
 
-    def _displaced(self, target: Array) -> Iterator[Stance]:
-        for _, places in itertools.groupby(self._floor, key=lambda place: round(place.way_m, 6)):
-            stances = [bent for place in places for bent in self._bent(self._standing_at(place, target), turns=False)]
-            yield from sorted(stances, key=lambda stance: stance.amount.key)
+    def _walk(self, upright: Stance, places: Sequence[Place], target: Array) -> Stances:
+        base = upright.state.qpos[self.agent.base]
+        turned = turns_towards(target, base, self._facing_rad(base), places)
+        bends = self._bends(self.actions - {TURN})
+        return displaced(self.agent, upright, self._frames_of(upright), bends, places=places, turned_rad=turned)
 
-    def _standing_at(self, place: Place, target: Array) -> Stance:
-        """At a place, with the chest turned to the target."""
+    @cached_property
+    def _floor(self) -> Floor:
         assert self.upright is not None
-        state, actions = self.upright.state, self.upright.actions
-        base = state.qpos[self.agent.base]
-        ahead = target[:2] - base[:2] - place.offset_m
-        turn = 0.0
-        if np.hypot(*ahead) > 1e-6:
-            turn = wrapped(math.atan2(ahead[1], ahead[0]) - self._torso_turn_rad() - yaw_of(base[3:]))
-        amount = Amount(moved_m=place.way_m, turned_rad=abs(turn))
-        return Stance(moved(state, self.agent, place.offset_m, turn), (*actions, MOVE), amount)
+        self.stage.show(self.upright.state)
+        return Floor(self.upright.state, self.agent, self.settings.efforts, self.collisions.footprint())
 
-    def _torso_turn_rad(self) -> float:
+    @cached_property
+    def _floor_region(self) -> Region:
+        """All that the agent might meet on its ways, and on the way to its feet."""
+        assert self.upright is not None
+        region = Region()
+        self.stage.show(self.upright.state)
+        self.collisions.add_to(region)
+        region.grow(self.settings.efforts.move_radius_m + self.settings.efforts.move_step_m)
+        return region
+
+    def _facing_rad(self, base: Array) -> float:
         axis = self.agent.profile.turn
-        return float(self.state.qpos[self.agent.joints[axis.joint]]) if axis else 0.0
+        turned = float(self.state.qpos[self.agent.joints[axis.joint]]) if axis else 0.0
+        return yaw_of(base[3:]) + turned
 
-    def _bent(self, stance: Stance, *, turns: bool) -> list[Stance]:
-        actions = self.actions if turns else self.actions - {TURN}
-        return bent(stance, self.state, self.agent, self.settings.efforts, actions)
+    def _bends(self, actions: frozenset[str]) -> list[Bend]:
+        return bends_of(self.agent, self.state, self.settings.efforts, actions)
+
+    def _frames_of(self, stance: Stance) -> Frames:
+        key = stance.actions
+        if key not in self._frames:
+            self._frames[key] = Frames(self.stage.show(stance.state), self.agent)
+        return self._frames[key]
 
     def _shown(self) -> Stage:
         return self.stage.show(self.state)

@@ -6,13 +6,16 @@ bounding window are worth a ray at the object alone. The counts are those of the
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.image import pixel_rays, window
+from taskgist.perspective.glimpse import off_gaze
+from taskgist.perspective.image import rays_towards
+from taskgist.perspective.target import Target
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Agent, Stage
 
@@ -75,7 +78,7 @@ def visibility(
     stage: Stage,
     agent: str,
     name: str,
-    settings: Settings = DEFAULT,  # noqa: ARG001 - as every question of this room
+    settings: Settings = DEFAULT,
 ) -> Visibility | None:
     """How much of an object an agent sees from its current state.
 
@@ -83,7 +86,7 @@ def visibility(
         stage: The scene in a state.
         agent: Whose eye.
         name: The object.
-        settings: Not needed so far, for image and gaze cone are the profile's.
+        settings: All settings.
 
     Returns:
         None where the object or the agent's head was not tracked: that is unknown, not invisible.
@@ -95,13 +98,13 @@ def visibility(
     stage.scene.object_body(name)
     if not stage.state.known([name, f"{agent}/head"]):
         return None
-    return measure(stage, body, name)
+    return measure(stage, body, Target(stage, name, settings))
 
 
-def measure(stage: Stage, agent: Agent, name: str) -> Visibility:
+def measure(stage: Stage, agent: Agent, target: Target) -> Visibility:
     """As ``visibility``, taking all for tracked."""
-    sight = look(stage, agent, name)
-    owners = stage.scene.owners
+    sight = look(stage, agent, target)
+    owners, eye = stage.scene.owners, stage.eye(agent)
     others = Counter(owners[geom] for geom in sight.geoms[~sight.visible])
     width, height = agent.profile.eye.image_px
     in_cone = sight.rays_in_eye[:, 0] >= np.cos(agent.profile.eye.gaze_cone_rad)
@@ -113,7 +116,7 @@ def measure(stage: Stage, agent: Agent, name: str) -> Visibility:
         gaze_px=int((sight.visible & in_cone).sum()),
         occluders=tuple(sorted(others.items(), key=lambda item: (-item[1], item[0]))),
         nearest_m=float(near.min()) if len(near) else None,
-        off_gaze_rad=off_gaze_rad(stage, agent, name),
+        off_gaze_rad=float(off_gaze(eye.position[None], eye.matrix[None, :, 0], target.middle)[0]),
     )
 
 
@@ -129,40 +132,29 @@ class Sight:
     """
 
     rays_in_eye: Array
-    geoms: NDArray[np.int32]
+    geoms: NDArray[np.intp]
     distances_m: Array
     visible: NDArray[np.bool_]
 
 
-def look(stage: Stage, agent: Agent, name: str, *, cone_rad: float | None = None) -> Sight:
+def look(stage: Stage, agent: Agent, target: Target, *, cone_rad: float = math.inf) -> Sight:
     """Look at an object.
 
     Args:
         stage: The scene in a state.
         agent: Whose eye.
-        name: The object.
+        target: The object.
         cone_rad: Half-angle of a cone about the gaze outside of which nothing is looked at.
     """
-    eye = stage.eye(agent)
-    shapes = stage.scene.object_geoms(name)
-    rows, columns = window(
-        agent.profile.eye, eye.to_local(stage.geom_centers(shapes)), stage.scene.model.geom_rbound[shapes]
-    )
-    rays = pixel_rays(agent.profile.eye)[rows, columns].reshape(-1, 3)
-    if cone_rad is not None:
-        rays = rays[rays[:, 0] >= np.cos(cone_rad)]
+    eye, shapes = stage.eye(agent), target.shapes
+    rays = rays_towards(agent.profile.eye, eye.to_local(target.centers), target.radii_m, cone_rad)
     directions = rays @ eye.matrix.T
-    alone = stage.cast(eye.position, directions, only=shapes)[0] >= 0
-    geoms, distances_m = stage.cast(eye.position, directions[alone], exclude_body=agent.eye_exclude_body)
-    return Sight(rays[alone], geoms, distances_m, np.isin(geoms, shapes))
-
-
-def object_middle(stage: Stage, name: str) -> Array:
-    """Mean of the centres of an object's shapes, metres, (3,)."""
-    return np.asarray(stage.geom_centers(stage.scene.object_geoms(name)).mean(axis=0))
-
-
-def off_gaze_rad(stage: Stage, agent: Agent, name: str) -> float:
-    """Angle between where the eye looks and an object's middle."""
-    x, y, z = stage.eye(agent).to_local(object_middle(stage, name))
-    return float(np.arctan2(np.hypot(y, z), x))
+    own, own_m = stage.cast_at(shapes, eye.position, directions)
+    alone = own >= 0
+    own, own_m = own[alone], own_m[alone]
+    others = stage.between(
+        eye.position, target.centers, target.radii_m, without=shapes, but_body=agent.eye_exclude_body
+    )
+    other, other_m = stage.cast_at(others, eye.position, directions[alone])
+    visible = own_m <= other_m
+    return Sight(rays[alone], np.where(visible, own, other), np.minimum(own_m, other_m), visible)

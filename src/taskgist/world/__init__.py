@@ -4,16 +4,23 @@ from taskgist.world.agent import Agent, ArmIndices
 from taskgist.world.anthropometry import HumanSize
 from taskgist.world.contacts import container_of, object_points, overlaps, support_of
 from taskgist.world.fit import Fit, Fitter, landmarks
-from taskgist.world.holding import Holding, hand_gap_m, hand_known, holding_of, rests_on
+from taskgist.world.hands import HAND_KINDS, Hand, HandBox, HandKind, hand_boxes
+from taskgist.world.holding import Holding, hand_gap_m, hand_known, holding_of, objects_near, rests_on
 from taskgist.world.holding_watch import HoldingWatch
+from taskgist.world.linkage import Linkage
+from taskgist.world.pose import Pose
 from taskgist.world.postures import posture_of, seat_position, with_posture
-from taskgist.world.profile import AgentProfile, Arm, Eye, Hand, Posture, builtin_profiles
+from taskgist.world.profile import AgentProfile, Arm, Eye, Posture, builtin_profiles
+from taskgist.world.rays import Shapes
 from taskgist.world.scene import Scene
-from taskgist.world.stage import Pose, Stage
+from taskgist.world.shapes import inner_points
+from taskgist.world.solids import distances_outside_m, spans_m
+from taskgist.world.stage import Stage
 from taskgist.world.state import Hold, State
 from taskgist.world.window import Around, SlidingWindow, velocity
 
 __all__ = [
+    "HAND_KINDS",
     "Agent",
     "AgentProfile",
     "Arm",
@@ -23,27 +30,36 @@ __all__ = [
     "Fit",
     "Fitter",
     "Hand",
+    "HandBox",
+    "HandKind",
     "Hold",
     "Holding",
     "HoldingWatch",
     "HumanSize",
+    "Linkage",
     "Pose",
     "Posture",
     "Scene",
+    "Shapes",
     "SlidingWindow",
     "Stage",
     "State",
     "builtin_profiles",
     "container_of",
+    "distances_outside_m",
+    "hand_boxes",
     "hand_gap_m",
     "hand_known",
     "holding_of",
+    "inner_points",
     "landmarks",
     "object_points",
+    "objects_near",
     "overlaps",
     "posture_of",
     "rests_on",
     "seat_position",
+    "spans_m",
     "support_of",
     "velocity",
     "with_posture",

@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.errors import SceneError
+from taskgist.world.derived import completed, site_index
+from taskgist.world.hands import GHOST_GROUP, ghosts_of
 from taskgist.world.profile import AgentProfile, Arm
 
 SEEN_GROUPS = (0, 1, 2)
 """Geom groups that rays meet: MuJoCo shows them by default and keeps 3 for collision shapes."""
 SEEN_MASK = np.array([group in SEEN_GROUPS for group in range(6)], dtype=np.uint8)
-GHOST_GROUP = 5
-"""Geom group of the shapes with which virtual grasps are tested: never seen, never touched."""
-GHOST_SHAPES = ("palm", "fingers", "thumb")
 
 Indices = NDArray[np.intp]
 
@@ -26,7 +25,8 @@ Indices = NDArray[np.intp]
 class ArmIndices:
     """One arm: its profile and its indices.
 
-    ``ghosts`` are the geoms of a virtual grasp: palm, fingers, thumb; ``carrier_body`` is what the arm hangs on.
+    ``ghosts`` are the geoms of a virtual grasp, in the order of ``hand_boxes``; ``carrier_body`` is what the arm hangs
+    on.
     """
 
     profile: Arm
@@ -46,7 +46,7 @@ class Agent:
     Attributes:
         base: Slice of qpos (7): position in metres and wxyz of the root.
         joints: qpos index of each scalar joint, by its name without prefix, in the model's order.
-        core_geoms: Shapes of head, torso and base: those that virtual actions must not push into things.
+        core_geoms: Solid shapes of head, torso and base: those that virtual actions must not push into things.
         geoms: All its shapes but the ghosts.
     """
 
@@ -79,97 +79,92 @@ class Agent:
 
 
 def resolve_agent(model: mujoco.MjModel, name: str, profile: AgentProfile, stature_m: float) -> Agent:
-    """Find an attached agent's joints, sites and shapes in a compiled model.
-
-    Raises:
-        SceneError: The profile names something that its model does not have.
-    """
-    find = _Finder(model, name, profile)
+    """Find an attached agent's joints, sites and shapes in a compiled model; all names were checked before."""
+    profile = completed(model, name, profile)
     bodies = np.array([b for b in range(model.nbody) if model.body(b).name.startswith(f"{name}/")])
     root = int(bodies[0])
-    if model.body_jntnum[root] != 1 or int(model.jnt_type[model.body_jntadr[root]]) != int(mujoco.mjtJoint.mjJNT_FREE):
-        raise SceneError("the root body of an agent's model needs a free joint", where=name, field=profile.model)
     base = int(model.jnt_qposadr[model.body_jntadr[root]])
     geoms = _geoms_of(model, bodies)
-    arms = tuple(_resolve_arm(model, find, arm) for arm in profile.arms)
+    arms = tuple(_resolve_arm(model, name, arm) for arm in profile.arms)
     arm_geoms = np.concatenate([arm.geoms for arm in arms]) if arms else np.array([], dtype=np.intp)
-    joints = {
-        model.joint(j).name.removeprefix(f"{name}/"): int(model.jnt_qposadr[j])
-        for j in range(model.njnt)
-        if model.jnt_bodyid[j] in bodies and int(model.jnt_type[j]) in _SCALAR
-    }
-    find.check_joints(joints)
+    _, _, eye = profile.frames[0]
     return Agent(
         name=name,
         profile=profile,
         stature_m=stature_m,
         base=slice(base, base + 7),
-        joints=joints,
+        joints=_scalar_joints(model, name, bodies),
         root_body=root,
         bodies=bodies,
         geoms=geoms,
-        core_geoms=np.setdiff1d(geoms, arm_geoms),
-        eye_site=find.site(profile.eye.site, "eye.site"),
-        eye_exclude_body=find.body(profile.eye.exclude, "eye.exclude"),
-        thigh_bodies=tuple(find.body(thigh, "posture.thighs") for thigh in profile.legs.thighs),
+        core_geoms=solid(model, np.setdiff1d(geoms, arm_geoms)),
+        eye_site=site_index(model, name, "eye_frame", eye.name),
+        eye_exclude_body=_body(model, name, profile.eye.exclude),
+        thigh_bodies=tuple(_body(model, name, thigh) for thigh in profile.legs.thighs),
         arms=arms,
-        parts={part: np.array([find.body(b, f"parts.{part}") for b in names]) for part, names in profile.parts},
+        parts=_parts(model, name, profile, bodies),
     )
 
 
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
-class _Finder:
-    """Looks names of a profile up in its model."""
-
-    def __init__(self, model: mujoco.MjModel, agent: str, profile: AgentProfile) -> None:
-        self._model, self._agent, self._profile = model, agent, profile
-
-    def site(self, name: str, field: str) -> int:
-        return self._find(mujoco.mjtObj.mjOBJ_SITE, name, field)
-
-    def body(self, name: str, field: str) -> int:
-        return self._find(mujoco.mjtObj.mjOBJ_BODY, name, field)
-
-    def check_joints(self, joints: Mapping[str, int]) -> None:
-        p = self._profile
-        axes = {"head.pan": p.pan, "head.tilt": p.tilt, "torso.turn": p.turn, "torso.lean": p.lean}
-        wanted = [(field, axis.joint) for field, axis in axes.items() if axis]
-        wanted += [("posture", joint) for joint in (*p.legs.hips, *p.legs.knees, *p.legs.ankles)]
-        for field, joint in wanted:
-            if joint not in joints:
-                raise self._missing(field, joint, "joint")
-
-    def _find(self, kind: mujoco.mjtObj, name: str, field: str) -> int:
-        index = int(mujoco.mj_name2id(self._model, kind, f"{self._agent}/{name}"))
-        if index < 0:
-            raise self._missing(field, name, kind.name.removeprefix("mjOBJ_").lower())
-        return index
-
-    def _missing(self, field: str, name: str, kind: str) -> SceneError:
-        return SceneError(
-            f"profile {self._profile.name!r} names a {kind} that its model {self._profile.model!r} does not have",
-            where=self._agent,
-            field=field,
-            value=name,
-        )
+def _scalar_joints(model: mujoco.MjModel, name: str, bodies: Indices) -> dict[str, int]:
+    """Index into qpos of each joint that turns or slides, by its name without prefix."""
+    return {
+        model.joint(j).name.removeprefix(f"{name}/"): int(model.jnt_qposadr[j])
+        for j in range(model.njnt)
+        if model.jnt_bodyid[j] in bodies and int(model.jnt_type[j]) in _SCALAR
+    }
 
 
-def _resolve_arm(model: mujoco.MjModel, find: _Finder, arm: Arm) -> ArmIndices:
-    root = find.body(arm.root, "arms.root")
-    hand = find.body(arm.hand, "arms.hand")
-    ghosts = [g for g in range(model.ngeom) if model.geom_bodyid[g] == hand and model.geom_group[g] == GHOST_GROUP]
+def _body(model: mujoco.MjModel, agent: str, name: str) -> int:
+    return int(model.body(f"{agent}/{name}").id)
+
+
+def _resolve_arm(model: mujoco.MjModel, agent: str, arm: Arm) -> ArmIndices:
+    root, hand = _body(model, agent, arm.root), _body(model, agent, arm.hand)
+    hand_geoms = _geoms_of(model, subtree(model, hand))
     return ArmIndices(
         profile=arm,
-        shoulder_site=find.site(arm.shoulder, "arms.shoulder"),
-        palm_site=find.site(arm.palm, "arms.palm"),
+        shoulder_site=site_index(model, agent, f"{arm.side}_shoulder_frame", arm.shoulder.name),
+        palm_site=site_index(model, agent, f"{arm.side}_palm_frame", arm.palm.name),
         hand_body=hand,
-        carrier_body=int(model.body_parentid[root]),
+        carrier_body=_body(model, agent, arm.carrier) if arm.carrier else int(model.body_parentid[root]),
         geoms=_geoms_of(model, subtree(model, root)),
-        hand_geoms=_geoms_of(model, subtree(model, hand)),
-        ghosts=np.array(ghosts, dtype=np.intp),
+        hand_geoms=solid(model, hand_geoms) if len(solid(model, hand_geoms)) else hand_geoms,
+        ghosts=np.array(ghosts_of(model, hand), dtype=np.intp),
     )
+
+
+def solid(model: mujoco.MjModel, geoms: Indices) -> Indices:
+    """Those shapes that collide with something: URDF has others that are only shown."""
+    return np.asarray(geoms[(model.geom_contype[geoms] != 0) | (model.geom_conaffinity[geoms] != 0)])
+
+
+def _parts(model: mujoco.MjModel, agent: str, profile: AgentProfile, bodies: Indices) -> dict[str, Indices]:
+    """The bodies of each part: as the profile has it, else what the joints of its actions and its arms make of it.
+
+    Each arm is all that hangs on its root, the head all that the head's joints move, the torso what carries them, and
+    what is left, wheels or legs, carries the torso.
+    """
+    if profile.parts:
+        return {part: np.array([_body(model, agent, b) for b in names]) for part, names in profile.parts}
+    roots = {f"{arm.side}_arm": _body(model, agent, arm.root) for arm in profile.arms}
+    necks = [int(model.joint(f"{agent}/{axis.joint}").bodyid[0]) for axis in (profile.pan, profile.tilt) if axis]
+    roots["head"] = min(necks, default=_body(model, agent, profile.eye.exclude))
+    parts = {part: np.array(subtree(model, root)) for part, root in roots.items()}
+    carriers = {body for root in roots.values() for body in _ancestors(model, root)}
+    rest = set(bodies.tolist()) - carriers - {int(body) for part in parts.values() for body in part}
+    carrying = {"torso": np.array(sorted(carriers)), "legs": np.array(sorted(rest), dtype=np.intp)}
+    return parts | {part: found for part, found in carrying.items() if len(found)}
+
+
+def _ancestors(model: mujoco.MjModel, body: int) -> set[int]:
+    found: set[int] = set()
+    while (body := int(model.body_parentid[body])) != 0:
+        found.add(body)
+    return found
 
 
 def subtree(model: mujoco.MjModel, root: int) -> list[int]:

@@ -3,30 +3,29 @@
 from __future__ import annotations
 
 import logging
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
-import numpy as np
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.agent import GHOST_GROUP, GHOST_SHAPES, SEEN_MASK, Agent, resolve_agent
+from taskgist.world.agent import Agent, resolve_agent
 from taskgist.world.anthropometry import HumanSize
-from taskgist.world.human import human_mjcf
-from taskgist.world.legs import legs_for
-from taskgist.world.profile import AgentProfile, builtin_profile_text, parse_profile
-from taskgist.world.rotations import about_z
+from taskgist.world.bounds import bound_all_shapes
+from taskgist.world.decomposition import decompose
+from taskgist.world.frames import add_frame
+from taskgist.world.hands import add_ghosts
+from taskgist.world.model_files import BUILDERS, body_files, builtin_models, is_found_anywhere, read_model
+from taskgist.world.named import name_problems
+from taskgist.world.placing import placed
+from taskgist.world.profile import AgentProfile, builtin_profile_text
+from taskgist.world.profile_file import parse_profile
 from taskgist.world.scene_file import DEFAULT_STATURE_M, STATURE, AgentEntry, SceneFile
+from taskgist.world.sizes import size_problems
 from taskgist.world.state import State
+from taskgist.world.urdf import COLLISION_GROUP
 
 mujoco.set_mju_user_warning(logging.getLogger("taskgist.world").warning)  # otherwise MuJoCo writes a file of its own
-
-BUILDERS: dict[str, Callable[[HumanSize], str]] = {"human": human_mjcf}
-"""Models that are made to measure, by the name under which a profile asks for them."""
-
-ABOVE_SEATS_M = 1.2
-"""Height from which a seat is searched downwards."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,17 +50,18 @@ def assemble(file: SceneFile, bundle: Mapping[str, bytes]) -> Assembled:
     """
     files = dict(bundle)
     profiles = {entry.name: _profile(entry, files, file.where) for entry in file.agents}
-    room = _spec(files, file.model, file.where)
+    room = _spec(files, file.model, file.where, room=True)
     _check_names(file, room)
+    decompose(room, lambda spec: _compile(spec, files, file.where), files, file.where)
     for entry in file.agents:
-        body = _agent_spec(profiles[entry.name], files, entry)
+        body = _agent_spec(profiles[entry.name], files, entry, file.where)
         room.attach(body, prefix=f"{entry.name}/", frame=room.worldbody.add_frame())
     model = _compile(room, files, file.where)
+    bound_all_shapes(model)
     agents = {
         entry.name: resolve_agent(model, entry.name, profiles[entry.name], _stature(entry)) for entry in file.agents
     }
-    initial = _place(model, agents, file)
-    return Assembled(model, agents, initial, files)
+    return Assembled(model, agents, placed(model, agents, file), files)
 
 
 def _check_names(file: SceneFile, room: mujoco.MjSpec) -> None:
@@ -82,12 +82,24 @@ def _stature(entry: AgentEntry) -> float:
 def _profile(entry: AgentEntry, files: dict[str, bytes], where: str) -> AgentProfile:
     if entry.profile_key not in files:
         files[entry.profile_key] = builtin_profile_text(entry.profile).encode()
-    profile = parse_profile(files[entry.profile_key], where=f"{where}: {entry.profile_key}", stature_m=_stature(entry))
+    at = f"{where}: {entry.profile_key}"
+    profile = parse_profile(files[entry.profile_key], where=at, stature_m=_stature(entry))
+    if entry.body and profile.model not in BUILDERS:
+        hint = "only made-to-measure bodies have sizes: leave them out"
+        field, given = f"agents.{entry.name}.body", ", ".join(entry.body)
+        raise SceneError(f"the body of {profile.name!r} is as it is", where=where, field=field, value=given, hint=hint)
     if entry.model_key not in files:
-        if profile.model not in BUILDERS:
-            raise UnknownNameError("model", profile.model, BUILDERS, where=f"{where}: {entry.profile_key}")
-        files[entry.model_key] = BUILDERS[profile.model](_size(entry, where)).encode()
+        files |= _model(profile, entry, where)
     return profile
+
+
+def _model(profile: AgentProfile, entry: AgentEntry, where: str) -> dict[str, bytes]:
+    """The files of a model that did not come with the scene."""
+    at = f"{where}: {entry.profile_key}"
+    if not is_found_anywhere(profile.model):
+        raise UnknownNameError("model", profile.model, builtin_models(), where=at)
+    size = _size(entry, where) if profile.model in BUILDERS else None
+    return body_files(profile, entry.model_key, prefix=f"{entry.name}_", folder=None, where=at, size=size)
 
 
 def _size(entry: AgentEntry, where: str) -> HumanSize:
@@ -99,106 +111,35 @@ def _size(entry: AgentEntry, where: str) -> HumanSize:
         raise
 
 
-def _spec(files: Mapping[str, bytes], name: str, where: str) -> mujoco.MjSpec:
-    if name not in files:
-        raise SceneError("no such file", where=where, field="scene.model", value=name)
-    try:
-        return mujoco.MjSpec.from_string(files[name].decode("utf-8"))
-    except (ValueError, UnicodeDecodeError) as error:
-        raise SceneError(f"MuJoCo cannot read this model: {error}", where=f"{where}: {name}") from error
+def _spec(files: dict[str, bytes], name: str, where: str, *, room: bool) -> mujoco.MjSpec:
+    spec = read_model(files, name, where=where, room=room)
+    for problem in size_problems(spec, f"{where}: {name}"):
+        raise problem
+    return spec
 
 
-def _agent_spec(profile: AgentProfile, files: Mapping[str, bytes], entry: AgentEntry) -> mujoco.MjSpec:
-    spec = _spec(files, entry.model_key, entry.name)
-    if profile.hand is None:
-        return spec
-    hand = profile.hand
-    breadth, thickness = hand.palm_m
-    finger = (hand.finger_length_m / 2, hand.finger_thickness_m / 2, breadth / 2)
-    sizes = {"palm": (thickness / 2, hand.opening_m / 2, breadth / 2), "fingers": finger, "thumb": finger}
-    for arm in profile.arms:
-        body = spec.body(arm.hand)
-        if body is None:
-            raise SceneError("no such body", where=entry.name, field="arms.hand", value=arm.hand)
-        for shape in GHOST_SHAPES:
-            body.add_geom(
-                name=f"{arm.side}_grasp_{shape}",
-                type=mujoco.mjtGeom.mjGEOM_BOX,
-                size=sizes[shape],
-                group=GHOST_GROUP,
-                contype=0,
-                conaffinity=0,
-                mass=0,
-                rgba=(1, 0, 1, 0),
-            )
+def _agent_spec(profile: AgentProfile, files: dict[str, bytes], entry: AgentEntry, where: str) -> mujoco.MjSpec:
+    """An agent's model with all that reasoning needs: a base that is free to move, frames, and shapes of grasps."""
+    spec = _spec(files, entry.model_key, entry.name, room=False)
+    spec.compiler.balanceinertia = True  # MJCF text of a URDF has lost that; published inertias are often impossible
+    for problem in name_problems(spec, profile, f"{where}: {entry.profile_key}"):
+        raise problem
+    root = spec.worldbody.first_body()
+    if not root.joints:
+        root.add_freejoint(name="root")
+    for label, _, frame in profile.frames:
+        add_frame(spec, frame, label)
+    for geom in (geom for name in profile.eye.housing for geom in spec.body(name).geoms):
+        geom.group = COLLISION_GROUP
+    for arm in profile.arms if profile.hand else ():
+        assert profile.hand is not None
+        add_ghosts(spec.body(arm.hand), arm.side, profile.hand)
     return spec
 
 
 def _compile(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> mujoco.MjModel:
-    spec.assets = {name: data for name, data in files.items() if not name.endswith((".toml", ".xml"))}
+    spec.assets = {name: data for name, data in files.items() if not name.endswith((".toml", ".xml", ".urdf"))}
     try:
         return spec.compile()
     except ValueError as error:
         raise SceneError(f"MuJoCo cannot compile this scene: {error}", where=where) from error
-
-
-def _place(model: mujoco.MjModel, agents: Mapping[str, Agent], file: SceneFile) -> State:
-    """Put every agent where the file says: on the floor, or on the seat that is found there."""
-    data = mujoco.MjData(model)
-    for agent in agents.values():
-        data.qpos[agent.base] = (0, 0, -1000, 1, 0, 0, 0)  # out of the way of the search for seats
-    mujoco.mj_kinematics(model, data)
-    qpos = np.array(data.qpos)
-    for entry in file.agents:
-        agent = agents[entry.name]
-        legs, height = _stance(model, data, agent, entry, file.where)
-        qpos[agent.base] = (*entry.position_m, height, *about_z(entry.yaw_rad))
-        for joint, angle in (legs | _joints(model, entry, agent, file.where)).items():
-            qpos[agent.joints[joint]] = angle
-    return State(qpos)
-
-
-def _joints(model: mujoco.MjModel, entry: AgentEntry, agent: Agent, where: str) -> dict[str, float]:
-    field = f"agents.{entry.name}.joints_deg"
-    for joint, angle in entry.joints_rad.items():
-        if joint not in agent.joints:
-            raise UnknownNameError("joint", joint, agent.joints, where=f"{where}: {field}")
-        limits = model.joint(f"{agent.name}/{joint}")
-        low, high = (math.degrees(limit) for limit in limits.range)
-        if limits.limited[0] and not low - 1e-6 <= math.degrees(angle) <= high + 1e-6:
-            hint, given = f"it turns from {low:.0f} to {high:.0f} degrees", round(math.degrees(angle), 3)
-            raise SceneError("beyond the joint", where=where, field=f"{field}.{joint}", value=given, hint=hint)
-    return dict(entry.joints_rad)
-
-
-def _stance(
-    model: mujoco.MjModel, data: mujoco.MjData, agent: Agent, entry: AgentEntry, where: str
-) -> tuple[dict[str, float], float]:
-    """Leg angles and height of the root."""
-    if entry.posture not in agent.profile.legs.can:
-        raise SceneError(
-            "this profile does not take that posture",
-            where=where,
-            field=f"agents.{entry.name}.posture",
-            value=entry.posture,
-            hint=f"it can be {' or '.join(agent.profile.legs.can)}",
-        )
-    if entry.posture == "standing":
-        return legs_for(model, agent, hip_height_m=math.inf)
-    seat = entry.seat_height_m if entry.seat_height_m is not None else _seat_height(model, data, entry, where)
-    return legs_for(model, agent, hip_height_m=seat + agent.profile.legs.seat_share * agent.stature_m)
-
-
-def _seat_height(model: mujoco.MjModel, data: mujoco.MjData, entry: AgentEntry, where: str) -> float:
-    top = np.array([*entry.position_m, ABOVE_SEATS_M])
-    distance = mujoco.mj_ray(model, data, top, np.array([0.0, 0.0, -1.0]), SEEN_MASK, True, -1, np.zeros(1, np.int32))
-    height = ABOVE_SEATS_M - distance
-    if distance < 0 or height < 0.2:
-        raise SceneError(
-            "nothing to sit on there",
-            where=where,
-            field=f"agents.{entry.name}.position_m",
-            value=entry.position_m,
-            hint="move the agent over a seat, or give seat_height_m",
-        )
-    return float(height)

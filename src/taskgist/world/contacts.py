@@ -19,9 +19,14 @@ WALL_DIRECTIONS = 36
 
 
 def object_points(stage: Stage, name: str, spacing_m: float) -> Array:
-    """Points on an object's surface in the world, metres, (n, 3)."""
+    """Points on an object's surface in the world, metres, (n, 3).
+
+    Raises:
+        UnknownNameError: There is no such object.
+    """
+    stage.scene.object_body(name)
     parts = []
-    for geom in stage.scene.object_geoms(name):
+    for geom in stage.scene.seen_geoms(name):
         points, _ = stage.scene.surface_points(int(geom), spacing_m)
         parts.append(stage.geom(int(geom)).to_world(points))
     return np.concatenate(parts) if parts else np.empty((0, 3))
@@ -40,20 +45,26 @@ def support_of(stage: Stage, name: str, settings: Contact) -> str | None:
         return None
     # The lift stays inside the object, so that what stands above it is not taken for its support.
     lift = min(settings.lift_m, float(np.ptp(samples[:, 2])) / 2)
-    body, normal = stage.scene.object_body(name), np.zeros((1, 3))
-    for point in points:
-        geoms, distances = stage.cast(point + (0, 0, lift), DOWN[None], exclude_body=body, normals=normal)
-        level = bool(normal[0, 2] >= math.cos(settings.support_slope_rad))
-        owner = _carrier(stage, int(geoms[0]), float(distances[0]) - lift, settings)
-        if level and owner and owner != name:
-            return owner
-    return None
+    starts = points + (0.0, 0.0, lift)
+    around = _around_points(stage, name, starts, lift + settings.support_m)
+    geoms, distances, normals = stage.cast_each(around, starts, np.tile(DOWN, (len(starts), 1)))
+    level = normals[:, 2] >= math.cos(settings.support_slope_rad)
+    met = geoms[(geoms >= 0) & level & (distances - lift <= settings.support_m)]
+    owners = (stage.scene.owners[geom] for geom in met.tolist())
+    return next((owner for owner in owners if owner != name and owner not in stage.scene.agents), None)
+
+
+def _around_points(stage: Stage, name: str, points: Array, margin_m: float) -> NDArray[np.intp]:
+    """Seen shapes within a margin of some points of an object, but those of the object's own body, (n,)."""
+    middle = points.mean(axis=0)
+    radius_m = float(np.linalg.norm(points - middle, axis=1).max()) + margin_m
+    return stage.between(middle, middle[None], np.array([radius_m]), but_body=stage.scene.object_body(name))
 
 
 def _low_points(stage: Stage, name: str, samples: Array) -> Array:
     """Surface points within reach of a support, lowest first: exact lowest points, and the lowest of the samples."""
     exact = []
-    for geom in stage.scene.object_geoms(name):
+    for geom in stage.scene.seen_geoms(name):
         pose = stage.geom(int(geom))
         lowest = lowest_point(stage.scene.model, int(geom), pose.matrix)
         if lowest is not None:
@@ -65,13 +76,6 @@ def _low_points(stage: Stage, name: str, samples: Array) -> Array:
     return np.asarray(points[points[:, 2] < points[0, 2] + 2 * POINT_SPACING_M])
 
 
-def _carrier(stage: Stage, geom: int, gap_m: float, settings: Contact) -> str | None:
-    if geom < 0 or gap_m > settings.support_m:
-        return None
-    owner = stage.scene.owners[geom]
-    return None if owner in stage.scene.agents else owner
-
-
 def container_of(stage: Stage, name: str, settings: Contact) -> str | None:
     """What an object lies in: one body with a floor beneath it and walls all round (DESIGN 4.5), or None.
 
@@ -79,7 +83,7 @@ def container_of(stage: Stage, name: str, settings: Contact) -> str | None:
     within ``container_m``, each on a face that looks towards the object: who has sunk into a table top is not inside
     the table. Whatever else lies in the container is looked through. The room itself, and agents, are no containers.
     """
-    middle = stage.geom_centers(stage.scene.object_geoms(name)).mean(axis=0)
+    middle = stage.geom_centers(stage.scene.seen_geoms(name)).mean(axis=0)
     heading = stage.body_axis(stage.scene.object_body(name), 0)
     rays = _around(math.atan2(heading[1], heading[0]))
     return next(
@@ -102,8 +106,7 @@ def _candidates(stage: Stage, name: str, middle: Array) -> list[str]:
 
 
 def _encloses(stage: Stage, owner: str, middle: Array, rays: Array, settings: Contact) -> bool:
-    normals = np.zeros_like(rays)
-    geoms, distances = stage.cast(middle, rays, only=stage.scene.geoms_of(owner), normals=normals)
+    geoms, distances, normals = stage.cast_each(stage.scene.seen_geoms(owner), np.tile(middle, (len(rays), 1)), rays)
     faces = (geoms >= 0) & (np.sum(normals * rays, axis=1) < 0)
     walls = faces[1:] & (distances[1:] <= settings.container_m)
     return bool(faces[0]) and float(walls.mean()) >= settings.container_walls

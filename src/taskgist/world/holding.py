@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from taskgist.settings import Contact
 from taskgist.world.agent import Agent, ArmIndices
 from taskgist.world.contacts import container_of, support_of
@@ -70,6 +72,15 @@ def is_near(stage: Stage, arm: ArmIndices, name: str, settings: Contact) -> bool
     return hand_gap_m(stage, arm, name, limit_m=settings.grip_m) < settings.grip_m
 
 
+def objects_near(stage: Stage, agent: Agent, settings: Contact) -> tuple[str, ...]:
+    """Objects that a hand of an agent is close enough to, to hold them."""
+    hands = np.concatenate([arm.hand_geoms for arm in agent.arms]) if agent.arms else np.array([], dtype=np.intp)
+    pairs = stage.near_pairs(hands, stage.scene.objects_geoms, limit_m=settings.grip_m)
+    candidates = {stage.scene.owners[geom] for _, geom in pairs}
+    near = {name for name in candidates if any(is_near(stage, arm, name, settings) for arm in agent.arms)}
+    return tuple(name for name in stage.scene.objects if name in near)
+
+
 def hand_known(stage: Stage, agent: Agent, arm: ArmIndices) -> bool:
     """Whether the hand was tracked."""
     return stage.state.known([f"{agent.name}/{arm.profile.side}_arm", agent.name])
@@ -77,7 +88,7 @@ def hand_known(stage: Stage, agent: Agent, arm: ArmIndices) -> bool:
 
 def hand_gap_m(stage: Stage, arm: ArmIndices, name: str, *, limit_m: float) -> float:
     """Signed gap in metres between a hand and an object, at most ``limit_m``."""
-    return stage.closest(arm.hand_geoms, stage.scene.object_geoms(name), limit_m=limit_m)[0]
+    return stage.closest(arm.hand_geoms, stage.scene.solid_geoms_of(name), limit_m=limit_m)[0]
 
 
 def rests_on(stage: Stage, arm: ArmIndices, settings: Contact) -> str | None:

@@ -6,8 +6,10 @@ import math
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from taskgist.world.agent import Agent
+from taskgist.world.shapes import lowest_point
 
 
 def legs_for(model: mujoco.MjModel, agent: Agent, *, hip_height_m: float) -> tuple[dict[str, float], float]:
@@ -21,11 +23,12 @@ def legs_for(model: mujoco.MjModel, agent: Agent, *, hip_height_m: float) -> tup
         hip_height_m: Wanted height of the hips over the floor; at or above standing height the legs are straight.
 
     Returns:
-        Joint angles in radians by name, and the height of the root in metres that results.
+        Joint angles in radians by name, and the height of the root in metres that results; for a body without legs,
+        none and the height at which its model puts the root.
     """
     legs = agent.profile.legs
     if not legs.feet:
-        return {}, root_height_m(model, agent)
+        return {}, float(model.body_pos[agent.root_body][2])
     thigh, lower = leg_lengths_m(model, agent)
     drop = np.clip((hip_height_m - lower) / thigh, -1.0, 1.0)
     flexion = math.acos(drop)
@@ -48,9 +51,22 @@ def ankle_height_m(model: mujoco.MjModel, agent: Agent) -> float:
     return leg_lengths_m(model, agent)[1] - float(np.linalg.norm(model.body_pos[foot]))
 
 
-def root_height_m(model: mujoco.MjModel, agent: Agent) -> float:
-    """Height in metres at which the model itself puts the root."""
-    return float(model.body_pos[agent.root_body][2])
+def standing_height_m(model: mujoco.MjModel, agent: Agent, qpos: NDArray[np.float64]) -> float:
+    """Height in metres of the root at which the agent's lowest shape touches the floor.
+
+    Args:
+        model: The compiled scene.
+        agent: The agent.
+        qpos: Its joints as they are; where its base is does not matter, (nq,).
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    data.qpos[agent.base] = (0, 0, 0, 1, 0, 0, 0)
+    mujoco.mj_kinematics(model, data)
+    matrices = data.geom_xmat.reshape(-1, 3, 3)
+    lowest = [(geom, lowest_point(model, int(geom), matrices[geom])) for geom in agent.geoms]
+    heights = [data.geom_xpos[geom][2] + matrices[geom][2] @ point for geom, point in lowest if point is not None]
+    return -float(min(heights, default=0.0))
 
 
 def body_index(model: mujoco.MjModel, agent: Agent, name: str) -> int:

@@ -46,10 +46,16 @@ def wxyz_from_matrix(matrix: ArrayLike) -> Array:
 
 def multiply(left: ArrayLike, right: ArrayLike) -> Array:
     """Quaternion products left ⊗ right, (..., 4)."""
-    a, b = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
-    w = a[..., 0] * b[..., 0] - np.sum(a[..., 1:] * b[..., 1:], axis=-1)
-    v = a[..., :1] * b[..., 1:] + b[..., :1] * a[..., 1:] + np.cross(a[..., 1:], b[..., 1:])
-    return np.concatenate((w[..., None], v), axis=-1)
+    a, b = np.moveaxis(np.asarray(left, dtype=float), -1, 0), np.moveaxis(np.asarray(right, dtype=float), -1, 0)
+    return np.stack(
+        (
+            a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+            a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+            a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+            a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+        ),
+        axis=-1,
+    )
 
 
 def conjugate(wxyz: ArrayLike) -> Array:

@@ -31,8 +31,11 @@ import mujoco
 import numpy as np
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.agent import GHOST_GROUP, SEEN_GROUPS, Agent
+from taskgist.world.agent import SEEN_GROUPS, Agent, subtree
 from taskgist.world.assembly import Assembled, assemble
+from taskgist.world.decomposition import whole
+from taskgist.world.hands import GHOST_GROUP
+from taskgist.world.rays import opaque, visible_geoms
 from taskgist.world.scene_file import SceneFile, bundle_from_path, parse_scene_file
 from taskgist.world.shapes import surface_points
 from taskgist.world.state import State
@@ -131,6 +134,26 @@ class Scene:
         """Geom indices of an agent, object or piece of furniture, (n,)."""
         return self._geoms_by_owner.get(owner, np.array([], dtype=np.intp))
 
+    def seen_geoms(self, owner: str) -> np.ndarray:
+        """Indices of the shapes of an agent, object or piece of furniture that rays meet, (n,)."""
+        own = self.geoms_of(owner)
+        return np.asarray(own[self.visible[own]])
+
+    def solid_geoms_of(self, owner: str) -> np.ndarray:
+        """Indices of the shapes that an agent, object or piece of furniture touches others with, (n,).
+
+        Those of a concave mesh are its convex parts. Where the model lets nothing collide, what is seen counts.
+        """
+        own = self.geoms_of(owner)
+        solid = own[np.isin(own, self.solid_geoms)]
+        return solid if len(solid) else self.seen_geoms(owner)
+
+    @cached_property
+    def objects_geoms(self) -> np.ndarray:
+        """Indices of the shapes that objects touch others with, (n,)."""
+        solid = [self.solid_geoms_of(name) for name in self.objects]
+        return np.concatenate(solid) if solid else np.array([], dtype=np.intp)
+
     @cached_property
     def _geoms_by_owner(self) -> Mapping[str, np.ndarray]:
         by_owner: dict[str, list[int]] = {}
@@ -149,6 +172,11 @@ class Scene:
         """Indices of the shapes that block: all but ghosts and those that the model lets nothing collide with, (n,)."""
         touching = (self.model.geom_contype != 0) | (self.model.geom_conaffinity != 0)
         return np.flatnonzero(touching & (self.model.geom_group != GHOST_GROUP))
+
+    @cached_property
+    def visible(self) -> np.ndarray:
+        """Whether rays meet each shape: its group is seen, and it is not wholly transparent, (ngeom,)."""
+        return visible_geoms(self.model, SEEN_GROUPS)
 
     def untracked_geoms(self, untracked: Iterable[str]) -> np.ndarray:
         """Geom indices of untracked objects ("cup"), agents ("P1") and parts of agents ("P1/left_arm"), (n,)."""
@@ -176,6 +204,19 @@ class Scene:
         joint = self.model.body_jntadr[self.object_body(name)]
         start = int(self.model.jnt_qposadr[joint])
         return slice(start, start + 7)
+
+    def inner_joints(self, name: str) -> np.ndarray:
+        """Indices into qpos of the scalar joints within an object, such as that of a lid, (n,)."""
+        self.object_body(name)
+        return self._inner_joints[name]
+
+    @cached_property
+    def _inner_joints(self) -> Mapping[str, np.ndarray]:
+        scalar = np.isin(self.model.jnt_type, (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE))
+        inside = {
+            name: np.isin(self.model.jnt_bodyid, subtree(self.model, body)) for name, body in self._objects.items()
+        }
+        return {name: np.asarray(self.model.jnt_qposadr[within & scalar]) for name, within in inside.items()}
 
     def base_slice(self, agent: str) -> slice:
         """Slice of qpos (7) of an agent's root: position in metres and wxyz."""
@@ -237,19 +278,12 @@ def _check_shapes(file: SceneFile, model: mujoco.MjModel, name: str, body: int) 
     """Every object needs a surface that can be seen; of others no fact could be said."""
     own = np.flatnonzero(model.geom_bodyid == body)
     flat = (int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD))
-    seen = own[np.isin(model.geom_group[own], SEEN_GROUPS) & ~np.isin(model.geom_type[own], flat) & _opaque(model, own)]
+    seen = own[np.isin(model.geom_group[own], SEEN_GROUPS) & ~np.isin(model.geom_type[own], flat) & opaque(model, own)]
     if not len(seen):
         hint = "give it a box, sphere, capsule, cylinder, ellipsoid or mesh in group 0, 1 or 2 that is not transparent"
         raise SceneError(
             "an object without a shape that can be seen", where=file.where, field="objects", value=name, hint=hint
         )
-
-
-def _opaque(model: mujoco.MjModel, geoms: np.ndarray) -> np.ndarray:
-    """Rays pass what has no colour at all, (n,)."""
-    materials = model.geom_matid[geoms]
-    own = model.geom_rgba[geoms, 3] > 0
-    return np.asarray(own if not model.nmat else np.where(materials < 0, own, model.mat_rgba[materials, 3] > 0))
 
 
 def _owners(model: mujoco.MjModel, agents: set[str], objects: set[str]) -> tuple[str, ...]:
@@ -260,7 +294,7 @@ def _owner(model: mujoco.MjModel, geom: int, agents: set[str], objects: set[str]
     """Agent, object or top-level piece of furniture; geoms of the world body stand for themselves."""
     body = int(model.geom_bodyid[geom])
     if body == 0:
-        return str(model.geom(geom).name) or "room"
+        return whole(str(model.geom(geom).name)) or "room"
     chain = [body]
     while (parent := int(model.body_parentid[chain[-1]])) != 0:
         chain.append(parent)

@@ -7,14 +7,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import mujoco
-
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.profile import Posture, builtin_profile_text, builtin_profiles, parse_profile, read_posture
+from taskgist.world.model_files import body_files, model_files, read_file, read_model
+from taskgist.world.named import name_problems
+from taskgist.world.packages import find_file
+from taskgist.world.profile import Posture, builtin_profile_text, builtin_profiles
+from taskgist.world.profile_fields import read_posture
+from taskgist.world.profile_file import parse_profile
 from taskgist.world.toml_table import TomlTable
 
 SCENE_KEYS = {"name", "model", "objects", "estimated"}
-AGENT_KEYS = {"profile", "position_m", "yaw_deg", "posture", "seat_height_m", "body", "joints_deg"}
+AGENT_KEYS = {"profile", "position_m", "yaw_deg", "posture", "seat_height_m", "body", "joints_deg", "joints_m"}
 SEAT_HEIGHTS_M = (0.0, 1.5)
 STATURE = "stature_m"
 DEFAULT_STATURE_M = 1.75
@@ -32,6 +35,7 @@ class AgentEntry:
     seat_height_m: float | None
     body: Mapping[str, float]
     joints_rad: Mapping[str, float]
+    joints_m: Mapping[str, float]
 
     @property
     def profile_key(self) -> str:
@@ -78,7 +82,7 @@ def parse_scene_file(text: bytes | str, *, where: str) -> SceneFile:
 def _agent(name: str, entry: TomlTable) -> AgentEntry:
     if "/" in name or not name:
         raise SceneError("not a name for an agent", where=entry.where, field=entry.path, hint="leave out the slash")
-    body, joints = entry.table("body"), entry.table("joints_deg")
+    body, joints, slides = entry.table("body"), entry.table("joints_deg"), entry.table("joints_m")
     return AgentEntry(
         name=name,
         profile=entry.text("profile", "human"),
@@ -88,6 +92,7 @@ def _agent(name: str, entry: TomlTable) -> AgentEntry:
         seat_height_m=_seat_height(entry) if "seat_height_m" in entry else None,
         body={key: body.number(key) for key in body},
         joints_rad={key: math.radians(joints.number(key)) for key in joints},
+        joints_m={key: slides.number(key) for key in slides},
     )
 
 
@@ -111,64 +116,30 @@ def bundle_from_path(path: Path) -> dict[str, bytes]:
     Raises:
         SceneError: A file is missing or is no model.
     """
-    text = _read(path, None)
+    text = read_file(path)
     file = parse_scene_file(text, where=str(path))
     bundle = {"scene.toml": text}
-    bundle |= _model_files(path.parent / file.model, file.model, "", where=str(path), field="scene.model")
+    model = find_file(file.model, near=path.parent, where=path, field="scene.model")
+    bundle |= model_files(model, file.model, room=True)
     for agent in file.agents:
         bundle |= _profile_files(agent, path)
     return bundle
 
 
 def _profile_files(agent: AgentEntry, scene_path: Path) -> dict[str, bytes]:
+    prefix = f"{agent.name}_"
     if agent.profile in builtin_profiles():
-        return {agent.profile_key: builtin_profile_text(agent.profile).encode()}
-    profile_path = scene_path.parent / agent.profile
-    if profile_path.suffix != ".toml":
-        raise UnknownNameError("profile", agent.profile, builtin_profiles(), where=f"{scene_path}: agents.{agent.name}")
-    field = f"agents.{agent.name}.profile"
-    text = _read(profile_path, f"{scene_path}: {field}")
-    profile = parse_profile(text, where=profile_path, stature_m=agent.body.get(STATURE))
-    if profile.model in builtin_profiles():
-        return {agent.profile_key: text}
-    model_path = profile_path.parent / profile.model
-    files = _model_files(model_path, agent.model_key, f"{agent.name}_", where=str(profile_path), field="model")
+        text, folder, where = builtin_profile_text(agent.profile).encode(), None, f"profile {agent.profile}"
+    else:
+        path = scene_path.parent / agent.profile
+        field = f"{scene_path}: agents.{agent.name}"
+        if path.suffix != ".toml":
+            raise UnknownNameError("profile", agent.profile, builtin_profiles(), where=field)
+        text, folder, where = read_file(path, named_by=f"{field}.profile"), path.parent, str(path)
+    profile = parse_profile(text, where=where, stature_m=agent.body.get(STATURE))
+    files = body_files(profile, agent.model_key, prefix=prefix, folder=folder, where=where)
+    if folder is not None and files:  # here, where the file's own name is known
+        spec = read_model(files, agent.model_key, where=where, room=False)
+        for problem in name_problems(spec, profile, where):
+            raise problem
     return {agent.profile_key: text, **files}
-
-
-def _model_files(path: Path, key: str, prefix: str, *, where: str, field: str) -> dict[str, bytes]:
-    """A model as one flat XML document under ``key``, and its meshes under their bare names."""
-    if not path.is_file():
-        raise SceneError(
-            "no such file", where=where, field=field, value=str(path), hint="paths are relative to the file"
-        )
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-    except ValueError as error:
-        raise SceneError(f"MuJoCo cannot read this model: {error}", where=path) from error
-    files: dict[str, bytes] = {}
-    for meshes, folder in ((spec.meshes, spec.meshdir), (spec.textures, spec.texturedir)):
-        for asset in meshes:
-            if asset.file:
-                source = path.parent / folder / asset.file
-                asset.file = prefix + asset.file.replace("/", "_")
-                files[asset.file] = _read(source, str(path))
-    spec.meshdir = spec.texturedir = ""
-    files[key] = _xml(spec, files, path)
-    return files
-
-
-def _xml(spec: mujoco.MjSpec, files: Mapping[str, bytes], path: Path) -> bytes:
-    spec.assets = dict(files)
-    try:
-        return str(spec.to_xml()).encode()
-    except ValueError as error:
-        raise SceneError(f"MuJoCo cannot read this model: {error}", where=path) from error
-
-
-def _read(path: Path, named_by: str | None) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        hint = f"named by {named_by}" if named_by else "check the path"
-        raise SceneError(f"cannot be read: {error.strerror}", where=path, hint=hint) from error

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Geom = mujoco.mjtGeom
+SHRINK = 1e-3
+"""How far inner points lie from the edges, of the way to the middle of the shape or triangle."""
 
 
 def surface_points(model: mujoco.MjModel, geom: int, spacing_m: float) -> tuple[Array, Array]:
@@ -30,34 +32,45 @@ def surface_points(model: mujoco.MjModel, geom: int, spacing_m: float) -> tuple[
     kind = int(model.geom_type[geom])
     if kind == Geom.mjGEOM_MESH:
         return _mesh(model, int(model.geom_dataid[geom]), spacing_m)
-    size = tuple(float(value) for value in model.geom_size[geom])
-    points, normals = _primitive(kind, size, spacing_m)
-    return points, normals
+    return _primitive(kind, _size(model, geom), spacing_m, least=2)
+
+
+def _size(model: mujoco.MjModel, geom: int) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in model.geom_size[geom])
+    return x, y, z
+
+
+def inner_points(model: mujoco.MjModel, geom: int, spacing_m: float) -> tuple[Array, Array]:
+    """As ``surface_points``, but none on an edge, where rays graze the next face, and some amid every face."""
+    if int(model.geom_type[geom]) == Geom.mjGEOM_MESH:
+        return _mesh(model, int(model.geom_dataid[geom]), spacing_m, from_edges=SHRINK)
+    points, normals = _primitive(int(model.geom_type[geom]), _size(model, geom), spacing_m, least=3)
+    return points * (1 - SHRINK), normals
 
 
 @lru_cache(maxsize=512)
-def _primitive(kind: int, size: tuple[float, float, float], spacing_m: float) -> tuple[Array, Array]:
+def _primitive(kind: int, size: tuple[float, float, float], spacing_m: float, *, least: int) -> tuple[Array, Array]:
     if kind == Geom.mjGEOM_BOX:
-        return _box(size, spacing_m)
+        return _box(size, spacing_m, least)
     if kind == Geom.mjGEOM_SPHERE:
         return _ellipsoid((size[0],) * 3, spacing_m)
     if kind == Geom.mjGEOM_ELLIPSOID:
         return _ellipsoid(size, spacing_m)
     if kind in (Geom.mjGEOM_CYLINDER, Geom.mjGEOM_CAPSULE):
-        return _round(size[0], size[1], spacing_m, caps=kind == Geom.mjGEOM_CAPSULE)
+        return _round(size[0], size[1], spacing_m, least, caps=kind == Geom.mjGEOM_CAPSULE)
     return np.empty((0, 3)), np.empty((0, 3))
 
 
-def _steps(length_m: float, spacing_m: float) -> int:
-    return max(2, math.ceil(length_m / spacing_m) + 1)
+def _steps(length_m: float, spacing_m: float, least: int) -> int:
+    return max(least, math.ceil(length_m / spacing_m) + 1)
 
 
-def _box(half: tuple[float, float, float], spacing_m: float) -> tuple[Array, Array]:
+def _box(half: tuple[float, float, float], spacing_m: float, least: int) -> tuple[Array, Array]:
     points, normals = [], []
     for axis in range(3):
         u, v = (axis + 1) % 3, (axis + 2) % 3
-        grid_u = np.linspace(-half[u], half[u], _steps(2 * half[u], spacing_m))
-        grid_v = np.linspace(-half[v], half[v], _steps(2 * half[v], spacing_m))
+        grid_u = np.linspace(-half[u], half[u], _steps(2 * half[u], spacing_m, least))
+        grid_v = np.linspace(-half[v], half[v], _steps(2 * half[v], spacing_m, least))
         a, b = (g.ravel() for g in np.meshgrid(grid_u, grid_v, indexing="ij"))
         for sign in (-1.0, 1.0):
             face = np.zeros((a.size, 3))
@@ -92,12 +105,12 @@ def _ellipsoid(radii: tuple[float, ...], spacing_m: float) -> tuple[Array, Array
     return directions * radii, normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
-def _round(radius: float, half: float, spacing_m: float, *, caps: bool) -> tuple[Array, Array]:
+def _round(radius: float, half: float, spacing_m: float, least: int, *, caps: bool) -> tuple[Array, Array]:
     """Cylinder, or with ``caps`` a capsule, along z."""
     around = _around(radius, spacing_m)
     angles = 2 * math.pi * np.arange(around) / around
     ring = np.stack((np.cos(angles), np.sin(angles), np.zeros(around)), axis=1)
-    heights = np.linspace(-half, half, _steps(2 * half, spacing_m))
+    heights = np.linspace(-half, half, _steps(2 * half, spacing_m, least))
     wall = np.concatenate([ring * radius + (0, 0, z) for z in heights])
     points, normals = [wall], [np.tile(ring, (len(heights), 1))]
     for sign in (-1.0, 1.0):
@@ -107,7 +120,7 @@ def _round(radius: float, half: float, spacing_m: float, *, caps: bool) -> tuple
             points.append(dome * radius + (0, 0, sign * half))
             normals.append(dome)
         else:
-            radii = np.linspace(0, radius, _steps(radius, spacing_m))
+            radii = np.linspace(0, radius, _steps(radius, spacing_m, least))
             disc = np.concatenate([ring * r for r in radii[1:]] + [np.zeros((1, 3))]) + (0, 0, sign * half)
             points.append(disc)
             normals.append(np.tile((0.0, 0.0, sign), (len(disc), 1)))
@@ -118,7 +131,7 @@ THINNING = 8
 """Points of a mesh that share a cell of an eighth of the spacing count once: fine meshes have more than needed."""
 
 
-def _mesh(model: mujoco.MjModel, mesh: int, spacing_m: float) -> tuple[Array, Array]:
+def _mesh(model: mujoco.MjModel, mesh: int, spacing_m: float, from_edges: float = 0.0) -> tuple[Array, Array]:
     """Triangle samples of a mesh, at barycentric grids fine enough for the spacing."""
     vertices = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]].astype(float)
     faces = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]]
@@ -131,6 +144,7 @@ def _mesh(model: mujoco.MjModel, mesh: int, spacing_m: float) -> tuple[Array, Ar
     for count in np.unique(steps[areas > 0]):
         chosen = (steps == count) & (areas > 0)
         weights = np.array([(i, j) for i in range(count + 1) for j in range(count + 1 - i)]) / count
+        weights += from_edges * (1 / 3 - weights)
         edges = np.stack((ab[chosen], ac[chosen]), axis=1)
         points.append((corner[chosen][:, None] + weights @ edges).reshape(-1, 3))
         outward.append(np.repeat(normals[chosen] / areas[chosen][:, None], len(weights), axis=0))

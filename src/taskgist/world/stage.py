@@ -9,45 +9,24 @@ A stage shows one state at a time. Showing another is cheap (kinematics only) an
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Self
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from taskgist.world.agent import SEEN_MASK, Agent, ArmIndices
-from taskgist.world.gaps import gap_m
+from taskgist.world.agent import Agent, ArmIndices
+from taskgist.world.clearance import Clearance
+from taskgist.world.pose import Pose
+from taskgist.world.rays import Rays, Shapes
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
 
 Array = NDArray[np.float64]
-UNSEEN_GROUP = 3
-NO_GEOM = -1
-
-
-@dataclass(frozen=True, eq=False)
-class Pose:
-    """A place and an orientation in the world.
-
-    Attributes:
-        position: Metres, (3,).
-        matrix: Rotation, (3, 3); its columns are the frame's axes in the world.
-    """
-
-    position: Array
-    matrix: Array
-
-    def to_world(self, points: ArrayLike) -> Array:
-        """Points (..., 3) of this frame, in the world."""
-        return np.asarray(np.asarray(points) @ self.matrix.T + self.position)
-
-    def to_local(self, points: ArrayLike) -> Array:
-        """Points (..., 3) of the world, in this frame."""
-        return np.asarray((np.asarray(points) - self.position) @ self.matrix)
+Indices = NDArray[np.intp]
+NONE: Indices = np.empty(0, dtype=np.intp)
 
 
 class Stage:
@@ -56,16 +35,20 @@ class Stage:
     def __init__(self, scene: Scene, state: State | None = None) -> None:
         self.scene = scene
         self._data = mujoco.MjData(scene.model)
-        self._alone: tuple[tuple[int, ...], mujoco.MjModel] | None = None
-        self._known: tuple[frozenset[str], mujoco.MjModel] = (frozenset(), scene.model)
+        self._rays = Rays(scene.model, self._data, scene.visible)
+        self._clearance = Clearance(scene.model, self._data)
+        self._untracked: frozenset[str] = frozenset()
+        self._shown_count = 0
         self.state = scene.initial if state is None else state
         self.show(self.state)
 
     def show(self, state: State) -> Self:
         """Bring the scene into a state. What was not tracked is left out: no ray meets it, and it blocks nothing."""
         self.state = state
-        if state.untracked != self._known[0]:
-            self._known = (state.untracked, self._model_without(self.scene.untracked_geoms(state.untracked)))
+        self._shown_count += 1
+        if state.untracked != self._untracked:
+            self._untracked = state.untracked
+            self._rays.hide(self.scene.untracked_geoms(state.untracked))
         self._data.qpos[:] = state.qpos
         mujoco.mj_kinematics(self.scene.model, self._data)
         return self
@@ -88,6 +71,10 @@ class Stage:
         return Pose(
             self._data.site_xpos[arm.shoulder_site].copy(), self._data.xmat[arm.carrier_body].reshape(3, 3).copy()
         )
+
+    def screw(self, joint: int) -> tuple[Array, Array]:
+        """A point on a joint's axis in metres, (3,), and the axis, a unit vector (3,), in the world."""
+        return np.array(self._data.xanchor[joint]), np.array(self._data.xaxis[joint])
 
     def joint_axis(self, agent: Agent, joint: str) -> Array:
         """Axis of one of the agent's joints in the world, a unit vector (3,)."""
@@ -138,76 +125,93 @@ class Stage:
         Returns:
             The first geom that each ray meets (−1: none), (n,), and its distance in metres (−1: none), (n,).
         """
-        rays = np.ascontiguousarray(directions, dtype=float)
-        geoms = np.full(len(rays), NO_GEOM, dtype=np.int32)
-        distances = np.full(len(rays), -1.0)
-        if len(rays):
-            mujoco.mj_multiRay(
-                self._model_of(only),
-                self._data,
-                np.asarray(origin, dtype=float),
-                rays.ravel(),
-                SEEN_MASK,
-                True,
-                exclude_body,
-                geoms,
-                distances,
-                None if normals is None else normals.reshape(-1),
-                len(rays),
-                mujoco.mjMAXVAL,
-            )
-        return geoms, distances
+        return self._rays.cast(origin, directions, exclude_body=exclude_body, only=only, normals=normals)
 
-    def _model_of(self, only: ArrayLike | None) -> mujoco.MjModel:
-        """The model of what is known; for rays that meet only some shapes, a copy in which no other is seen."""
-        if only is None:
-            return self._known[1]
-        shapes = tuple(int(geom) for geom in np.asarray(only))
-        if self._alone is None or self._alone[0] != shapes:
-            model = copy.copy(self.scene.model) if self._alone is None else self._alone[1]
-            groups = np.full(model.ngeom, UNSEEN_GROUP)
-            groups[list(shapes)] = self.scene.model.geom_group[list(shapes)]
-            model.geom_group[:] = groups
-            self._alone = (shapes, model)
-        return self._alone[1]
+    def cast_at(self, shapes: ArrayLike, origin: Array, directions: Array) -> tuple[NDArray[np.intp], Array]:
+        """Cast rays at a few shapes, as if the others were not there: much quicker than ``cast``.
 
-    def _model_without(self, hidden: NDArray[np.intp]) -> mujoco.MjModel:
-        if not len(hidden):
-            return self.scene.model
-        model = copy.copy(self.scene.model)
-        model.geom_group[hidden] = UNSEEN_GROUP
-        return model
+        Args:
+            shapes: Indices of the shapes, (k,).
+            origin: Where all rays start, metres, (3,).
+            directions: Unit vectors in the world, (n, 3).
+
+        Returns:
+            The first of the shapes that each ray meets (−1: none), (n,), and its distance in metres (infinite: none).
+        """
+        return self._rays.cast_at(np.asarray(shapes, dtype=np.intp), origin, directions)
+
+    def cast_each(self, shapes: ArrayLike, origins: Array, directions: Array) -> tuple[NDArray[np.intp], Array, Array]:
+        """Cast rays at a few shapes, each from a point of its own.
+
+        Args:
+            shapes: Indices of the shapes, (k,).
+            origins: Where the rays start, metres, (n, 3).
+            directions: Unit vectors in the world, (n, 3).
+
+        Returns:
+            As ``cast_at``, and the outward normals of what is met, (n, 3).
+        """
+        return self._rays.cast_each(np.asarray(shapes, dtype=np.intp), origins, directions)
+
+    @property
+    def shapes(self) -> Shapes:
+        """All shapes where they are, for compiled functions."""
+        return self._rays.shapes
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Whether each shape is one that rays meet: visible, and tracked, (ngeom,)."""
+        return self._rays.seen
+
+    def between(
+        self, origin: Array, centers: Array, radii_m: Array, *, without: Indices = NONE, but_body: int = -1
+    ) -> Indices:
+        """Seen shapes that rays from a point may meet before they leave some balls behind; never too few.
+
+        Args:
+            origin: The point, metres, (3,).
+            centers: Centres of the balls, metres, (n, 3).
+            radii_m: Their radii, (n,).
+            without: Shapes that do not count, (k,).
+            but_body: A body whose shapes do not count, or −1.
+        """
+        return self._rays.between(origin, centers, radii_m, without, but_body)
 
     def distance(self, geom_a: int, geom_b: int, *, limit_m: float) -> float:
         """Signed distance in metres between two shapes (negative: how deep they overlap), at most ``limit_m``."""
-        if not self._near(geom_a, geom_b, limit_m):
+        if not self.near_pairs([geom_a], [geom_b], limit_m=limit_m):
             return limit_m
-        return gap_m(self.scene.model, self._data, geom_a, geom_b, limit_m=limit_m)
+        return self._clearance.gap_m(geom_a, geom_b, limit_m=limit_m)
 
     def near_pairs(self, geoms: ArrayLike, others: ArrayLike, *, limit_m: float) -> list[tuple[int, int]]:
-        """Pairs of shapes whose bounding spheres come closer than ``limit_m``; planes are near to everything."""
-        a, b = np.asarray(geoms, dtype=np.intp), np.asarray(others, dtype=np.intp)
-        radius = self.scene.model.geom_rbound
-        gaps = np.linalg.norm(self._data.geom_xpos[a][:, None] - self._data.geom_xpos[b][None], axis=2)
-        near = gaps - radius[a][:, None] - radius[b][None] < limit_m
-        near |= (radius[b] == 0)[None] | (radius[a] == 0)[:, None]
-        return [(int(a[i]), int(b[j])) for i, j in np.argwhere(near)]
+        """Pairs of shapes, one of each set, that may come closer than ``limit_m``; all others do not."""
+        return self._clearance.near_pairs(geoms, others, limit_m=limit_m)
 
     def closest(self, geoms: ArrayLike, others: ArrayLike, *, limit_m: float) -> tuple[float, int, int]:
         """The smallest signed distance in metres between two sets of shapes, at most ``limit_m``, and the pair."""
-        best = (limit_m, NO_GEOM, NO_GEOM)
-        for geom, other in self.near_pairs(geoms, others, limit_m=limit_m):
-            gap = gap_m(self.scene.model, self._data, geom, other, limit_m=limit_m)
-            if gap < best[0]:
-                best = (gap, geom, other)
-        return best
+        return self._clearance.closest(geoms, others, limit_m=limit_m)
 
     def overlaps(self, geoms: ArrayLike, others: ArrayLike) -> Iterator[tuple[int, int, float]]:
         """Pairs of shapes, one of each set, that overlap, and how deep in metres."""
-        for geom, other in self.near_pairs(geoms, others, limit_m=0.0):
-            gap = gap_m(self.scene.model, self._data, geom, other, limit_m=0.0)
-            if gap < 0.0:
-                yield geom, other, -gap
+        return self._clearance.overlaps(geoms, others)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Work done so far: states shown, rays cast, pairs of shapes measured."""
+        return {
+            "states": self._shown_count,
+            "rays": self._rays.cast_count,
+            "pairs": self._clearance.measured_count,
+        }
+
+    def geoms(self, geoms: Indices) -> tuple[Array, Array]:
+        """Positions of shapes in metres, (n, 3), and how they are turned, (n, 9)."""
+        return self._data.geom_xpos[geoms], self._data.geom_xmat[geoms]
+
+    def place(self, geoms: Indices, positions: Array, matrices: Array) -> None:
+        """Put shapes somewhere, (n, 3) and (n, 9); the next ``show`` puts them back."""
+        self._data.geom_xpos[geoms] = positions
+        self._data.geom_xmat[geoms] = matrices
 
     def place_ghosts(self, arm: ArmIndices, poses: Iterable[Pose]) -> None:
         """Put the shapes of a virtual grasp somewhere; the next ``show`` puts them back."""
@@ -230,6 +234,3 @@ class Stage:
     def is_plane(self, geom: int) -> bool:
         """Whether a shape is an endless plane, such as the floor."""
         return bool(self.scene.model.geom_rbound[geom] == 0)
-
-    def _near(self, geom_a: int, geom_b: int, limit_m: float) -> bool:
-        return bool(self.near_pairs([geom_a], [geom_b], limit_m=limit_m))

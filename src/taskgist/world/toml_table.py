@@ -70,10 +70,13 @@ class TomlTable:
 
     def pair(self, key: str, default: tuple[float, float] | None = None) -> tuple[float, float]:
         """Two finite numbers."""
-        value = self._get(key, default)
-        if not isinstance(value, list | tuple) or len(value) != 2 or not all(map(is_number, value)):
-            raise self.error("must be two finite numbers", key, value)
-        return float(value[0]), float(value[1])
+        first, second = self._numbers(key, default, 2, "two")
+        return first, second
+
+    def triple(self, key: str, default: tuple[float, float, float] | None = None) -> tuple[float, float, float]:
+        """Three finite numbers."""
+        first, second, third = self._numbers(key, default, 3, "three")
+        return first, second, third
 
     def flag(self, key: str, *, default: bool) -> bool:
         """True or false."""
@@ -104,6 +107,12 @@ class TomlTable:
         """An error about a field of this table."""
         return SceneError(problem, where=self.where, field=self._named(key), value=value, hint=hint)
 
+    def _numbers(self, key: str, default: tuple[float, ...] | None, count: int, spelled: str) -> tuple[float, ...]:
+        value = self._get(key, default)
+        if not isinstance(value, list | tuple) or len(value) != count or not all(map(is_number, value)):
+            raise self.error(f"must be {spelled} finite numbers", key, value)
+        return tuple(float(number) for number in value)
+
     def _named(self, key: str) -> str:
         return f"{self.path}.{key}" if self.path else key
 
@@ -111,7 +120,7 @@ class TomlTable:
         if key in self.values:
             return self.values[key]
         if default is None:
-            raise self.error("missing", key, hint="docs/scenes.md and profiles/human.toml show every field")
+            raise self.error("missing", key, hint="docs/scenes.md and docs/bodies.md show every field")
         return default
 
 

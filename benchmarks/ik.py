@@ -1,0 +1,122 @@
+"""Inverse kinematics of one arm, as a witness: only chosen joints move, within their limits, from many starts.
+
+Built on mink and the solver daqp. A single start may end in a local minimum; "not reached" is said only after all.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Mapping
+
+import mink
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.world import Agent, ArmIndices, Scene, State
+
+Array = NDArray[np.float64]
+STEPS, STALLED_M = 60, 1e-4
+"""Steps from one start, and progress in five of them below which it has ended."""
+DAMPING = 1e-3
+
+
+class ArmIK:
+    """Brings the palm of an arm to points.
+
+    Args:
+        scene: The scene.
+        state: From where; all but the chosen joints stay as they are.
+        agent: Whose arm.
+        arm: Which.
+        also: Further joints that may move, with their ranges in radians, by name.
+        starts: How many configurations to start from; the first is the state's own.
+        seed: Of the others.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        state: State,
+        agent: Agent,
+        arm: ArmIndices,
+        *,
+        also: Mapping[str, tuple[float, float]] | None = None,
+        starts: int = 8,
+        seed: int = 0,
+    ) -> None:
+        self._model = model = copy.copy(scene.model)
+        self._palm = arm.palm_site
+        joints = [j for j in range(model.njnt) if _in_arm(model, int(model.jnt_bodyid[j]), arm)]
+        for name, limits in (also or {}).items():
+            joint = int(model.joint(f"{agent.name}/{name}").id)
+            model.jnt_range[joint], model.jnt_limited[joint] = limits, True
+            joints.append(joint)
+        self._configuration = mink.Configuration(model)
+        self._task = mink.FrameTask(
+            model.site(self._palm).name, "site", position_cost=1.0, orientation_cost=0.0, lm_damping=DAMPING
+        )
+        moving = {int(model.jnt_dofadr[joint]) for joint in joints}
+        self._fixed = mink.DofFreezingTask(model, [dof for dof in range(model.nv) if dof not in moving])
+        self._limits = [mink.ConfigurationLimit(model)]
+        self._starts = _starts(model, joints, np.array(state.qpos), starts, np.random.default_rng(seed))
+
+    def gap_m(self, target: Array, *, enough_m: float) -> float:
+        """How near the palm comes to a point, metres; search ends where it is near enough.
+
+        Args:
+            target: In the world, metres, (3,).
+            enough_m: Near enough.
+        """
+        best = np.inf
+        for start in self._starts:
+            best = min(best, self._from(start, target, enough_m))
+            if best <= enough_m:
+                break
+        return float(best)
+
+    def _from(self, start: Array, target: Array, enough_m: float) -> float:
+        self._configuration.update(start)
+        self._task.set_target(mink.SE3.from_translation(target))
+        gaps = [self._gap(target)]
+        while gaps[-1] > enough_m and len(gaps) <= STEPS:
+            velocity = mink.solve_ik(
+                self._configuration, [self._task], 1.0, "daqp", DAMPING, limits=self._limits, constraints=[self._fixed]
+            )
+            self._configuration.integrate_inplace(velocity, 1.0)
+            gaps.append(self._gap(target))
+            if len(gaps) > 5 and gaps[-6] - gaps[-1] < STALLED_M:
+                break
+        return min(gaps)
+
+    def _gap(self, target: Array) -> float:
+        return float(np.linalg.norm(self._configuration.data.site_xpos[self._palm] - target))
+
+
+def _in_arm(model: mujoco.MjModel, body: int, arm: ArmIndices) -> bool:
+    """Whether a body is the arm's own: nearer to the hand than what carries the arm."""
+    while body not in (0, arm.carrier_body):
+        if body == _root(model, arm):
+            return True
+        body = int(model.body_parentid[body])
+    return False
+
+
+def _root(model: mujoco.MjModel, arm: ArmIndices) -> int:
+    """The arm's first body."""
+    agent = str(model.body(arm.hand_body).name).partition("/")[0]
+    return int(model.body(f"{agent}/{arm.profile.root}").id)
+
+
+def _starts(
+    model: mujoco.MjModel, joints: Iterable[int], now: Array, count: int, rng: np.random.Generator
+) -> list[Array]:
+    """The present configuration, brought into its limits, and others at random in the joints' ranges."""
+    starts = [np.array(now) for _ in range(count)]
+    for joint in joints:
+        index = int(model.jnt_qposadr[joint])
+        low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (-np.pi, np.pi)
+        starts[0][index] = np.clip(starts[0][index], low, high)
+        for start in starts[1:]:
+            start[index] = rng.uniform(low, high)
+    return starts

@@ -1,0 +1,49 @@
+"""Watching recordings and learning from them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from benchmarks.figure import Figure
+from benchmarks.timing import in_turn, seconds
+from taskgist.learning import Experience, Explanation
+from taskgist.recording import read
+from taskgist.study import explain_recording, observe_recording, shipped_recordings
+
+
+def figures() -> Iterator[Figure]:
+    """Watching one recording, and adding one explanation."""
+    yield watching()
+    yield adding()
+
+
+def watching() -> Figure:
+    """Hands, placements and motion of a whole recording, beside its own duration."""
+    recording = read(shipped_recordings("hide")[0])
+    ours = seconds(lambda: observe_recording(recording), repeats=1)
+    beside = {"its duration": recording.duration_s}
+    return Figure(
+        "learning", "watching a recording", ours, beside, goal="faster than it happens", met=ours < recording.duration_s
+    )
+
+
+def adding() -> Figure:
+    """Adding one demonstration to a thousand, beside adding it to one: it should cost about the same."""
+    explanation = explain_recording(read(shipped_recordings("show")[0]))
+    copies = [_renamed(explanation, number) for number in range(1001)]
+    few, many = Experience.of("show", copies[:1]), Experience.of("show", copies[:1000])
+    beside = in_turn({"adding it to 1": lambda: few.add(copies[-1]), "ours": lambda: many.add(copies[-1])}, 51)
+    return Figure("learning", "adding a demonstration to 1,000", beside.pop("ours"), beside)
+
+
+def _renamed(explanation: Explanation, number: int) -> Explanation:
+    fields = {
+        name: getattr(explanation, name) for name in ("task", "performing_agent", "target_agent", "target_object")
+    }
+    return Explanation(
+        **fields,
+        demonstration=str(number),
+        source=f"copy {number}",
+        context=explanation.context,
+        nodes=explanation.nodes,
+    )

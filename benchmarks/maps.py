@@ -1,0 +1,59 @@
+"""Ability maps, beside asking the search about every cell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Literal
+
+import numpy as np
+
+from benchmarks.figure import Figure
+from benchmarks.rooms import furnished
+from benchmarks.timing import once, seconds, work
+from taskgist.perspective import Standpoint, effort_from
+from taskgist.perspective.maps import ability_map
+from taskgist.settings import DEFAULT
+from taskgist.world import Stage
+
+AGENTS, OBJECTS, ASKED = 3, 12, 40
+ABILITIES: tuple[Literal["see", "reach"], ...] = ("see", "reach")
+
+
+def figures() -> Iterator[Figure]:
+    """Sight and reach of three agents, all levels, each in its own workspace."""
+    stage = Stage(furnished(AGENTS, OBJECTS))
+
+    def ours() -> None:
+        for agent in stage.scene.agents:
+            here = Standpoint(stage, agent, DEFAULT)
+            for ability in ABILITIES:
+                ability_map(here, ability=ability)
+
+    cells = math.prod(ability_map(stage, stage.scene.agents[0], "reach").grid.shape)
+    taken = seconds(ours, repeats=3)
+    yield Figure(
+        "maps",
+        f"{AGENTS} agents, sight and reach, all levels, {cells:,} cells each",
+        taken,
+        {f"asking the search of every cell (from {ASKED} of them)": cell_by_cell(stage, cells)},
+        goal="0.5 s",
+        met=taken <= 0.5,
+        counts=work(stage, ours),
+    )
+
+
+def cell_by_cell(stage: Stage, cells: int) -> float:
+    """The same by way of the search, with an object carried from cell to cell; from a few cells at random."""
+    name, rng = stage.scene.objects[0], np.random.default_rng(0)
+    before = stage.state
+    total = 0.0
+    for agent in stage.scene.agents:
+        base = before.qpos[stage.scene.agent(agent).base][:3]
+        for _ in range(ASKED):
+            place = (*(base[:2] + rng.uniform(-1.5, 1.5, 2)), rng.uniform(0, 2))
+            stage.show(before.replace(at=stage.scene.object_slice(name), to=(*place, 1, 0, 0, 0)))
+            here = Standpoint(stage, agent, DEFAULT)
+            total += once(lambda here=here: [effort_from(here, name, ability) for ability in ABILITIES])  # type: ignore[misc]
+    stage.show(before)
+    return total * cells / ASKED

@@ -1,0 +1,94 @@
+"""Fast and slow answers side by side, for one random room: levels, and pixels."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from taskgist.perspective import ABILITIES, Standpoint, effort_from, view_of, visibility
+from taskgist.settings import Settings
+from taskgist.world import Stage
+from tests.perspective.random_rooms import Case
+from tests.perspective.rooms import COARSE
+from tests.perspective.twin import Twin, disagreement
+from tests.perspective.twin_world import World, pixel_rays
+
+
+@dataclass
+class Comparison:
+    """How many answers were compared, which levels they had, and where fast and slow differ."""
+
+    count: int = 0
+    levels: Counter[tuple[str, int | None]] = field(default_factory=Counter)
+    differences: list[str] = field(default_factory=list)
+
+    def add(self, where: str, difference: str | None) -> None:
+        self.count += 1
+        if difference is not None:
+            self.differences.append(f"{where}: {difference}")
+
+    def __iadd__(self, other: Comparison) -> Comparison:
+        self.count += other.count
+        self.levels += other.levels
+        self.differences += other.differences
+        return self
+
+
+def compare_levels(case: Case, agent: str, settings: Settings = COARSE) -> Comparison:
+    """All abilities of one agent towards all objects."""
+    stage, found = case.stage(), Comparison()
+    here, twin = Standpoint(stage, agent, settings), Twin(case.stage(), agent, settings)
+    for name in stage.scene.objects:
+        for ability in ABILITIES:
+            fast = effort_from(here, name, ability)
+            found.levels[ability, fast.level] += 1
+            found.add(f"room {case.seed}, {agent}, {ability} {name}", disagreement(fast, twin.answer(name, ability)))
+    return found
+
+
+def compare_pixels(case: Case) -> Comparison:
+    """The whole image of every agent, and every object in it."""
+    stage, world, found = case.stage(), World(case.scene, case.state), Comparison()
+    for name in case.scene.agents:
+        agent = case.scene.agent(name)
+        if not case.state.known([f"{name}/head"]):
+            continue
+        image = world.image(agent)
+        where = f"room {case.seed}, image of {name}"
+        wrong = _unlike(case.scene.owners, view_of(stage, name).geoms.ravel(), image)
+        found.add(where, f"{wrong} pixels differ" if wrong else None)
+        for target in filter(lambda each: case.state.known([each]), case.scene.objects):
+            slow, fast = _counted(world, name, target, image), _window(stage, name, target)
+            found.add(f"{where}, {target}", None if slow == fast else f"slow counts {slow}, fast {fast}")
+    return found
+
+
+def _unlike(owners: tuple[str, ...], geoms: np.ndarray, others: np.ndarray) -> int:
+    """Pixels that show different things; which of two shapes of one thing that touch each other does not matter."""
+    return sum(
+        min(geom, other) < 0 or owners[geom] != owners[other]
+        for geom, other in zip(geoms.tolist(), others.tolist(), strict=True)
+        if geom != other
+    )
+
+
+Counts = tuple[int, int, int, dict[str, int]]
+"""Pixels that are visible, visible in the gaze cone, visible if nothing stood in the way; and those of occluders."""
+
+
+def _counted(world: World, name: str, target: str, image: np.ndarray) -> Counts:
+    agent, shapes = world.scene.agent(name), world.seen_geoms(target)
+    in_cone = pixel_rays(agent)[:, 0] >= math.cos(agent.profile.eye.gaze_cone_rad)
+    mine, alone = np.isin(image, shapes), world.image(agent, shapes) >= 0
+    others = Counter(world.scene.owners[geom] for geom in image[alone & ~mine])
+    return int(mine.sum()), int((mine & in_cone).sum()), int(alone.sum()), dict(others)
+
+
+def _window(stage: Stage, name: str, target: str) -> Counts | None:
+    seen = visibility(stage, name, target)
+    if seen is None:
+        return None
+    return seen.visible_px, seen.gaze_px, seen.unoccluded_px, dict(seen.occluders)

@@ -1,0 +1,153 @@
+"""Grasps on meshes: handles, rims, shelves that are reached into from the front."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from taskgist.perspective import Effort, least_effort
+from taskgist.perspective.grasp_samples import grasps_in_object
+from taskgist.perspective.grasps import Grasps
+from taskgist.settings import DEFAULT
+from taskgist.world import Scene, Stage
+from tests import meshes
+from tests.meshes import Mesh, mesh_scene
+from tests.scenes import agent, cylinder
+
+HERE_ONLY = replace(DEFAULT, efforts=replace(DEFAULT.efforts, move_radius_m=0.0))
+P1 = agent("P1", 0, 0)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+def with_thing(mesh: Mesh, place: tuple[float, float, float] = (0.5, 0.2, 1.15)) -> Scene:
+    return mesh_scene(meshes.body("thing", "thing", place), P1, thing=mesh)
+
+
+def free_grasps(scene: Scene) -> Grasps:
+    hand = scene.agent("P1").profile.hand
+    assert hand is not None
+    grasps = grasps_in_object(Stage(scene), "thing", hand, DEFAULT.grasp)
+    return grasps.only(~grasps.in_itself)
+
+
+def effort(scene: Scene, name: str, who: str = "P1") -> Effort:
+    return least_effort(Stage(scene), who, name, "grasp", HERE_ONLY)
+
+
+def test_a_mugs_handle_can_be_grasped_and_its_inside_cannot() -> None:
+    scene = with_thing(meshes.mug())
+    grasps = free_grasps(scene)
+    on_handle = np.hypot(*grasps.centers[:, :2].T) > 0.06
+    assert on_handle.any()
+    assert grasps.widths_m[on_handle].min() == pytest.approx(0.012, abs=1e-3)
+    assert (grasps.approaches[on_handle][:, 0] < 0.9).all()  # never from within the mug
+    assert effort(scene, "thing").level == 1
+
+
+def test_a_handle_counts_where_the_tub_is_too_wide() -> None:
+    tub = meshes.board((0, 0, 0.09), (0.11, 0.11, 0.09))
+    alone = effort(with_thing(tub), "thing")
+    assert (alone.level, alone.reason) == (5, "too wide (0.18 m > 0.10 m)")
+    found = effort(with_thing(meshes.joined(tub, meshes.handle(at=0.11, out=0.05, half=0.05))), "thing")
+    assert found.level is not None
+    assert found.level < 5
+    assert found.evidence["width_m"] == pytest.approx(0.012, abs=1e-3)
+
+
+def test_a_bowl_is_taken_at_its_rim_from_above() -> None:
+    grasps = free_grasps(with_thing(meshes.bowl()))
+    assert (grasps.centers[:, 2] > -0.03).any()
+    assert (grasps.approaches[:, 2] < -0.3).all()
+    assert (grasps.gaps_m > DEFAULT.grasp.clearance_m).all()  # straight fingers need room for the curved wall
+
+
+@pytest.mark.parametrize(
+    ("mesh", "widths_m"),
+    [
+        (meshes.board((0, 0, 0), (0.15, 0.15, 0.15)), set()),  # nothing
+        (meshes.board((0, 0, 0), (0.15, 0.15, 0.03)), {0.06}),  # one pair of faces, at the edges
+        (meshes.board((0, 0, 0), (0.15, 0.15, 0.004)), {0.008}),  # a thin plate
+        (meshes.board((0, 0, 0), (0.04, 0.03, 0.02)), {0.04, 0.06, 0.08}),  # all faces
+    ],
+)
+def test_faces_that_a_hand_can_close_on(mesh: Mesh, widths_m: set[float]) -> None:
+    scene = with_thing(mesh)
+    grasps = free_grasps(scene)
+    assert {round(float(width), 4) for width in grasps.widths_m} == widths_m
+    half = np.ptp(mesh[0], axis=0) / 2
+    if half.max() > 0.1:  # the palm stays out of the plate
+        assert (np.abs(grasps.centers) > 0.07).any(axis=1).all()
+    assert (effort(scene, "thing").level == 5) == (not widths_m)
+
+
+def in_shelf() -> Scene:
+    bodies = meshes.body("shelf", "shelf", (0.75, 0, 0), free=False) + cylinder("can", 0.82, 0, 1.08, 0.03, 0.06)
+    return mesh_scene(bodies, agent("P1", 0.2, 0.1) + agent("P2", 1.4, 0.1, yaw_deg=180), shelf=meshes.shelf())
+
+
+def test_a_shelf_is_reached_into_from_the_front_and_not_through_its_back() -> None:
+    scene = in_shelf()
+    front = effort(scene, "can")
+    assert front.level == 1
+    assert front.evidence["approach"][0] > 0.6  # type: ignore[index]
+    assert least_effort(Stage(scene), "P2", "can", "reach", HERE_ONLY).level in {1, 2}
+    behind = effort(scene, "can", "P2")
+    assert behind.level == 5
+    assert behind.reason == "every approach blocked by shelf"
+    assert behind.evidence["blocking"]["approaches"]["shelf"] > 0  # type: ignore[index]
+
+
+def _wall(axis: int, away_m: float, around: tuple[float, float, float]) -> str:
+    """A wall square to an axis."""
+    place, half = np.array(around), np.full(3, 0.13)
+    place[axis] += away_m
+    half[axis] = 0.005
+    at, size = (" ".join(map(str, values)) for values in (place, half))
+    return f'<body name="cage{axis}{away_m}" pos="{at}"><geom type="box" size="{size}"/></body>'
+
+
+def test_the_way_in_must_be_free_not_only_the_grasp() -> None:
+    """The hand fits around the can, but a board just before it is in its way."""
+    bodies = cylinder("can", 0.5, 0.2, 1.1, 0.03, 0.06)
+    walls = [(axis, sign) for axis in range(3) for sign in (-1, 1)]
+    cage = "".join(_wall(axis, sign * 0.125, (0.5, 0.2, 1.1)) for axis, sign in walls)
+    free = effort(mesh_scene(bodies, P1), "can")
+    caged = effort(mesh_scene(bodies + cage, P1), "can")
+    assert free.level == 1
+    assert caged.level == 5
+    assert caged.reason.startswith("every approach blocked by cage")
+    assert sum(caged.evidence["blocking"]["approaches"].values()) > 0  # type: ignore[index]
+
+
+def test_grasps_go_with_their_object_and_are_sampled_once() -> None:
+    scene = with_thing(meshes.mug())
+    stage, hand = Stage(scene), scene.agent("P1").profile.hand
+    assert hand is not None
+    first = grasps_in_object(stage, "thing", hand, DEFAULT.grasp)
+    moved = stage.state.replace(at=scene.object_slice("thing"), to=(3, 2, 1, 0.6, 0, 0, 0.8))
+    assert grasps_in_object(stage.show(moved), "thing", hand, DEFAULT.grasp) is first
+    with pytest.raises(ValueError, match="read-only"):
+        first.centers[0] = 0.0
+    coarse = grasps_in_object(stage, "thing", hand, replace(DEFAULT.grasp, approaches=4))
+    assert len(coarse) * 2 == len(first)
+
+
+def test_a_lid_that_opens_changes_the_grasps() -> None:
+    joint = '<joint name="lid" type="slide" axis="0 0 1"/>'
+    lid = f'<body pos="0 0 0.03">{joint}<geom type="box" size="0.03 0.03 0.005"/></body>'
+    body = f'<body name="thing" pos="0.5 0.2 1"><freejoint/><geom type="box" size="0.03 0.03 0.02"/>{lid}</body>'
+    scene = mesh_scene(body, P1)
+    (lifted,) = scene.inner_joints("thing")
+    stage, hand = Stage(scene), scene.agent("P1").profile.hand
+    assert hand is not None
+    shut = grasps_in_object(stage, "thing", hand, DEFAULT.grasp)
+    open_ = grasps_in_object(stage.show(stage.state.replace({int(lifted): 0.3})), "thing", hand, DEFAULT.grasp)
+    assert shut.centers[:, 2].max() == pytest.approx(0.03, abs=0.006)
+    assert open_.centers[:, 2].max() == pytest.approx(0.33, abs=0.006)

@@ -1,0 +1,68 @@
+"""Who follows a tracker knows in every frame what a fresh look at it would find."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from taskgist.perspective.everyone import Follower, all_efforts
+from taskgist.world import Stage, State
+from tests.perspective.random_rooms import Case, random_case
+from tests.perspective.rooms import COARSE, Person, Room, Thing
+
+FRAMES = 5
+
+
+def frames(case: Case) -> Iterator[State]:
+    """One agent and one object move a little in each frame; now and then a thing is put far away, or lost."""
+    rng, state, scene = np.random.default_rng(case.seed), case.state, case.scene
+    yield state
+    for _ in range(FRAMES):
+        if rng.random() < 0.8:
+            agent = scene.agent(scene.agents[rng.integers(len(scene.agents))])
+            joints = list(agent.joints.values())
+            turned = {index: state.qpos[index] + rng.normal(0.0, 0.05) for index in rng.choice(joints, 3)}
+            at = np.array(state.qpos[agent.base])
+            at[:2] += rng.normal(0.0, 0.02, 2)
+            state = state.replace(turned, at=agent.base, to=at)
+        if rng.random() < 0.8:
+            name = scene.objects[rng.integers(len(scene.objects))]
+            place = np.array(state.qpos[scene.object_slice(name)])
+            place[:3] += rng.normal(0.0, 0.4 if rng.random() < 0.2 else 0.02, 3)
+            state = state.replace(at=scene.object_slice(name), to=place)
+        if rng.random() < 0.15:
+            lost = frozenset({scene.objects[rng.integers(len(scene.objects))]})
+            state = State(state.qpos, state.time_s, state.untracked ^ lost, state.holding)
+        yield state
+
+
+@pytest.mark.parametrize("seed", range(500, 505))
+def test_following_finds_what_a_fresh_look_finds(seed: int) -> None:
+    case = random_case(seed, image_px=(48, 36))
+    follower = Follower(case.scene, COARSE)
+    for state in frames(case):
+        followed, fresh = follower.update(state), all_efforts(Stage(case.scene, state), COARSE)
+        assert dict(followed) == fresh
+        assert follower.asked_count <= len(fresh)
+
+
+def test_a_frame_in_which_nothing_moves_asks_nothing() -> None:
+    case = random_case(501, image_px=(48, 36), untracked=False)
+    follower = Follower(case.scene, COARSE)
+    first = follower.update(case.state)
+    assert follower.asked_count == len(first)
+    assert follower.update(case.state) == first
+    assert follower.asked_count == 0
+
+
+def test_what_happens_far_away_is_not_asked_again() -> None:
+    cups = tuple(Thing(f"cup {n}", (0.03, 0.05), (8.0 * n + 0.5, 0.1, 1.1), "cylinder") for n in range(2))
+    people = (Person("P1", (0.0, 0.0), math.pi / 2), Person("P2", (8.0, 0.0), math.pi / 2))
+    scene = Room(cups, people, (48, 36)).scene()
+    follower = Follower(scene, COARSE)
+    follower.update(scene.initial)
+    place = scene.initial.qpos[scene.object_slice("cup 1")] + (0.02, 0, 0, 0, 0, 0, 0)
+    state = scene.initial.replace(at=scene.object_slice("cup 1"), to=place)
+    assert follower.update(state) == all_efforts(Stage(scene, state), COARSE)
+    assert follower.asked_count < 12

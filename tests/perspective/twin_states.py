@@ -1,0 +1,182 @@
+"""Every sampled state of every effort level, for the twin: enumerated, never searched."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.settings import Settings
+from taskgist.world import Agent, Stage, State, posture_of, seat_position, with_posture
+from taskgist.world.profile import Axis
+from taskgist.world.rotations import about_z, multiply, yaw_of
+from tests.perspective.twin_world import SEEN_MASK, World
+
+Array = NDArray[np.float64]
+Key = tuple[float, float, float, float]
+Cell = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A state, what leads there, and how much of it."""
+
+    qpos: Array
+    actions: tuple[str, ...] = ()
+    way_m: float = 0.0
+    turned_rad: float = 0.0
+    torso_rad: float = 0.0
+    head_rad: float = 0.0
+    merit: float = 0.0
+
+    @property
+    def key(self) -> Key:
+        return round(self.way_m, 6), round(self.turned_rad, 6), round(self.torso_rad, 6), round(self.head_rad, 6)
+
+
+class States:
+    """All that one agent might do from one state, and what stops it."""
+
+    def __init__(self, stage: Stage, agent: Agent, settings: Settings, held: frozenset[str]) -> None:
+        self.stage, self.agent, self.settings, self.state = stage, agent, settings, stage.state
+        self.now: Array = stage.state.qpos
+        self.world = World(stage.scene, stage.state)
+        self.solid = self.world.solid_geoms({agent.name, *held})
+        self.core = [int(geom) for geom in agent.core_geoms]
+        self.usual = self.world.depths(self.core, self.solid)
+        self._free: dict[bytes, bool] = {}
+        self.posture = posture_of(stage, agent, settings.contact)
+
+    def allowed(self, qpos: Array) -> bool:
+        """Whether head, torso and base are nowhere deeper in anything than now, by more than the tolerance."""
+        key = qpos.tobytes()
+        if key not in self._free:
+            self.world.show(qpos)
+            depths, limit = self.world.depths(self.core, self.solid), self.settings.efforts.collision_m
+            self._free[key] = all(depth <= self.usual.get(pair, 0.0) + limit for pair, depth in depths.items())
+        return self._free[key]
+
+    def stances(self, level: int, target: Array) -> list[Candidate]:
+        """All states of base, legs and torso of a level."""
+        here, other = Candidate(self.now), self.other_posture
+        if level <= 1:
+            return [here]
+        if level == 2:
+            return list(self.bent(here, turns=True))
+        if level == 3:
+            return list(self.bent(other, turns=True)) if other else []
+        start = here if self.posture == "standing" else other
+        if start is None or not self.agent.profile.moves or not self.allowed(start.qpos):
+            return []
+        return list(itertools.chain.from_iterable(self.walked(start, target)))
+
+    # posture -------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def other_posture(self) -> Candidate | None:
+        self.stage.show(self.state)
+        can = self.agent.profile.legs.can
+        if "sitting" not in can or "standing" not in can or self.posture is None:
+            return None
+        if self.posture == "sitting":
+            return Candidate(with_posture(self.stage, self.agent, "standing").qpos, ("Make_Standing",))
+        seat = self.seat_m()
+        if seat is None:
+            return None
+        state: State = with_posture(self.stage, self.agent, "sitting", seat_height_m=seat)
+        return Candidate(state.qpos, ("Make_Sitting",))
+
+    def seat_m(self) -> float | None:
+        """Height of the topmost thing under the place to sit, from a little over the highest seat; agents are air."""
+        lowest, highest = self.settings.efforts.seat_height_m
+        top = highest + 0.05
+        things = World(self.stage.scene, self.state)
+        for geom, owner in enumerate(self.stage.scene.owners):
+            if owner in self.stage.scene.agents:
+                things.model.geom_group[geom] = 3
+        for geom in things.hidden:  # what is not tracked may still be sat on, as long as it is somewhere
+            if self.stage.scene.owners[geom] not in self.stage.scene.agents:
+                things.model.geom_group[geom] = self.stage.scene.model.geom_group[geom]
+        start, down = np.array((*seat_position(self.stage, self.agent), top)), np.array((0.0, 0.0, -1.0))
+        hit = np.zeros(1, dtype=np.int32)
+        drop = mujoco.mj_ray(things.model, things.data, start, down, SEEN_MASK, True, -1, hit)
+        return top - drop if hit[0] >= 0 and lowest <= top - drop <= highest else None
+
+    # torso ---------------------------------------------------------------------------------------------------
+
+    def bent(self, start: Candidate, *, turns: bool) -> Iterator[Candidate]:
+        """A state with every turn and lean of the torso."""
+        profile, efforts = self.agent.profile, self.settings.efforts
+        turned = self.angles(profile.turn if turns else None, efforts.turn_step_rad)
+        leaned = self.angles(profile.lean, efforts.lean_step_rad)
+        for turn, lean in itertools.product(turned, leaned):
+            qpos, torso, actions = np.array(start.qpos), 0.0, list(start.actions)
+            for axis, angle, name in ((profile.turn, turn, "Turn_Torso"), (profile.lean, lean, "Lean_Torso")):
+                index = self.agent.joints[axis.joint] if axis else -1
+                if angle is not None and abs(angle - self.now[index]) > 1e-9:
+                    qpos[index] = angle
+                    torso += abs(angle - float(self.now[index]))
+                    actions.append(name)
+            yield Candidate(qpos, tuple(actions), start.way_m, start.turned_rad, torso)
+
+    def angles(self, axis: Axis | None, step: float) -> list[float | None]:
+        """The present angle, and every multiple of the step in the joint's range."""
+        if axis is None:
+            return [None]
+        low, high = axis.range_rad
+        return [None, *(n * step for n in range(-200, 201) if low - 1e-9 * step <= n * step <= high + 1e-9 * step)]
+
+    # floor ---------------------------------------------------------------------------------------------------
+
+    def walked(self, start: Candidate, target: Array) -> Iterator[Iterator[Candidate]]:
+        """All places that can be got to, the chest towards the target, with every lean of the torso."""
+        base, at = start.qpos[self.agent.base], self.agent.base
+        axis = self.agent.profile.turn
+        torso = float(self.now[self.agent.joints[axis.joint]]) if axis else 0.0
+        for cell, way in self.ways.items():
+            x, y = self.spot(base, cell)
+            dx, dy = target[0] - x, target[1] - y
+            by = math.atan2(dy, dx) - torso - yaw_of(base[3:]) if math.hypot(dx, dy) > 1e-6 else 0.0
+            qpos = np.array(start.qpos)
+            qpos[at] = (x, y, base[2], *multiply(about_z(by), base[3:]))
+            turned = abs(math.remainder(by, 2 * math.pi))
+            yield self.bent(Candidate(qpos, (*start.actions, "Move_To"), way, turned), turns=False)
+
+    def spot(self, base: Array, cell: Cell) -> tuple[float, float]:
+        yaw, step = yaw_of(base[3:]), self.settings.efforts.move_step_m
+        ahead, aside = cell[0] * step, cell[1] * step
+        x = base[0] + ahead * math.cos(yaw) - aside * math.sin(yaw)
+        return x, base[1] + ahead * math.sin(yaw) + aside * math.cos(yaw)
+
+    @cached_property
+    def ways(self) -> dict[Cell, float]:
+        """Shortest ways to all cells, by relaxing every step until nothing changes."""
+        efforts, other = self.settings.efforts, self.other_posture
+        qpos = self.now if self.posture == "standing" or other is None else other.qpos
+        reach = math.ceil(efforts.move_radius_m / efforts.move_step_m)
+        around = range(-reach, reach + 1)
+        cells: list[Cell] = list(itertools.product(around, around))
+        inside = {cell for cell in cells if math.hypot(*cell) * efforts.move_step_m <= efforts.move_radius_m + 1e-9}
+        steps = [step for step in itertools.product((-1, 0, 1), repeat=2) if step != (0, 0)]
+        ways: dict[Cell, float] = {(0, 0): 0.0}
+        before: dict[Cell, float] = {}
+        while ways != before:
+            before = dict(ways)
+            for (i, j), (di, dj) in itertools.product(before, steps):
+                end, half = (i + di, j + dj), (i + di / 2, j + dj / 2)
+                if end in inside and self.stands(qpos, end) and self.stands(qpos, half):
+                    way = ways[i, j] + math.hypot(di, dj) * efforts.move_step_m
+                    ways[end] = min(way, ways.get(end, math.inf))
+        return ways
+
+    def stands(self, qpos: Array, cell: Cell) -> bool:
+        base = qpos[self.agent.base]
+        there = np.array(qpos)
+        there[self.agent.base] = (*self.spot(base, cell), *base[2:])
+        return self.allowed(there)

@@ -1,0 +1,201 @@
+"""Concave meshes are what they are: for contact by their convex parts, for sight by their triangles."""
+
+import logging
+import pickle
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from taskgist.errors import SceneError
+from taskgist.settings import DEFAULT
+from taskgist.world import Scene, Stage, container_of, overlaps, support_of
+from taskgist.world.convex_parts import cache_folder, read_parts
+from taskgist.world.mesh_pieces import Piece, hollow_m, joined, pieces
+from tests import meshes
+from tests.meshes import Mesh, mesh_scene
+
+BALL = '<body name="ball" pos="0 0 {}"><freejoint/><geom type="sphere" size="0.03"/></body>'
+CONTACT = DEFAULT.contact
+FLOOR_M, RADIUS_M = 0.01, 0.03
+
+
+@pytest.fixture(scope="module", autouse=True)
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A cache of its own for this module: a mesh is cut once."""
+    with pytest.MonkeyPatch.context() as patch:
+        folder = tmp_path_factory.mktemp("cache")
+        patch.setenv("XDG_CACHE_HOME", str(folder))
+        yield folder
+
+
+def with_bin(ball_z: float) -> Scene:
+    bodies = meshes.body("bin", "bin", (0, 0, 0), free=False) + BALL.format(ball_z)
+    return mesh_scene(bodies, bin=meshes.shell_bin())
+
+
+def parts_of(scene: Scene) -> list[str]:
+    return [name for name in scene.bundle if name.startswith("parts-")]
+
+
+def test_a_ball_in_a_bin_is_inside_and_touches_its_floor() -> None:
+    stage = Stage(with_bin(FLOOR_M + RADIUS_M))
+    assert container_of(stage, "ball", CONTACT) == "bin"
+    assert support_of(stage, "ball", CONTACT) == "bin"
+    assert overlaps(stage, deeper_than_m=0.001) == {}
+    solid = [stage.scene.solid_geoms_of(name) for name in ("ball", "bin")]
+    assert stage.closest(*solid, limit_m=0.1)[0] == pytest.approx(0.0, abs=0.001)
+
+
+def test_what_floats_in_a_bin_does_not_touch_it_and_what_is_in_its_wall_does() -> None:
+    stage = Stage(with_bin(0.1))
+    assert support_of(stage, "ball", CONTACT) is None
+    solid = [stage.scene.solid_geoms_of(name) for name in ("ball", "bin")]
+    assert stage.closest(*solid, limit_m=0.1)[0] == pytest.approx(0.06, abs=0.006)
+    at = stage.scene.object_slice("ball")
+    stage.show(stage.state.replace(at=at, to=(0.145, 0, 0.1, 1, 0, 0, 0)))
+    assert set(overlaps(stage, deeper_than_m=0.02)) == {("ball", "bin")}
+
+
+def test_rays_meet_the_mesh_and_never_its_parts() -> None:
+    scene = with_bin(0.5)
+    stage, (seen,) = Stage(scene), scene.seen_geoms("bin")
+    rng = np.random.default_rng(5)
+    directions = rng.normal(size=(300, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    geoms, _ = stage.cast((0.0, 0.0, 0.1), directions, only=scene.geoms_of("bin"))
+    assert set(geoms.tolist()) == {-1, int(seen)}
+    assert seen not in scene.solid_geoms_of("bin")
+    assert len(scene.solid_geoms_of("bin")) >= 5
+    assert {scene.owners[geom] for geom in scene.geoms_of("bin")} == {"bin"}
+
+
+def test_parts_are_files_of_the_scene_and_make_the_same_scene_again(cache: Path) -> None:
+    scene = with_bin(0.2)
+    (name,) = parts_of(scene)
+    assert (cache / "taskgist" / "parts" / name).read_bytes() == scene.bundle[name]
+    for again in (pickle.loads(pickle.dumps(scene)), with_bin(0.2)):
+        assert again.bundle == scene.bundle
+        np.testing.assert_array_equal(again.model.mesh_vert, scene.model.mesh_vert)
+
+
+def test_a_scene_that_has_its_parts_needs_neither_cache_nor_coacd(monkeypatch: pytest.MonkeyPatch) -> None:
+    bundle = dict(with_bin(0.2).bundle)
+    monkeypatch.setitem(sys.modules, "coacd", None)
+    monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null/nowhere")
+    assert len(Scene.from_bundle(bundle).solid_geoms_of("bin")) >= 5
+
+
+def test_without_coacd_the_hull_collides_and_a_warning_names_mesh_and_remedy(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, tmp_path: Path
+) -> None:
+    monkeypatch.setitem(sys.modules, "coacd", None)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    with caplog.at_level(logging.WARNING, "taskgist.world"):
+        scene = with_bin(FLOOR_M + RADIUS_M)
+    assert "mesh 'bin' is concave" in caplog.text
+    assert "pip install coacd" in caplog.text
+    assert parts_of(scene) == []
+    assert ("ball", "bin") in overlaps(Stage(scene), deeper_than_m=0.01)
+
+
+def test_damaged_parts_are_refused_by_name() -> None:
+    bundle = dict(with_bin(0.2).bundle)
+    (name,) = [name for name in bundle if name.startswith("parts-")]
+    for damage in (b"", b"v 1 2 3", b"o part0\nv 1 2", b"o part0\nv 1 2 x", b"\xff"):
+        with pytest.raises(SceneError, match=rf"{name}: damaged convex parts of mesh 'bin'.*delete it"):
+            Scene.from_bundle(bundle | {name: damage})
+
+
+def test_a_cache_that_cannot_be_written_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null/nowhere")
+    scene = mesh_scene(meshes.body("shelf", "shelf", (0, 0, 0), free=False), shelf=meshes.shelf())
+    assert len(parts_of(scene)) == 1
+
+
+def test_the_cache_is_where_the_platform_keeps_caches(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert cache_folder() == tmp_path / ".cache" / "taskgist" / "parts"
+
+
+@pytest.mark.parametrize("mesh", [meshes.board((0, 0, 0), (0.1, 0.2, 0.05)), meshes.octahedron(0.1)])
+def test_a_convex_mesh_is_left_alone(mesh: Mesh) -> None:
+    scene = mesh_scene(meshes.body("thing", "thing", (0, 0, 1)), thing=mesh)
+    assert parts_of(scene) == []
+    assert scene.solid_geoms_of("thing").tolist() == scene.seen_geoms("thing").tolist()
+
+
+def test_boards_are_parts_as_they_are() -> None:
+    scene = mesh_scene(meshes.body("shelf", "shelf", (1, 2, 0)), shelf=meshes.shelf())
+    (name,) = parts_of(scene)
+    corners = np.concatenate(read_parts(scene.bundle[name]))
+    assert len(read_parts(scene.bundle[name])) == 6
+    expected = np.unique(meshes.shelf()[0].round(6), axis=0)
+    np.testing.assert_allclose(np.unique(corners.round(6), axis=0), expected, atol=2e-6)
+
+
+def test_parts_lie_where_the_mesh_is_scaled_turned_and_shifted() -> None:
+    shelf = '<mesh name="shelf" file="shelf.obj" scale="0.5 0.5 2" refpos="0.1 0 0"/>'
+    geom = '<geom type="mesh" mesh="shelf" pos="0 0.3 0" euler="10 20 30"/>'
+    body = f'<body name="shelf" pos="1 2 0" euler="0 0 90"><freejoint/>{geom}</body>'
+    scene = room(shelf, body, {"shelf.obj": meshes.obj(meshes.shelf())})
+    stage, (seen,), parts = Stage(scene), scene.seen_geoms("shelf"), scene.solid_geoms_of("shelf")
+    assert len(parts) == 6
+    corners = np.concatenate([vertices(stage, int(part)) for part in parts])
+    for point in vertices(stage, int(seen)):
+        assert np.linalg.norm(corners - point, axis=1).min() < 1e-5
+
+
+def vertices(stage: Stage, geom: int) -> np.ndarray:
+    """Vertices of a shape's mesh in the world."""
+    model = stage.scene.model
+    mesh = int(model.geom_dataid[geom])
+    return stage.geom(geom).to_world(model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]])
+
+
+def room(assets: str, bodies: str, files: dict[str, bytes]) -> Scene:
+    text = f"<mujoco><asset>{assets}</asset><worldbody>{bodies}</worldbody></mujoco>"
+    return Scene.from_bundle({"scene.toml": b'[scene]\nmodel = "room.xml"', "room.xml": text.encode(), **files})
+
+
+def test_a_shape_of_the_room_is_cut_too_and_keeps_its_name() -> None:
+    """In STL files every triangle has vertices of its own."""
+    bodies = f'<geom type="mesh" mesh="bin" name="bin"/>{BALL.format(0.04)}'
+    scene = room('<mesh name="bin" file="bin.stl"/>', bodies, {"bin.stl": meshes.stl(meshes.shell_bin())})
+    assert overlaps(Stage(scene), deeper_than_m=0.003) == {}
+    assert set(scene.owners) == {"bin", "ball"}
+
+
+def test_shapes_that_nothing_collides_with_are_not_cut() -> None:
+    quiet = meshes.body("bin", "bin", (0, 0, 0), free=False).replace("<geom", '<geom contype="0" conaffinity="0"')
+    assert parts_of(mesh_scene(quiet, bin=meshes.shell_bin())) == []
+
+
+@pytest.mark.parametrize(
+    ("mesh", "deep_m"),
+    [(meshes.board((0, 0, 0), (0.1, 0.2, 0.05)), 0.0), (meshes.shell_bin(), 0.29), (meshes.cup(), 0.096)],
+)
+def test_hollows_are_measured_along_the_faces_normals(mesh: Mesh, deep_m: float) -> None:
+    assert hollow_m(Piece(*mesh)) == pytest.approx(deep_m, abs=1e-3)
+
+
+def test_an_open_surface_is_hollow_and_a_flat_one_is_not() -> None:
+    vertices, faces = meshes.board((0, 0, 0), (0.1, 0.2, 0.05))
+    assert hollow_m(Piece(vertices, faces[:10])) == float("inf")
+    assert hollow_m(Piece(vertices[:4], faces[:2])) == 0.0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_pieces_are_found_whatever_the_order_of_triangles_and_which_way_they_face(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(2, 6))
+    apart = [meshes.board((i, 0, 0), tuple(rng.uniform(0.05, 0.4, 3))) for i in range(count)]
+    vertices, faces = meshes.joined(*((v, f[:, ::-1] if rng.integers(2) else f) for v, f in apart))
+    found = pieces(joined(vertices, rng.permutation(faces)))
+    assert len(found) == count
+    assert all(piece.is_closed for piece in found)
+    volumes = sorted(float(np.linalg.det(piece.corners).sum()) / 6 for piece in found)
+    assert volumes == pytest.approx(sorted(float(np.ptp(v, axis=0).prod()) for v, _ in apart))
