@@ -18,7 +18,7 @@ def main() -> None:
 
 
 def filled(page: str, document: dict[str, Any]) -> str:
-    """A page with figures between each ``<!-- NAME -->`` and the next ``<!-- end -->``; other names stay as they are."""
+    """A page with figures between each ``<!-- NAME -->`` and the next ``<!-- end -->``; the rest stays as it is."""
     topics = dict.fromkeys(figure["topic"] for figure in document["figures"])
     parts = {topic: figures([each for each in document["figures"] if each["topic"] == topic]) for topic in topics}
     parts |= {name: show(document[name]) for name, show in OTHERS.items()}
@@ -47,7 +47,7 @@ def figures(measured: Iterable[dict[str, Any]]) -> Iterator[str]:
         goal = f"{each['goal']}: **{mark}**" if mark else each["goal"]
         yield f"| **{each['what']}** | **{duration(each['ours_s'])}** | | {goal} | {'; '.join(remarks(each))} |"
         for name, seconds in sorted(each["peers_s"].items(), key=lambda item: item[1]):
-            yield f"| {name} | {duration(seconds)} | {seconds / each['ours_s']:.3g} | | |"
+            yield f"| {name} | {duration(seconds)} | {ratio(seconds / each['ours_s'])} | | |"
 
 
 def remarks(figure: dict[str, Any]) -> Iterator[str]:
@@ -84,8 +84,15 @@ def profile(rows: Iterable[dict[str, Any]]) -> Iterator[str]:
         yield f"| `{row['function']}` | {row['calls']} | {row['own']:.1%} | {row['with_calls']:.1%} |"
 
 
+def ratio(times: float) -> str:
+    """Three digits, never a power of ten."""
+    return f"{times:,.0f}" if times >= 100 else f"{times:.3g}"
+
+
 def duration(seconds: float) -> str:
     """Three digits, in the unit that suits it."""
+    if seconds >= 100:
+        return f"{seconds:,.0f} s"
     if seconds >= 1:
         return f"{seconds:.3g} s"
     return f"{1000 * seconds:.3g} ms" if seconds >= 1e-3 else f"{1e6 * seconds:.3g} µs"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
@@ -31,6 +32,7 @@ Value: TypeAlias = str | Unknown
 Raw: TypeAlias = str | bool | float | Mapping[str, str | None] | Unknown
 """What an attribute is observed as: a symbol, truth, score, status by side (None: unknown), or unknown."""
 
+V = TypeVar("V", bound=Raw)
 V_co = TypeVar("V_co", bound=Raw, covariant=True)
 
 
@@ -50,6 +52,12 @@ class Observation(Generic[V_co]):
         object.__setattr__(self, "evidence", freeze(self.evidence))
         if isinstance(self.value, Mapping):
             object.__setattr__(self, "value", freeze(self.value))
+
+    def and_also(self, value: V) -> Observation[V]:
+        """Another value that the same evidence shows."""
+        other = cast(Observation[V], copy.copy(self))
+        object.__setattr__(other, "value", freeze(value) if isinstance(value, Mapping) else value)
+        return other
 
     def to_json(self) -> dict[str, Json]:
         """Plain data with the keys ``value`` (null when unknown) and ``evidence``."""

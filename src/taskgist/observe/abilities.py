@@ -45,8 +45,9 @@ def _effort_observations(effort: Effort, settings: Settings) -> dict[str, Observ
     if effort.level is None:
         unknown: Observation[Raw] = Observation(UNKNOWN, evidence)
         return {f"{ability}.{name}": unknown for name in names}
-    values = (LADDERS[ability][effort.level], state_symbol(effort, settings), " + ".join(effort.actions))
-    return {f"{ability}.{name}": Observation(value, evidence) for name, value in zip(names, values, strict=True)}
+    level: Observation[Raw] = Observation(LADDERS[ability][effort.level], evidence)
+    state, actions = level.and_also(state_symbol(effort, settings)), level.and_also(" + ".join(effort.actions))
+    return dict(zip((f"{ability}.{name}" for name in names), (level, state, actions), strict=True))
 
 
 def _plain(evidence: Mapping[str, object]) -> Mapping[str, Json]:

@@ -8,14 +8,12 @@ arm. No convention about zero angles or signs of a robot's neck is needed.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.perspective.frames import Frames, Placed
-from taskgist.world import State
 from taskgist.world.compiled import compiled
 from taskgist.world.linkage import rotated, turn_about
 
@@ -58,31 +56,42 @@ def aimed(placed: Placed, frames: Frames, target: Array, actions: frozenset[str]
         target: Point in the world, metres, (3,).
         actions: Virtual actions that may be used.
     """
-    used = [index for index, joint in enumerate(frames.head) if joint.action in actions]
-    joints = [frames.head[index] for index in used]
-    ranges = np.array([joint.range_rad for joint in joints]).reshape(-1, 2)
-    by, eyes, turned = _aimed(
-        *placed.eyes,
-        placed.anchors[:, used],
-        placed.axes[:, used],
-        np.argsort([-joint.depth for joint in joints]),
-        np.array([joint.now_rad for joint in joints]),
-        ranges,
-        target,
-    )
-    return Aims(tuple(joint.index for joint in joints), by, eyes, turned)
+    head = frames.usable(actions)
+    anchors, axes = placed.anchors[:, head.columns], placed.axes[:, head.columns]
+    angles, eyes, turned = _aimed(*placed.eyes, anchors, axes, head.inwards, head.now, head.ranges, target)
+    return Aims(tuple(joint.index for joint in head.joints), angles, eyes, turned)
 
 
-def on_the_way(state: State, angles: Mapping[int, float], steps: int) -> list[dict[int, float]]:
-    """Angles at equal steps from a state's to the given ones, these last."""
-    return [
-        {index: _between(float(state.qpos[index]), angle, step / steps) for index, angle in angles.items()}
-        for step in range(1, steps + 1)
-    ]
+def on_the_way(placed: Placed, frames: Frames, aims: Aims, index: int, steps: int, actions: frozenset[str]) -> Aims:
+    """The head at equal steps from where it is to where it is aimed from one stance: there at first and at last.
+
+    Args:
+        placed: Where the stances bring the eye and the head's joints.
+        frames: Whose.
+        aims: Where it is aimed from each.
+        index: The stance.
+        steps: How many steps.
+        actions: Virtual actions that may be used.
+    """
+    head = frames.usable(actions)
+    shares = np.arange(steps + 1)[:, None] / steps
+    angles = np.where(shares < 1.0, head.now + (aims.angles[index] - head.now) * shares, aims.angles[index])
+    eye, matrix = placed.eyes
+    anchors, axes = placed.anchors[index, head.columns], placed.axes[index, head.columns]
+    eyes, turned = _heads(eye[index], matrix[index], anchors, axes, head.inwards, angles - head.now)
+    return Aims(aims.joints, angles, eyes, turned)
 
 
-def _between(start: float, end: float, share: float) -> float:
-    return start + (end - start) * share
+@compiled
+def _heads(
+    eye: Array, matrix: Array, anchors: Array, axes: Array, inwards: NDArray[np.int64], by: Array
+) -> tuple[Array, Array]:
+    places, turned = np.empty((len(by), 3)), np.empty((len(by), 3, 3))
+    for i in range(len(by)):
+        places[i], turned[i] = eye, matrix
+        for joint in inwards:
+            turn_about(anchors[joint], axes[joint], by[i, joint], places[i], turned[i])
+    return places, turned
 
 
 @compiled
@@ -91,7 +100,7 @@ def _aimed(
     matrices: Array,
     anchors: Array,
     axes: Array,
-    outwards: NDArray[np.int64],
+    inwards: NDArray[np.int64],
     now: Array,
     ranges: Array,
     target: Array,
@@ -103,12 +112,12 @@ def _aimed(
         by[:] = 0.0
         for _ in range(ROUNDS):
             for joint in range(joints):
-                _turn_head(i, places, turned, eyes, matrices, anchors, axes, outwards, by)
-                _axis_now(i, joint, axes, outwards, by, axis)
+                _turn_head(i, places, turned, eyes, matrices, anchors, axes, inwards, by)
+                _axis_now(i, joint, axes, inwards, by, axis)
                 turn = _angle_about(axis, turned[i, :, 0], target, places[i])
                 low, high = min(ranges[joint, 0], now[joint]), max(ranges[joint, 1], now[joint])
                 by[joint] = min(max(now[joint] + by[joint] + turn, low), high) - now[joint]
-        _turn_head(i, places, turned, eyes, matrices, anchors, axes, outwards, by)
+        _turn_head(i, places, turned, eyes, matrices, anchors, axes, inwards, by)
         angles[i] = now + by
     return angles, places, turned
 
@@ -122,21 +131,21 @@ def _turn_head(
     matrices: Array,
     anchors: Array,
     axes: Array,
-    outwards: NDArray[np.int64],
+    inwards: NDArray[np.int64],
     by: Array,
 ) -> None:
     """Write where an eye gets to: the outermost joint turns first."""
     places[i], turned[i] = eyes[i], matrices[i]
-    for joint in outwards:
+    for joint in inwards:
         turn_about(anchors[i, joint], axes[i, joint], by[joint], places[i], turned[i])
 
 
 @compiled
-def _axis_now(i: int, of: int, axes: Array, outwards: NDArray[np.int64], by: Array, axis: Array) -> None:
+def _axis_now(i: int, of: int, axes: Array, inwards: NDArray[np.int64], by: Array, axis: Array) -> None:
     """Write the direction of a joint's axis, turned by those joints that carry it, (3,)."""
     axis[:] = axes[i, of]
     within = True
-    for joint in outwards:  # those nearer to the eye than the joint itself do not carry it
+    for joint in inwards:  # those nearer to the eye than the joint itself do not carry it
         if not within:
             x, y, z = rotated(axes[i, joint], math.sin(by[joint]), math.cos(by[joint]), axis[0], axis[1], axis[2])
             axis[0], axis[1], axis[2] = x, y, z

@@ -16,7 +16,7 @@ import numpy as np
 
 from taskgist.settings import Efforts
 from taskgist.world import Agent, State
-from taskgist.world.rotations import about_z, multiply, yaw_of
+from taskgist.world.rotations import turned_about_z, yaw_of
 
 Cell = tuple[int, int]
 STEPS: tuple[Cell, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1))
@@ -109,5 +109,5 @@ def moved(state: State, agent: Agent, offset_m: tuple[float, float], turn_rad: f
     """The state in which an agent's base has moved over the floor and turned about the vertical."""
     base = np.array(state.qpos[agent.base])
     base[:2] += offset_m
-    base[3:] = multiply(about_z(turn_rad), base[3:])
+    base[3:] = turned_about_z(base[3:], turn_rad)
     return state.replace(at=agent.base, to=base)

@@ -47,6 +47,38 @@ class HeadJoint:
     depth: int
 
 
+@dataclass(frozen=True, eq=False)
+class UsableHead:
+    """Those joints of a head that may be used.
+
+    Attributes:
+        columns: Their places among all joints of the head, (h,).
+        joints: The joints.
+        inwards: Their order from the eye to the base, (h,).
+        now: Their present angles, radians, (h,).
+        ranges: Their ranges, radians, (h, 2).
+    """
+
+    columns: list[int]
+    joints: tuple[HeadJoint, ...]
+    inwards: NDArray[np.intp]
+    now: Array
+    ranges: Array
+
+    @classmethod
+    def of(cls, head: Sequence[HeadJoint], actions: frozenset[str]) -> UsableHead:
+        """The joints that some actions move."""
+        columns = [column for column, joint in enumerate(head) if joint.action in actions]
+        joints = tuple(head[column] for column in columns)
+        return cls(
+            columns,
+            joints,
+            np.argsort([-joint.depth for joint in joints]),
+            np.array([joint.now_rad for joint in joints]),
+            np.array([joint.range_rad for joint in joints]).reshape(-1, 2),
+        )
+
+
 class Frames:
     """Where an agent's frames are in one state, and where turns and leans of its torso would bring them.
 
@@ -68,9 +100,16 @@ class Frames:
                 anchor, along = stage.screw(joint)
                 frames.append((int(model.jnt_bodyid[joint]), Pose(anchor, np.repeat(along[:, None], 3, axis=1))))
         self.head = tuple(head)
+        self._usable: dict[frozenset[str], UsableHead] = {}
         frames += [(arm.carrier_body, stage.shoulder(arm)) for arm in agent.arms]
         torso = tuple(axis.joint for axis in (profile.turn, profile.lean) if axis is not None)
         self._linkage = Linkage.of(stage, agent, torso, tuple(frames))
+
+    def usable(self, actions: frozenset[str]) -> UsableHead:
+        """The joints of the head that some actions move."""
+        if actions not in self._usable:
+            self._usable[actions] = UsableHead.of(self.head, actions)
+        return self._usable[actions]
 
     def by(self, angles: Sequence[Mapping[int, float]]) -> Array:
         """How far each of the torso's joints moves to new angles by index into qpos, n of them: (n, j)."""

@@ -15,7 +15,7 @@ from taskgist.perspective.image import pixel_rays, window
 from taskgist.perspective.target import Target
 from taskgist.world import Agent, Shapes, Stage
 from taskgist.world.compiled import compiled
-from taskgist.world.raycast import BOX, INF, PLANE, box, local, surface
+from taskgist.world.raycast import BOX, INF, box, local, surface
 from taskgist.world.rays import stand_between
 
 Array = NDArray[np.float64]
@@ -72,8 +72,8 @@ def glimpsed(
 @compiled
 def _near_lines(
     shapes: Shapes, counted: NDArray[np.bool_], eyes: Array, asked: NDArray[np.bool_], centers: Array, radii_m: Array
-) -> NDArray[np.bool_]:
-    """Counted shapes that come near to the box that holds the eyes asked and some balls, (ngeom,); planes do."""
+) -> Indices:
+    """Counted shapes that come near to the box that holds the eyes asked and some balls, (n,); planes do."""
     low, high = np.full(3, INF), np.full(3, -INF)
     for axis in range(3):
         for k in range(len(centers)):
@@ -82,18 +82,19 @@ def _near_lines(
         for i in range(len(eyes)):
             if asked[i]:
                 low[axis], high[axis] = min(low[axis], eyes[i, axis]), max(high[axis], eyes[i, axis])
-    near = np.zeros(len(counted), dtype=np.bool_)
+    near, count = np.empty(len(counted), dtype=np.intp), 0
     for shape in range(len(counted)):
         if not counted[shape]:
             continue
-        b, m, squared = shapes.bounds[shape], shapes.matrices[shape], 0.0
+        squared = 0.0
         for axis in range(3):
-            at = shapes.positions[shape, axis] + m[3 * axis] * b[0] + m[3 * axis + 1] * b[1] + m[3 * axis + 2] * b[2]
+            at = shapes.positions[shape, axis]
             outside = max(low[axis] - at, at - high[axis], 0.0)
             squared += outside * outside
-        radius = b[3] * b[3] + b[4] * b[4] + b[5] * b[5]
-        near[shape] = shapes.kinds[shape] == PLANE or squared <= radius
-    return near
+        if squared <= shapes.radii[shape] ** 2:
+            near[count] = shape
+            count += 1
+    return near[:count]
 
 
 @compiled
@@ -116,7 +117,7 @@ def _off_gaze(eyes: Array, gazes: Array, centers: Array, radii_m: Array) -> Arra
 @compiled
 def _glimpsed(
     shapes: Shapes,
-    counted: NDArray[np.bool_],
+    near: Indices,
     wanted: Indices,
     centers: Array,
     radii_m: Array,
@@ -131,47 +132,68 @@ def _glimpsed(
 ) -> NDArray[np.bool_]:
     found = np.zeros(len(eyes), dtype=np.bool_)
     in_eye = np.empty_like(centers)
-    ray = np.empty(3)
     for i in range(len(eyes)):
         if not asked[i]:
             continue
         frame = turned[i].copy().reshape(9)
+        others = _rows(shapes, stand_between(shapes, near, -1, eyes[i], centers, radii_m), eyes[i], False)
+        if _in_shadow(others, corners, eyes[i]):
+            continue
         for k in range(len(centers)):
             in_eye[k, 0], in_eye[k, 1], in_eye[k, 2] = local(frame, centers[k] - eyes[i])
-        others = stand_between(shapes, counted, -1, eyes[i], centers, radii_m)
-        if _in_shadow(shapes, others, corners, eyes[i]):
-            continue
         rows, columns = window(fov_rad, image_px, in_eye, radii_m)
-        for pixel in range((rows[1] - rows[0]) * (columns[1] - columns[0])):
-            row, column = divmod(pixel, columns[1] - columns[0])
-            seen = rays[rows[0] + row, columns[0] + column]
-            if seen[0] < least_cosine:
-                continue
-            for axis in range(3):
-                ray[axis] = frame[3 * axis] * seen[0] + frame[3 * axis + 1] * seen[1] + frame[3 * axis + 2] * seen[2]
-            if _shows(shapes, wanted, others, eyes[i], ray):
-                found[i] = True
-                break
+        found[i] = _shows(_rows(shapes, wanted, eyes[i], True), others, frame, rays, rows, columns, least_cosine)
     return found
 
 
+HERE = -1.0
+"""Type of what stands for a mesh around the eye."""
+KIND, SIZE, START, MATRIX, COLUMNS = 0, 1, 4, 7, 16
+"""Columns of a table of shapes seen from one eye: type; half sizes; the eye in the shape's frame; rotation, row by row.
+One array, as compiled functions pass it on for nothing."""
+
+
 @compiled
-def _in_shadow(shapes: Shapes, others: Indices, corners: Array, eye: Array) -> bool:
+def _rows(shapes: Shapes, which: Indices, eye: Array, boxed: bool) -> Array:
+    """Shapes seen from an eye, (k, COLUMNS); what has no formula counts as its box, or not at all."""
+    rows, count = np.empty((len(which), COLUMNS)), 0
+    for shape in which:
+        if shapes.formless[shape] and not boxed:
+            continue
+        matrix, bounds = shapes.matrices[shape], shapes.bounds[shape]
+        start = local(matrix, eye - shapes.positions[shape])
+        for axis in range(3):
+            rows[count, SIZE + axis] = bounds[3 + axis] if shapes.formless[shape] else shapes.sizes[shape, axis]
+            rows[count, START + axis] = start[axis] - (bounds[axis] if shapes.formless[shape] else 0.0)
+        rows[count, KIND] = BOX if shapes.formless[shape] else shapes.kinds[shape]
+        if shapes.formless[shape] and _inside(rows, count):
+            rows[count, KIND] = HERE
+        rows[count, MATRIX:] = matrix
+        count += 1
+    return rows[:count]
+
+
+@compiled
+def _inside(rows: Array, k: int) -> bool:
+    """Whether the eye is inside of a shape's box."""
+    x, y, z = abs(rows[k, START]), abs(rows[k, START + 1]), abs(rows[k, START + 2])
+    return bool(x <= rows[k, SIZE] and y <= rows[k, SIZE + 1] and z <= rows[k, SIZE + 2])
+
+
+@compiled
+def _in_shadow(others: Array, corners: Array, eye: Array) -> bool:
     """Whether one box alone hides all that lies between some corners.
 
     The shadow that a convex thing throws from an eye outside of it is convex, too.
     """
-    for shape in others:
-        if shapes.kinds[shape] != BOX:
-            continue
-        m, size = shapes.matrices[shape], shapes.sizes[shape]
-        sx, sy, sz = size[0] - GRAZE_M, size[1] - GRAZE_M, size[2] - GRAZE_M
-        x, y, z = local(m, eye - shapes.positions[shape])
-        hides = abs(x) > sx or abs(y) > sy or abs(z) > sz
-        for k in range(len(corners)):
+    for k in range(len(others)):
+        x, y, z = others[k, START], others[k, START + 1], others[k, START + 2]
+        sx, sy, sz = others[k, SIZE] - GRAZE_M, others[k, SIZE + 1] - GRAZE_M, others[k, SIZE + 2] - GRAZE_M
+        hides = others[k, KIND] == BOX and (abs(x) > sx or abs(y) > sy or abs(z) > sz)
+        for c in range(len(corners)):
             if not hides:
                 break
-            dx, dy, dz = local(m, corners[k] - eye)
+            dx, dy, dz = _turned(others, k, corners[c, 0] - eye[0], corners[c, 1] - eye[1], corners[c, 2] - eye[2])
             hides = box(sx, sy, sz, x, y, z, dx, dy, dz) <= 1.0
         if hides:
             return True
@@ -179,30 +201,55 @@ def _in_shadow(shapes: Shapes, others: Indices, corners: Array, eye: Array) -> b
 
 
 @compiled
-def _shows(shapes: Shapes, wanted: Indices, others: Indices, eye: Array, ray: Array) -> bool:
-    """Whether a ray meets a wanted shape, or the box around it, and none of the others before."""
-    nearest = INF
-    for shape in wanted:
-        nearest = min(nearest, distance_m(shapes, shape, eye, ray, True))
-    if nearest == INF:
-        return False
-    for place in range(len(others)):
-        if distance_m(shapes, others[place], eye, ray, False) < nearest - GRAZE_M:
-            others[0], others[place] = others[place], others[0]  # it mostly hides the next pixel as well
-            return False
-    return True
+def _shows(
+    wanted: Array,
+    others: Array,
+    frame: Array,
+    rays: Array,
+    rows: tuple[int, int],
+    columns: tuple[int, int],
+    least_cosine: float,
+) -> bool:
+    """Whether the ray of some pixel meets a wanted shape, and none of the others before."""
+    hider = 0
+    for row in range(rows[0], rows[1]):
+        for column in range(columns[0], columns[1]):
+            x, y, z = rays[row, column, 0], rays[row, column, 1], rays[row, column, 2]
+            if x < least_cosine:
+                continue
+            dx = frame[0] * x + frame[1] * y + frame[2] * z
+            dy = frame[3] * x + frame[4] * y + frame[5] * z
+            dz = frame[6] * x + frame[7] * y + frame[8] * z
+            nearest = INF
+            for k in range(len(wanted)):
+                nearest = min(nearest, _distance_m(wanted, k, dx, dy, dz))
+            if nearest == INF:
+                continue
+            if hider < len(others) and _distance_m(others, hider, dx, dy, dz) < nearest - GRAZE_M:
+                continue  # what hid one pixel mostly hides the next as well
+            hider = 0
+            while hider < len(others) and _distance_m(others, hider, dx, dy, dz) >= nearest - GRAZE_M:
+                hider += 1
+            if hider == len(others):
+                return True
+    return False
 
 
 @compiled
-def distance_m(shapes: Shapes, shape: int, eye: Array, ray: Array, boxed: bool) -> float:
-    """How far along a ray a shape is; what has no formula counts as its box, or not at all."""
-    matrix, size = shapes.matrices[shape], shapes.sizes[shape]
-    px, py, pz = local(matrix, eye - shapes.positions[shape])
-    dx, dy, dz = local(matrix, ray)
-    if shapes.formless[shape]:
-        if not boxed:
-            return INF
-        b = shapes.bounds[shape]
-        inside = abs(px - b[0]) <= b[3] and abs(py - b[1]) <= b[4] and abs(pz - b[2]) <= b[5]
-        return 0.0 if inside else box(b[3], b[4], b[5], px - b[0], py - b[1], pz - b[2], dx, dy, dz)
-    return surface(shapes.kinds[shape], size[0], size[1], size[2], px, py, pz, dx, dy, dz)
+def _turned(rows: Array, k: int, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """A direction of the world in the frame of a shape."""
+    return (
+        x * rows[k, MATRIX] + y * rows[k, MATRIX + 3] + z * rows[k, MATRIX + 6],
+        x * rows[k, MATRIX + 1] + y * rows[k, MATRIX + 4] + z * rows[k, MATRIX + 7],
+        x * rows[k, MATRIX + 2] + y * rows[k, MATRIX + 5] + z * rows[k, MATRIX + 8],
+    )
+
+
+@compiled
+def _distance_m(rows: Array, k: int, x: float, y: float, z: float) -> float:
+    """How far along a direction from the eye a shape is."""
+    if rows[k, KIND] == HERE:
+        return 0.0
+    dx, dy, dz = _turned(rows, k, x, y, z)
+    px, py, pz = rows[k, START], rows[k, START + 1], rows[k, START + 2]
+    return surface(int(rows[k, KIND]), rows[k, SIZE], rows[k, SIZE + 1], rows[k, SIZE + 2], px, py, pz, dx, dy, dz)

@@ -87,6 +87,11 @@ class Grasp(ByHand):
         index = next((index for index in to_try if self._free(self.arm(arm), index)), None)
         return self._miss(order.tolist()) if index is None else self._outcome(self.arm(arm), index, shoulder)
 
+    def consult(self) -> None:
+        """Note that hands were tried around the object."""
+        hand_m = self._hand.opening_m + 2 * self._hand.finger_length_m + sum(self._hand.palm_m)
+        self._here.consulted.add_balls(self.target.centers, self.target.radii_m + hand_m)
+
     @cached_property
     def _open(self) -> NDArray[np.bool_]:
         """Grasps of which nothing but the agent itself is known to be in the way, (n,)."""
@@ -171,6 +176,7 @@ class GraspAmong:
 
     def __init__(self, grasp: Grasp, stances: Stances) -> None:
         self._grasp, self._stances = grasp, stances
+        grasp.consult()
         self._reach = ReachAmong(grasp, stances, grasp.cloud)
         self.hopeful: NDArray[np.bool_] = self._reach.hopeful
 

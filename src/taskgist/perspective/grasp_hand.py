@@ -13,8 +13,9 @@ Array = NDArray[np.float64]
 
 def hand_frames(grasps: Grasps) -> Array:
     """Axes of the hand in each grasp, (n, 3, 3): columns along the approach, the closing direction, and across."""
-    across = np.cross(grasps.approaches, grasps.closings)
-    return np.stack((grasps.approaches, grasps.closings, across), axis=2)
+    a, c = grasps.approaches.T, grasps.closings.T
+    across = (a[1] * c[2] - a[2] * c[1], a[2] * c[0] - a[0] * c[2], a[0] * c[1] - a[1] * c[0])
+    return np.stack((grasps.approaches, grasps.closings, np.stack(across, axis=1)), axis=2)
 
 
 def hand_centers(grasps: Grasps, hand: Hand) -> Array:

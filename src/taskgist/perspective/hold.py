@@ -59,5 +59,7 @@ class Hold:
         return nearest <= WHOLE_ARM * arm.profile.length_m
 
     def _at_rest(self) -> bool:
-        holding = holding_of(self._here.stage, self._target.name, self._here.settings.contact)
+        contact, target = self._here.settings.contact, self._target
+        self._here.consulted.add_balls(target.centers, target.radii_m + contact.container_m)
+        holding = holding_of(self._here.stage, target.name, contact)
         return holding is not None and bool(holding.support or holding.container)

@@ -6,7 +6,6 @@ ones fail.
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Mapping
 
 from taskgist.errors import UnknownNameError
@@ -18,9 +17,9 @@ from taskgist.perspective.search import Found, least
 from taskgist.perspective.see import See
 from taskgist.perspective.standpoint import Standpoint
 from taskgist.perspective.target import Target
-from taskgist.perspective.virtual_actions import NO_ACTION, NO_KNOWN_ACTION
+from taskgist.perspective.virtual_actions import NO_ACTION, NO_KNOWN_ACTION, SIT, STAND
 from taskgist.settings import DEFAULT, Settings
-from taskgist.world import Posture, Stage, State, posture_of
+from taskgist.world import Posture, Stage, State
 
 JUDGES: Mapping[Ability, Callable[[Standpoint, Target], Judge]] = {"see": See, "reach": Reach, "grasp": Grasp}
 
@@ -113,7 +112,7 @@ def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: 
     evidence = {
         "reason": reason,
         "not_with_less": [miss.why for miss in misses],
-        "amount": dataclasses.asdict(amount),
+        "amount": dict(vars(amount)),
         **found.outcome.evidence(),
     }
     return Effort(
@@ -124,7 +123,7 @@ def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: 
         actions=found.actions or (NO_ACTION,),
         amount=amount,
         joints_rad=_joints_rad(here, found.state),
-        posture=_posture(here, found.state),
+        posture=_posture(here, found.actions),
         evidence=evidence,
         reason=reason,
     )
@@ -160,5 +159,7 @@ def _joints_rad(here: Standpoint, state: State) -> dict[str, float]:
     return {axis.joint: float(state.qpos[here.agent.joints[axis.joint]]) for axis in axes if axis}
 
 
-def _posture(here: Standpoint, state: State) -> Posture | None:
-    return posture_of(here.stage.show(state), here.agent, here.settings.contact)
+def _posture(here: Standpoint, actions: tuple[str, ...]) -> Posture | None:
+    if STAND in actions:
+        return "standing"
+    return "sitting" if SIT in actions else here.posture

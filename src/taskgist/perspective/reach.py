@@ -64,10 +64,10 @@ class ReachAmong:
         return (self._stretched(arm, index) for arm in self.able(index))
 
     def miss(self) -> Miss:
-        """Why the hopeless stances reach nothing: the one that misses the object least."""
-        return min((self._nearest_miss(arm) for arm in self._by_arm), default=NO_ARM)
-
-    def _nearest_miss(self, arm: int) -> Miss:
+        """Why the hopeless stances reach nothing: the arm that misses the object least."""
+        if not self._by_arm:
+            return NO_ARM
+        arm = min(self._by_arm, key=lambda arm: float(self._by_arm[arm].gap_m[~self.hopeful].min()))
         shoulders = self._stances.placed.shoulders[:, arm]
         return self._by_arm[arm].miss(shoulders, self._judge.arm(arm).profile, self._points, ~self.hopeful)
 

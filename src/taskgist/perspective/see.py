@@ -32,8 +32,6 @@ PARTS: tuple[tuple[str, ...], ...] = (
     ("head", "torso", "legs"),
 )
 """Parts that must be tracked to judge each level."""
-EYE_M = 0.3
-"""How far an eye moves at most while the head turns: the lever of a robot's neck, generously."""
 MARGIN_RAD = 1e-6
 """How much farther than its cone the gaze counts as hopeful."""
 
@@ -59,8 +57,11 @@ class See:
         """Level 0: in the gaze cone of the current state."""
         state = self._here.state
         self.consult(self._stage.show(state).eye(self._agent).position[None])
-        sight = self.gaze(state)
-        return self.outcome(state, {}, {}, sight) if sight.visible.any() else self._miss_now(state)
+        sight = look(self._stage, self._agent, self.target)
+        in_cone = sight.rays_in_eye[:, 0] >= math.cos(self._cone_rad)
+        if (sight.visible & in_cone).any():
+            return self.outcome(state, {}, {}, sight)
+        return self._miss_now(state, sight)
 
     def parts(self, stances: Stances) -> Sequence[Stances]:
         """Few at first: a glimpse takes its time, and mostly succeeds early."""
@@ -73,7 +74,7 @@ class See:
     def consult(self, eyes: Array) -> None:
         """Note that something was looked for between eyes, (n, 3), and the object."""
         region = self._here.consulted
-        region.add_points(eyes, EYE_M)
+        region.add_points(eyes)
         region.add_balls(self.target.centers, self.target.radii_m)
 
     def gaze(self, state: State) -> Sight:
@@ -99,9 +100,8 @@ class See:
             return Miss(off_rad, "smaller than a pixel")
         return beside_gaze(off_rad)
 
-    def _miss_now(self, state: State) -> Miss:
+    def _miss_now(self, state: State, sight: Sight) -> Miss:
         """Why the object is not seen without effort: hidden, beside the gaze or out of the field of view."""
-        sight = look(self._stage.show(state), self._agent, self.target)
         off_rad = self._off_rad(state)
         beside = f"{math.degrees(off_rad):.0f}° beside the gaze (cone {math.degrees(self._cone_rad):.0f}°)"
         if not len(sight.geoms):
@@ -135,16 +135,29 @@ class SeeAmong:
 
     def outcomes(self, index: int) -> Iterator[Outcome | Miss]:
         """The least turn of the head on the way that sees the object comes first."""
-        stance, angles = self._stances[index], self._aims.changes(index)
-        sight = self._see.gaze(stance.state.replace(angles))
+        start, steps = self._stances[index].state, self._on_the_way(index)
+        last = len(steps.eyes) - 1
+        aimed_at = start.replace(steps.changes(last))
+        sight = self._see.gaze(aimed_at)
         if not sight.visible.any():
-            yield self._see.miss(stance.state.replace(angles), sight)
+            yield self._see.miss(aimed_at, sight)
             return
-        for step in ({}, *on_the_way(stance.state, angles, self._here.settings.efforts.head_steps)):
-            state = stance.state.replace(step)
+        for step in np.flatnonzero(self._glimpsed(steps)).tolist():
+            angles = steps.changes(step) if step else {}
+            state = start.replace(angles)
             sight = self._see.gaze(state)
             if sight.visible.any():
-                yield self._see.outcome(state, step, self._turned(step), sight)
+                yield self._see.outcome(state, angles, self._turned(angles), sight)
+
+    def _on_the_way(self, index: int) -> Aims:
+        stances, steps = self._stances, self._here.settings.efforts.head_steps
+        way = on_the_way(stances.placed, stances.frames, self._aims, index, steps, self._here.actions)
+        self._see.consult(way.eyes)
+        return way
+
+    def _glimpsed(self, aims: Aims) -> NDArray[np.bool_]:
+        here, everywhere = self._here, np.ones(len(aims.eyes), dtype=np.bool_)
+        return glimpsed(here.stage, here.agent, self._see.target, (aims.eyes, aims.turned), everywhere)
 
     def miss(self) -> Miss:
         """Why the hopeless stances do not see it."""

@@ -70,10 +70,10 @@ class Stances:
     def parts(self) -> tuple[Stances, ...]:
         """The stances in parts of growing size, equal amounts together: what takes little is mostly found early."""
         keys = np.round(self.amounts, DIGITS)
-        changes = [*(np.flatnonzero((keys[1:] != keys[:-1]).any(axis=1)) + 1).tolist(), len(self)]
+        changes = np.array([*(np.flatnonzero((keys[1:] != keys[:-1]).any(axis=1)) + 1), len(self)])
         parts, start, size = [], 0, FIRST_PART
         while start < len(self):
-            end = next(change for change in changes if change >= min(start + size, len(self)))
+            end = int(changes[min(int(np.searchsorted(changes, start + size)), len(changes) - 1)])
             parts.append(self._part(slice(start, end)))
             start, size = end, size * GROWTH
         return tuple(parts)

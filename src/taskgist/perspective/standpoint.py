@@ -38,12 +38,12 @@ from taskgist.perspective.target import Target
 from taskgist.perspective.torso import Bend, bends_of
 from taskgist.perspective.virtual_actions import MOVE, SIT, STAND, TURN, Stance, checked_actions
 from taskgist.settings import DEFAULT, Settings
-from taskgist.world import Agent, Posture, Stage, State, posture_of, with_posture
+from taskgist.world import Agent, Posture, Stage, State, objects_near, posture_of, with_posture
 from taskgist.world.rotations import yaw_of
 
 Array = NDArray[np.float64]
 AROUND_M = 0.6
-"""How far around an agent what it might hold or sit down onto is looked for, at most."""
+"""How far around an agent a seat may be, at most: a thigh behind its feet."""
 NO_STANCE = {2: "the torso does not move", 3: "no other posture to take", 4: "cannot move about"}
 """Why an effort level has nothing to try."""
 
@@ -85,10 +85,20 @@ class Standpoint:
         self.consulted.add(self._own)
 
     def _own_region(self) -> Region:
-        """Where the agent is, what it might hold or sit down onto included."""
-        region, own = Region(), self.agent.geoms
+        """Where the agent is, and what it holds or might hold: with whose contacts others are compared."""
+        region, own, contact = Region(), self.agent.geoms, self.settings.contact
         region.add_balls(self.stage.geom_centers(own), self.stage.scene.model.geom_rbound[own])
-        region.grow(AROUND_M)
+        region.grow(contact.grip_m)
+        for name in objects_near(self.stage, self.agent, contact):
+            thing = self.target(name)
+            region.add_balls(thing.centers, thing.radii_m + contact.container_m)
+        return region
+
+    @cached_property
+    def _seat_region(self) -> Region:
+        """Where a seat is looked for."""
+        region = Region()
+        region.add_points(self.stage.show(self.state).geom_centers(self.agent.geoms), AROUND_M)
         return region
 
     def blocked(self, state: State) -> Blocking | None:
@@ -108,8 +118,10 @@ class Standpoint:
             yield self._here_alone
         elif level == 2:
             yield self._bent_here
-        elif level == 3 and self.other_posture is not None:
-            yield self._bent_other
+        elif level == 3:
+            self.consulted.add(self._seat_region)
+            if self.other_posture is not None:
+                yield self._bent_other
         elif level == 4:
             yield from self._displaced(target)
 

@@ -5,6 +5,8 @@ Every function takes arrays with any leading shape: quaternions (..., 4), matric
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -71,6 +73,13 @@ def rotate(wxyz: ArrayLike, vector: ArrayLike) -> Array:
 def about_z(angle_rad: float) -> Array:
     """Quaternion (4,) of a turn about the vertical."""
     return np.array([np.cos(angle_rad / 2), 0.0, 0.0, np.sin(angle_rad / 2)])
+
+
+def turned_about_z(wxyz: ArrayLike, angle_rad: float) -> Array:
+    """A quaternion (4,) turned about the world's vertical."""
+    w, x, y, z = (float(value) for value in np.asarray(wxyz))
+    cosine, sine = math.cos(angle_rad / 2), math.sin(angle_rad / 2)
+    return np.array((cosine * w - sine * z, cosine * x - sine * y, cosine * y + sine * x, cosine * z + sine * w))
 
 
 def yaw_of(wxyz: ArrayLike) -> float:
