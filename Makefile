@@ -7,7 +7,7 @@ SUDO := $(if $(filter 0,$(shell id -u)),,sudo)
 # Our matrices are small: threads of the linear algebra only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: help setup demo test lint types format bench recordings clean
+.PHONY: help setup demo test lint types format bench twins recordings clean
 
 help:  ## list the commands
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -42,7 +42,11 @@ format: $(READY)  ## format the code and mend what the linter can mend
 	$(BIN)/ruff check --fix .
 
 bench: $(READY)  ## speed, as ratios against peers
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
 	$(BIN)/python -m benchmarks
+
+twins: $(READY)  ## compare fast and slow answers of perspective in COUNT random rooms
+	$(BIN)/python -m tools.twins --count $(or $(COUNT),200)
 
 recordings: $(READY)  ## make the shipped recordings anew; KTH=FOLDER for the real ones too
 	$(BIN)/python tools/make_recordings.py $(if $(KTH),--kth $(KTH))

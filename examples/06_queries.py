@@ -1,9 +1,9 @@
 """Questions about a room: who reaches what by which actions, what A reaches and B does not see, and why."""
 
-from taskgist.perspective.queries import Perspectives, becoming_able_by
-from taskgist.perspective.queries_grammar import parse_question
-from taskgist.perspective.queries_sets import Condition, objects_where
-from taskgist.perspective.why import why
+from taskgist.perspective.queries.asking import Perspectives, becoming_able_by
+from taskgist.perspective.queries.grammar import parse_question
+from taskgist.perspective.queries.sets import Condition, objects_where
+from taskgist.perspective.queries.why import why
 from taskgist.world import Scene, Stage
 
 ROOM = """<mujoco><worldbody>

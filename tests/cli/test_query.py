@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from taskgist.perspective import ABILITIES, EFFORT_NAMES
-from taskgist.perspective.queries import Perspectives
-from taskgist.perspective.why import why
+from taskgist.perspective.queries.asking import Perspectives
+from taskgist.perspective.queries.why import why
 from taskgist.world import Scene, Stage
 from tests.cli.running import refusal, run, run_json
 from tests.shipped import PATHS

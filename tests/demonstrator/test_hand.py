@@ -10,7 +10,7 @@ from taskgist.demonstrator.hand import STEP_M, UP, HandPose, around, sampled, up
 from taskgist.demonstrator.living_room import TABLE, on_table
 from taskgist.demonstrator.room import Room
 from taskgist.world import Stage
-from taskgist.world.rotations import about_z, matrix_from_wxyz, multiply, normalized
+from taskgist.world.geometry.rotations import about_z, matrix_from_wxyz, multiply, normalized
 
 angles = st.floats(-3.0, 3.0)
 

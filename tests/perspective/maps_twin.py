@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from taskgist.perspective import Ability
 from taskgist.settings import Settings
 from taskgist.world import Stage
-from taskgist.world.rotations import about_z, multiply, yaw_of
+from taskgist.world.geometry.rotations import about_z, multiply, yaw_of
 from tests.perspective.twin import Twin
 from tests.perspective.twin_states import Candidate
 from tests.perspective.twin_world import SEEN_MASK, UNSEEN

@@ -11,7 +11,7 @@ import numpy as np
 
 from taskgist.settings import Efforts, Grasp, Settings
 from taskgist.world import Scene, Stage
-from taskgist.world.profile import builtin_profile_text
+from taskgist.world.body.profile import builtin_profile_text
 
 COARSE = Settings(
     efforts=replace(

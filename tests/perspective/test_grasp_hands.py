@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import Effort, least_effort
-from taskgist.perspective.grasp_hand import hand_centers, hand_frames, hand_poses
-from taskgist.perspective.grasp_samples import grasps_in_object, sample_grasps
-from taskgist.perspective.grasps import Grasps
+from taskgist.perspective.grasping.grasps import Grasps
+from taskgist.perspective.grasping.hand import hand_centers, hand_frames, hand_poses
+from taskgist.perspective.grasping.samples import grasps_in_object, sample_grasps
 from taskgist.settings import DEFAULT
 from taskgist.world import HAND_KINDS, Hand, HandKind, Scene, Stage, hand_boxes
-from taskgist.world.profile import builtin_profile_text
+from taskgist.world.body.profile import builtin_profile_text
 from tests.perspective.rooms import Person, Room, Thing
 
 HERE_ONLY = replace(DEFAULT, efforts=replace(DEFAULT.efforts, move_radius_m=0.0))

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import Effort, least_effort
-from taskgist.perspective.grasp_samples import grasps_in_object
-from taskgist.perspective.grasps import Grasps
+from taskgist.perspective.grasping.grasps import Grasps
+from taskgist.perspective.grasping.samples import grasps_in_object
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage
 from tests import meshes

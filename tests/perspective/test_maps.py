@@ -13,10 +13,10 @@ import pytest
 
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.perspective import Ability, Standpoint, effort_from
-from taskgist.perspective.maps import AbilityMap, ability_map
-from taskgist.perspective.maps_grid import Grid
-from taskgist.perspective.maps_solid import solid_cells
-from taskgist.perspective.maps_zone import Zone
+from taskgist.perspective.maps.ability_map import AbilityMap, ability_map
+from taskgist.perspective.maps.grid import Grid
+from taskgist.perspective.maps.solid import solid_cells
+from taskgist.perspective.maps.zone import Zone
 from taskgist.settings import DEFAULT, Maps
 from taskgist.world import Stage, State
 from tests.perspective.maps_twin import MapTwin

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import Ability, Effort, least_effort
-from taskgist.perspective.grasp_hand import hand_poses
-from taskgist.perspective.grasp_samples import around, grasps_in_object, sample_grasps
-from taskgist.perspective.sector import Cloud, reaching
+from taskgist.perspective.grasping.hand import hand_poses
+from taskgist.perspective.grasping.samples import around, grasps_in_object, sample_grasps
+from taskgist.perspective.reaching.sector import Cloud, reaching
 from taskgist.settings import DEFAULT
 from taskgist.world import ArmIndices, Pose, Scene, Stage
 from tests.perspective.rooms import Person, Room, Thing, table, wall

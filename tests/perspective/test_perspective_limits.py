@@ -11,12 +11,12 @@ import pytest
 
 from taskgist.errors import UnknownNameError
 from taskgist.perspective import ABILITIES, Ability, Amount, Effort, Standpoint, able, least_effort, view_of, visibility
-from taskgist.perspective.aim import aimed
-from taskgist.perspective.floor import Floor, Place, moved
+from taskgist.perspective.acting.floor import Floor, Place, moved
+from taskgist.perspective.acting.stances import Stances
+from taskgist.perspective.acting.virtual_actions import Stance, actions_of
 from taskgist.perspective.judge import Miss, Outcome
 from taskgist.perspective.search import Found, least
-from taskgist.perspective.stances import Stances
-from taskgist.perspective.virtual_actions import Stance, actions_of
+from taskgist.perspective.seeing.aim import aimed
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage
 from tests.perspective.rooms import COARSE, Person, Room, Thing, chair, table, wall

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from taskgist.errors import InputError, UnknownNameError
-from taskgist.perspective.maps import AbilityMap, ability_map
-from taskgist.perspective.maps_file import read_maps, write_maps
-from taskgist.perspective.maps_grid import Grid
-from taskgist.perspective.maps_where import zone_where
-from taskgist.perspective.maps_zone import Zone
-from taskgist.perspective.places import Place, places_for
-from taskgist.perspective.queries import Perspectives
-from taskgist.perspective.queries_grammar import parse_question
+from taskgist.perspective.maps.ability_map import AbilityMap, ability_map
+from taskgist.perspective.maps.file import read_maps, write_maps
+from taskgist.perspective.maps.grid import Grid
+from taskgist.perspective.maps.places import Place, places_for
+from taskgist.perspective.maps.where import zone_where
+from taskgist.perspective.maps.zone import Zone
+from taskgist.perspective.queries.asking import Perspectives
+from taskgist.perspective.queries.grammar import parse_question
 from taskgist.world import Stage, State
 from tests.perspective.rooms import Person, Room, Thing, chair, table
 from tests.perspective.test_maps import SMALL

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.perspective import ABILITIES, Ability, Standpoint, able, least_effort
-from taskgist.perspective import queries as queries_module
-from taskgist.perspective.queries import Chosen, Perspectives, able_by, becoming_able_by
-from taskgist.perspective.queries_grammar import parse_question
-from taskgist.perspective.queries_sets import Condition, Question, objects_where
+from taskgist.perspective.queries import asking as queries_module
+from taskgist.perspective.queries.asking import Chosen, Perspectives, able_by, becoming_able_by
+from taskgist.perspective.queries.grammar import parse_question
+from taskgist.perspective.queries.sets import Condition, Question, objects_where
 from taskgist.world import Stage, State
 from tests.perspective.rooms import COARSE, Person, Room, Thing, chair, wall
 

@@ -8,8 +8,8 @@ import re
 import pytest
 
 from taskgist.perspective import ABILITIES, Ability
-from taskgist.perspective.queries import Perspectives
-from taskgist.perspective.why import gerunds, listed, why
+from taskgist.perspective.queries.asking import Perspectives
+from taskgist.perspective.queries.why import gerunds, listed, why
 from taskgist.world import Hold, Stage, State
 from tests.perspective.rooms import COARSE, Person, Room, Thing, chair, random_room, table, wall
 

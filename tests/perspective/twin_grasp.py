@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from taskgist.perspective.grasp_hand import hand_poses
-from taskgist.perspective.grasp_samples import sample_grasps
+from taskgist.perspective.grasping.hand import hand_poses
+from taskgist.perspective.grasping.samples import sample_grasps
 from taskgist.world import ArmIndices, Pose
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.world.rotations import about_z, matrix_from_wxyz
+from taskgist.world.geometry.rotations import about_z, matrix_from_wxyz
 from tests.recording.skeletons import NAMES, RATE_HZ, standing
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ import numpy as np
 
 from taskgist.recording import Label, Provenance, Recording
 from taskgist.world import Scene
-from taskgist.world.rotations import about_z
+from taskgist.world.geometry.rotations import about_z
 from tests.scenes import TABLE, agent, box, cylinder, scene
 
 DOOR = """<body name="door" pos="0 2 1"><joint name="hinge" axis="0 0 1"/>

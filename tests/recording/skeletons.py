@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from taskgist.recording import Tracks, load_mapping, read_tracks
 from taskgist.recording.rotations import wxyz_from_rotation_vector
-from taskgist.world.rotations import about_z, matrix_from_wxyz, multiply
+from taskgist.world.geometry.rotations import about_z, matrix_from_wxyz, multiply
 
 Array = NDArray[np.float64]
 

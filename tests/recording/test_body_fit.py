@@ -9,7 +9,7 @@ from taskgist.recording import Recording, import_recording, load_mapping, read, 
 from taskgist.recording.body_size import estimate_size, stands
 from taskgist.settings import DEFAULT
 from taskgist.world import Fitter, Scene, Stage, posture_of
-from taskgist.world.rotations import about_z, matrix_from_wxyz
+from taskgist.world.geometry.rotations import about_z, matrix_from_wxyz
 from tests.recording.skeletons import NAMES as KEYPOINTS
 from tests.recording.skeletons import standing
 from tests.scenes import CHAIR, agent, scene

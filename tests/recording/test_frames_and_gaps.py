@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from taskgist.recording.rotations import matrix_from_euler, slerp
 from taskgist.recording.tables import Track
 from taskgist.recording.tracks.resample import resample
-from taskgist.world.rotations import about_z, matrix_from_wxyz, rotate
+from taskgist.world.geometry.rotations import about_z, matrix_from_wxyz, rotate
 from tests.recording.skeletons import (
     TIMES_S,
     Array,

@@ -10,7 +10,7 @@ import pytest
 
 from taskgist.recording import Tracks
 from taskgist.recording.rotations import wxyz_from_rotation_vector
-from taskgist.world.rotations import matrix_from_wxyz
+from taskgist.world.geometry.rotations import matrix_from_wxyz
 from tests.recording.skeletons import (
     NAMES,
     POINTS,

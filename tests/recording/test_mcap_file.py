@@ -20,7 +20,7 @@ from taskgist.recording.foxglove_schemas import FRAME_TRANSFORMS, SCENE_UPDATE
 from taskgist.recording.rounding import rounded
 from taskgist.recording.state_message import encode
 from taskgist.world import Stage
-from taskgist.world.rotations import matrix_from_wxyz
+from taskgist.world.geometry.rotations import matrix_from_wxyz
 from tests.recording.recordings import FRAMES, LABEL, recording, room
 
 

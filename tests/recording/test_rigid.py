@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from taskgist.recording.rotations import wxyz_from_rotation_vector
 from taskgist.recording.tracks.rigid import completed
-from taskgist.world.rotations import matrix_from_wxyz
+from taskgist.world.geometry.rotations import matrix_from_wxyz
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import pytest
 
 from taskgist.errors import MappingError
 from taskgist.recording import Mapping, load_mapping, read_tracks
-from taskgist.world.rotations import about_z
+from taskgist.world.geometry.rotations import about_z
 from tests.recording.skeletons import NAMES, Array, standing, write_csv
 
 BONES = {

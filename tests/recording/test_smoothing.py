@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from taskgist.recording.tables import Track
 from taskgist.recording.tables.smoothing import smoothed
-from taskgist.world.rotations import about_z
+from taskgist.world.geometry.rotations import about_z
 
 SEEDED = settings(derandomize=True, deadline=None, max_examples=25)
 ONES = np.ones(3)

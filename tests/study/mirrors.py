@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from taskgist.recording import Recording
 from taskgist.world import Scene
-from taskgist.world.rotations import about_z, multiply
+from taskgist.world.geometry.rotations import about_z, multiply
 
 Array = NDArray[np.float64]
 Change = Callable[[Array], Array]

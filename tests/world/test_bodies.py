@@ -10,7 +10,7 @@ import pytest
 
 from taskgist.perspective import ABILITIES, able, actions_of, least_effort, view_of, visibility
 from taskgist.world import Scene, Stage, overlaps
-from taskgist.world.shapes import lowest_point
+from taskgist.world.geometry.shapes import lowest_point
 from tests.bodies import EVERY_BODY, needs, room, standing
 from tests.perspective.rooms import COARSE
 

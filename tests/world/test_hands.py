@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.world import HAND_KINDS, Hand, HandBox, HandKind, hand_boxes
-from taskgist.world.hands import FINGER_WIDTH_M, SPREAD_M, parse_hand
-from taskgist.world.profile import builtin_profile_text
-from taskgist.world.solids import distances_outside_m, spans_m
+from taskgist.world.body.hands import FINGER_WIDTH_M, SPREAD_M, parse_hand
+from taskgist.world.body.profile import builtin_profile_text
+from taskgist.world.geometry.solids import distances_outside_m, spans_m
 from taskgist.world.toml_table import TomlTable
 from tests.meshes import mesh_scene
 

@@ -10,10 +10,10 @@ import pytest
 
 from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.world import Scene, Stage
-from taskgist.world.body_check import BODY, check_body
-from taskgist.world.frames import Frame
-from taskgist.world.profile import AgentProfile, builtin_profile_text, builtin_profiles
-from taskgist.world.profile_file import examine_profile, parse_profile
+from taskgist.world.body.check import BODY, check_body
+from taskgist.world.body.frames import Frame
+from taskgist.world.body.profile import AgentProfile, builtin_profile_text, builtin_profiles
+from taskgist.world.body.profile_file import examine_profile, parse_profile
 from tests.bodies import needs
 
 MODEL = """<mujoco><compiler angle="degree" autolimits="true"/><worldbody><body name="base" pos="0 0 7">

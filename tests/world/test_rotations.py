@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from taskgist.world import rotations as r
+from taskgist.world.geometry import rotations as r
 
 quaternions = arrays(float, 4, elements=st.floats(-1, 1)).filter(lambda q: np.linalg.norm(q) > 0.1).map(r.normalized)
 vectors = arrays(float, 3, elements=st.floats(-10, 10))

@@ -13,9 +13,9 @@ from taskgist.errors import SceneError
 from taskgist.perspective import visibility
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, support_of
-from taskgist.world.collada import STL_TRIANGLE, stl_from_dae
-from taskgist.world.packages import find_file
-from taskgist.world.urdf import flat_name, is_urdf, read_urdf
+from taskgist.world.body.collada import STL_TRIANGLE, stl_from_dae
+from taskgist.world.body.packages import find_file
+from taskgist.world.body.urdf import flat_name, is_urdf, read_urdf
 from tests.bodies import URDFS, is_there, needs
 
 ROOM = """<?xml version="1.0"?>

@@ -12,7 +12,7 @@ from taskgist.cli.files import check_target
 from taskgist.cli.output import FAILED, OK, JsonOption, command, print_json
 from taskgist.errors import InputError
 from taskgist.world import Stage
-from taskgist.world.body_check import BODY, check_body
+from taskgist.world.body.check import BODY, check_body
 
 agent_app = typer.Typer(help="Bodies: check an agent profile, human or robot.", no_args_is_help=True)
 

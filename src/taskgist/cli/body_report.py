@@ -11,8 +11,8 @@ from rich.text import Text
 from taskgist.cli.output import console
 from taskgist.perspective import view_of
 from taskgist.world import Stage
-from taskgist.world.body_check import BODY, BodyCheck
-from taskgist.world.profile import DERIVED_M, Axis
+from taskgist.world.body.check import BODY, BodyCheck
+from taskgist.world.body.profile import DERIVED_M, Axis
 
 
 def found_in(result: BodyCheck) -> dict[str, object]:

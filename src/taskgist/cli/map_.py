@@ -15,13 +15,13 @@ from taskgist.cli.where import AtOption, WhereArgument, open_stage
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.files import replacing
 from taskgist.perspective import EFFORT_NAMES, Ability
-from taskgist.perspective.maps import TRIALS, AbilityMap, ability_map
-from taskgist.perspective.maps_file import write_maps
-from taskgist.perspective.maps_where import zone_where
-from taskgist.perspective.maps_zone import Zone
-from taskgist.perspective.places import Place, places_for
-from taskgist.perspective.queries import Perspectives
-from taskgist.perspective.queries_grammar import parse_question
+from taskgist.perspective.maps.ability_map import TRIALS, AbilityMap, ability_map
+from taskgist.perspective.maps.file import write_maps
+from taskgist.perspective.maps.places import Place, places_for
+from taskgist.perspective.maps.where import zone_where
+from taskgist.perspective.maps.zone import Zone
+from taskgist.perspective.queries.asking import Perspectives
+from taskgist.perspective.queries.grammar import parse_question
 from taskgist.world import Stage
 
 

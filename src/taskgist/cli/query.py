@@ -14,10 +14,10 @@ from taskgist.cli.output import FAILED, OK, JsonOption, command, console, print_
 from taskgist.cli.where import AtOption, WhereArgument, open_stage
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.perspective import ABILITIES, Ability, Effort
-from taskgist.perspective.queries import Perspectives, able_by, becoming_able_by
-from taskgist.perspective.queries_grammar import parse_question
-from taskgist.perspective.queries_sets import objects_where
-from taskgist.perspective.why import why
+from taskgist.perspective.queries.asking import Perspectives, able_by, becoming_able_by
+from taskgist.perspective.queries.grammar import parse_question
+from taskgist.perspective.queries.sets import objects_where
+from taskgist.perspective.queries.why import why
 
 WIDTH = 28
 """Columns of an answer in a table."""

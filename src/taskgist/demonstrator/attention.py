@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from taskgist.demonstrator.gaze import Fixation, subject_place
 from taskgist.world import Stage, State
-from taskgist.world.rotations import normalized
+from taskgist.world.geometry.rotations import normalized
 
 Array = NDArray[np.float64]
 

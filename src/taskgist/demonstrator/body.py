@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from taskgist.demonstrator.hand import SIGNS, UP, HandPose, upright
 from taskgist.errors import SceneError
 from taskgist.world import Fitter, Scene, Stage, State
-from taskgist.world.rotations import rotate, yaw_of
+from taskgist.world.geometry.rotations import rotate, yaw_of
 
 Array = NDArray[np.float64]
 

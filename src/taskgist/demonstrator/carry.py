@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from taskgist.demonstrator.hand import HandPose
 from taskgist.demonstrator.motion import minimum_jerk
-from taskgist.world.rotations import matrix_from_wxyz, normalized, wxyz_from_matrix
+from taskgist.world.geometry.rotations import matrix_from_wxyz, normalized, wxyz_from_matrix
 
 Array = NDArray[np.float64]
 

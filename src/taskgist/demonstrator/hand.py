@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.world import Stage, object_points
-from taskgist.world.rotations import about_z, normalized, rotate
+from taskgist.world.geometry.rotations import about_z, normalized, rotate
 
 Array = NDArray[np.float64]
 

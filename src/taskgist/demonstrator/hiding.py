@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from taskgist.errors import SceneError
 from taskgist.world import Scene, Stage, object_points
-from taskgist.world.rotations import normalized
+from taskgist.world.geometry.rotations import normalized
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from taskgist.demonstrator.body import Body
 from taskgist.world import Scene, Stage, object_points
-from taskgist.world.rotations import normalized
+from taskgist.world.geometry.rotations import normalized
 
 Array = NDArray[np.float64]
 

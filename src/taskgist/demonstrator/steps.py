@@ -12,7 +12,7 @@ from taskgist.demonstrator.acting import Acting
 from taskgist.demonstrator.hand import UP, HandPose, around, sampled
 from taskgist.demonstrator.places import half_height_m, lift_m
 from taskgist.world import Stage
-from taskgist.world.rotations import about_z, multiply
+from taskgist.world.geometry.rotations import about_z, multiply
 
 Array = NDArray[np.float64]
 

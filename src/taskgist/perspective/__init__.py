@@ -1,13 +1,13 @@
 """Perspective: what an agent sees, reaches and grasps, now and after virtual actions, with what effort (5.1)."""
 
-from taskgist.perspective.constraints import Blocking
+from taskgist.perspective.acting.constraints import Blocking
+from taskgist.perspective.acting.standpoint import Standpoint
+from taskgist.perspective.acting.virtual_actions import NO_ACTION, NO_KNOWN_ACTION, Amount, actions_of
 from taskgist.perspective.effort import ABILITIES, EFFORT_NAMES, NO_KNOWN_LEVEL, Ability, Effort
-from taskgist.perspective.image import View, view_of
 from taskgist.perspective.least_effort import able, effort_from, least_effort
-from taskgist.perspective.queries import actions_for, objects_with
-from taskgist.perspective.standpoint import Standpoint
-from taskgist.perspective.virtual_actions import NO_ACTION, NO_KNOWN_ACTION, Amount, actions_of
-from taskgist.perspective.visibility import Visibility, visibility
+from taskgist.perspective.queries.asking import actions_for, objects_with
+from taskgist.perspective.seeing.image import View, view_of
+from taskgist.perspective.seeing.visibility import Visibility, visibility
 
 __all__ = [
     "ABILITIES",

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-from taskgist.perspective.virtual_actions import Amount
+from taskgist.perspective.acting.virtual_actions import Amount
 from taskgist.world import Posture
 
 Ability = Literal["see", "reach", "grasp"]

@@ -13,15 +13,17 @@ moved. The region of an answer holds all that was looked through, felt for or wa
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.perspective.acting.floor import NOTHING, Place
+from taskgist.perspective.acting.region import touched
+from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.effort import ABILITIES, Ability, Effort
 from taskgist.perspective.least_effort import effort_from
-from taskgist.perspective.region import touched
-from taskgist.perspective.standpoint import Standpoint
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Scene, Stage, State
 
@@ -62,6 +64,9 @@ class Follower:
         ]
         self._row = {question: row for row, question in enumerate(self._questions)}
         self._regions = np.full((len(self._questions), 2, 3), np.nan)
+        self._walked = np.zeros(len(self._questions), dtype=np.bool_)
+        self._heres: dict[str, Standpoint] = {}
+        self._floors: dict[str, tuple[Place, ...]] = {}
         self._efforts: dict[Question, Effort] = {}
         self._last: State | None = None
         self._places: tuple[Array, Array] = (np.empty((0, 3)), np.empty((0, 9)))
@@ -76,40 +81,65 @@ class Follower:
         Returns:
             Efforts by agent, object and ability: what ``all_efforts`` would give.
         """
-        self._stage.show(state)
-        stale = self._stale(state)
+        moved = self._moved(self._stage.show(state))
+        stale = np.ones(len(self._questions), dtype=np.bool_) if moved is None else self._crossed(moved)
         for agent in self._stage.scene.agents:
-            questions = [question for question in stale if question[0] == agent]
-            if questions:
-                self._ask(Standpoint(self._stage.show(state), agent, self._settings), questions)
+            self._renew(agent, state, moved, stale)
+        for row in np.flatnonzero(stale).tolist():
+            self._ask(row)
+        self._floors = {agent: here.floor_places for agent, here in self._heres.items() if self._has_walked(agent)}
         self._last = state
-        self.asked_count = len(stale)
+        self.asked_count = int(stale.sum())
         return MappingProxyType(dict(self._efforts))
 
-    def _ask(self, here: Standpoint, questions: list[Question]) -> None:
-        for question in questions:
-            self._efforts[question] = effort_from(here, question[1], question[2])
-            self._regions[self._row[question]] = here.consulted.bounds
+    def _ask(self, row: int) -> None:
+        agent, name, ability = question = self._questions[row]
+        here = self._heres[agent]
+        self._efforts[question] = effort_from(here, name, ability)
+        self._regions[row], self._walked[row] = here.consulted.bounds, here.walked
 
-    def _stale(self, state: State) -> list[Question]:
-        """Questions whose answers may differ from the last ones."""
-        scene = self._stage.scene
-        every = np.arange(scene.model.ngeom)
-        before, self._places = self._places, self._stage.geoms(every)
-        last = self._last
-        if last is None or last.untracked != state.untracked or last.holding != state.holding:
-            return self._questions
-        moved = np.flatnonzero((before[0] != self._places[0]).any(axis=1) | (before[1] != self._places[1]).any(axis=1))
-        owners = {scene.owners[geom] for geom in moved.tolist()}
-        crossed = touched(self._regions, self._swept(moved, before[0]))
-        return [
-            question
-            for row, question in enumerate(self._questions)
-            if crossed[row] or question[0] in owners or question[1] in owners
-        ]
+    def _renew(self, agent: str, state: State, moved: Moved | None, stale: NDArray[np.bool_]) -> None:
+        """Take an agent's standpoint in the new state; if it can now get elsewhere, what made use of that is stale."""
+        before = self._heres.get(agent)
+        stays = moved is not None and before is not None and agent not in moved.owners
+        known = before.floor_after(moved.boxes) if moved and before and stays else NOTHING
+        here = Standpoint(self._stage.show(state), agent, self._settings, known_floor=known)
+        self._heres[agent] = here
+        if stays and agent in self._floors and self._floors[agent] != here.floor_places:
+            stale |= self._rows_of(agent) & self._walked
 
-    def _swept(self, moved: NDArray[np.intp], before: Array) -> Array:
-        """Boxes that hold each moved shape where it was and where it is, (k, 2, 3)."""
-        radii_m = self._stage.scene.model.geom_rbound[moved][:, None]
-        places = np.stack((before[moved], self._places[0][moved]))
-        return np.stack((places.min(axis=0) - radii_m, places.max(axis=0) + radii_m), axis=1)
+    def _rows_of(self, agent: str) -> NDArray[np.bool_]:
+        return np.array([question[0] == agent for question in self._questions])
+
+    def _has_walked(self, agent: str) -> bool:
+        return bool((self._rows_of(agent) & self._walked).any())
+
+    def _moved(self, stage: Stage) -> Moved | None:
+        """What moved since the last state; None if anything may have."""
+        scene, last = stage.scene, self._last
+        before, self._places = self._places, stage.geoms(np.arange(scene.model.ngeom))
+        if last is None or last.untracked != stage.state.untracked or last.holding != stage.state.holding:
+            return None
+        geoms = np.flatnonzero((before[0] != self._places[0]).any(axis=1) | (before[1] != self._places[1]).any(axis=1))
+        radii_m = scene.model.geom_rbound[geoms][:, None]
+        places = np.stack((before[0][geoms], self._places[0][geoms]))
+        boxes = np.stack((places.min(axis=0) - radii_m, places.max(axis=0) + radii_m), axis=1)
+        return Moved(frozenset(scene.owners[geom] for geom in geoms.tolist()), boxes)
+
+    def _crossed(self, moved: Moved) -> NDArray[np.bool_]:
+        """Questions about what moved, and those in whose region something did."""
+        asked = np.array([not moved.owners.isdisjoint(question[:2]) for question in self._questions])
+        return np.asarray(asked | touched(self._regions, moved.boxes))
+
+
+@dataclass(frozen=True, eq=False)
+class Moved:
+    """What moved between two states.
+
+    Attributes:
+        owners: Agents and objects.
+        boxes: Boxes that hold each moved shape where it was and where it is, metres, (k, 2, 3).
+    """
+
+    owners: frozenset[str]
+    boxes: Array

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.stances import Stances
+from taskgist.perspective.acting.stances import Stances
 from taskgist.world import State
 
 

@@ -9,15 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from taskgist.errors import UnknownNameError
+from taskgist.perspective.acting.standpoint import Standpoint
+from taskgist.perspective.acting.virtual_actions import NO_ACTION, NO_KNOWN_ACTION, SIT, STAND
 from taskgist.perspective.effort import ABILITIES, NO_KNOWN_LEVEL, Ability, Effort
-from taskgist.perspective.grasp import Grasp
+from taskgist.perspective.grasping.grasp import Grasp
 from taskgist.perspective.judge import Judge, Miss
-from taskgist.perspective.reach import Reach
+from taskgist.perspective.reaching.reach import Reach
 from taskgist.perspective.search import Found, least
-from taskgist.perspective.see import See
-from taskgist.perspective.standpoint import Standpoint
+from taskgist.perspective.seeing.see import See
 from taskgist.perspective.target import Target
-from taskgist.perspective.virtual_actions import NO_ACTION, NO_KNOWN_ACTION, SIT, STAND
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Posture, Stage, State
 

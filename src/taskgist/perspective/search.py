@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.perspective.acting.standpoint import Standpoint
+from taskgist.perspective.acting.virtual_actions import Amount, Stance
 from taskgist.perspective.judge import Among, Judge, Miss, Outcome
-from taskgist.perspective.standpoint import Standpoint
-from taskgist.perspective.virtual_actions import Amount, Stance
 from taskgist.world import State
 
 HEAD = "head"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.errors import SceneError
-from taskgist.world.anthropometry import SHARES, HumanSize
+from taskgist.world.body.anthropometry import SHARES, HumanSize
 
 Array = NDArray[np.float64]
 Points = Mapping[str, Array]

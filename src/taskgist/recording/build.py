@@ -16,7 +16,7 @@ from taskgist.recording.mapping.model import Shape, Support
 from taskgist.recording.recording import Recording
 from taskgist.recording.tracks import ObjectTrack, Tracks, read_tracks
 from taskgist.world import HumanSize, Scene
-from taskgist.world.rotations import about_z
+from taskgist.world.geometry.rotations import about_z
 
 Progress = Callable[[str, float], None]
 """Called with what is being done and how far it is, from 0 to 1."""

@@ -12,7 +12,7 @@ from taskgist.recording.foxglove_shapes import LISTS, Message, primitives
 from taskgist.recording.recording import Recording
 from taskgist.recording.rounding import nanoseconds
 from taskgist.world import Pose, Stage, State
-from taskgist.world.rotations import matrix_from_wxyz, wxyz_from_matrix
+from taskgist.world.geometry.rotations import matrix_from_wxyz, wxyz_from_matrix
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from taskgist.world import Pose, Scene
-from taskgist.world.rotations import wxyz_from_matrix
+from taskgist.world.geometry.rotations import wxyz_from_matrix
 
 Message = dict[str, Any]
 Drawn = Iterator[tuple[str, Message]]

@@ -31,6 +31,7 @@ _DAMAGE = (
     KeyError,
     IndexError,
     MemoryError,
+    OverflowError,  # a length that no file has
 )
 
 

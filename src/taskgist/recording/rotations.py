@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.world.rotations import matrix_from_wxyz, wxyz_from_matrix
+from taskgist.world.geometry.rotations import matrix_from_wxyz, wxyz_from_matrix
 
 Array = NDArray[np.float64]
 

@@ -13,14 +13,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from taskgist.perspective.maps import AbilityMap
-from taskgist.perspective.maps_grid import Grid
-from taskgist.perspective.maps_zone import Zone
-from taskgist.perspective.places import Place
+from taskgist.perspective.maps.ability_map import AbilityMap
+from taskgist.perspective.maps.grid import Grid
+from taskgist.perspective.maps.places import Place
+from taskgist.perspective.maps.zone import Zone
 from taskgist.view.rendering import looking, pinhole, render
 from taskgist.view.saving import save_figure
 from taskgist.world import Pose, Stage
-from taskgist.world.rotations import yaw_of
+from taskgist.world.geometry.rotations import yaw_of
 
 Array = NDArray[np.float64]
 COLOURS = ((0.99, 0.80, 0.18), (0.50, 0.76, 0.25), (0.13, 0.60, 0.54), (0.20, 0.40, 0.66), (0.36, 0.17, 0.47))

@@ -1,20 +1,20 @@
 """World (level 4): bodies, agent profiles, scenes, states, rays, contacts, and fitting a body to tracked points."""
 
-from taskgist.world.agent import Agent, ArmIndices
-from taskgist.world.anthropometry import HumanSize
+from taskgist.world.body.agent import Agent, ArmIndices
+from taskgist.world.body.anthropometry import HumanSize
+from taskgist.world.body.hands import HAND_KINDS, Hand, HandBox, HandKind, hand_boxes
+from taskgist.world.body.postures import posture_of, seat_position, with_posture
+from taskgist.world.body.profile import AgentProfile, Arm, Eye, Posture, builtin_profiles
 from taskgist.world.contacts import container_of, object_points, overlaps, support_of
 from taskgist.world.fit import Fit, Fitter, landmarks
-from taskgist.world.hands import HAND_KINDS, Hand, HandBox, HandKind, hand_boxes
+from taskgist.world.geometry.linkage import Linkage
+from taskgist.world.geometry.pose import Pose
+from taskgist.world.geometry.rays import Shapes
+from taskgist.world.geometry.shapes import inner_points
+from taskgist.world.geometry.solids import distances_outside_m, spans_m
 from taskgist.world.holding import Holding, hand_gap_m, hand_known, holding_of, objects_near, rests_on
 from taskgist.world.holding_watch import HoldingWatch
-from taskgist.world.linkage import Linkage
-from taskgist.world.pose import Pose
-from taskgist.world.postures import posture_of, seat_position, with_posture
-from taskgist.world.profile import AgentProfile, Arm, Eye, Posture, builtin_profiles
-from taskgist.world.rays import Shapes
 from taskgist.world.scene import Scene
-from taskgist.world.shapes import inner_points
-from taskgist.world.solids import distances_outside_m, spans_m
 from taskgist.world.stage import Stage
 from taskgist.world.state import Hold, State
 from taskgist.world.window import Around, SlidingWindow, velocity

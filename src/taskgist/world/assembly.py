@@ -9,21 +9,21 @@ from dataclasses import dataclass
 import mujoco
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.agent import Agent, resolve_agent
-from taskgist.world.anthropometry import HumanSize
-from taskgist.world.bounds import bound_all_shapes
-from taskgist.world.decomposition import decompose
-from taskgist.world.frames import add_frame
-from taskgist.world.hands import add_ghosts
-from taskgist.world.model_files import BUILDERS, body_files, builtin_models, is_found_anywhere, read_model
-from taskgist.world.named import name_problems
-from taskgist.world.placing import placed
-from taskgist.world.profile import AgentProfile, builtin_profile_text
-from taskgist.world.profile_file import parse_profile
+from taskgist.world.body.agent import Agent, resolve_agent
+from taskgist.world.body.anthropometry import HumanSize
+from taskgist.world.body.frames import add_frame
+from taskgist.world.body.hands import add_ghosts
+from taskgist.world.body.model_files import BUILDERS, body_files, builtin_models, is_found_anywhere, read_model
+from taskgist.world.body.named import name_problems
+from taskgist.world.body.placing import placed
+from taskgist.world.body.profile import AgentProfile, builtin_profile_text
+from taskgist.world.body.profile_file import parse_profile
+from taskgist.world.body.sizes import size_problems
+from taskgist.world.body.urdf import COLLISION_GROUP
+from taskgist.world.geometry.bounds import bound_all_shapes
+from taskgist.world.geometry.decomposition import decompose
 from taskgist.world.scene_file import DEFAULT_STATURE_M, STATURE, AgentEntry, SceneFile
-from taskgist.world.sizes import size_problems
 from taskgist.world.state import State
-from taskgist.world.urdf import COLLISION_GROUP
 
 mujoco.set_mju_user_warning(logging.getLogger("taskgist.world").warning)  # otherwise MuJoCo writes a file of its own
 

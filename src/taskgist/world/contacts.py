@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.settings import Contact
-from taskgist.world.shapes import lowest_point
+from taskgist.world.geometry.shapes import lowest_point
 from taskgist.world.stage import Stage
 
 Array = NDArray[np.float64]

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.errors import UnknownNameError
-from taskgist.world.agent import Agent
+from taskgist.world.body.agent import Agent
 from taskgist.world.fit_tasks import DirectionsTask, PointsTask
 from taskgist.world.scene import Scene
 from taskgist.world.state import State

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from taskgist.settings import Contact
-from taskgist.world.agent import Agent, ArmIndices
+from taskgist.world.body.agent import Agent, ArmIndices
 from taskgist.world.contacts import container_of, support_of
 from taskgist.world.stage import Stage
 from taskgist.world.state import Hold

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.settings import Contact
-from taskgist.world.agent import Agent, ArmIndices
+from taskgist.world.body.agent import Agent, ArmIndices
 from taskgist.world.holding import hand_known, is_near
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage

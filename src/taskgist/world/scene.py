@@ -13,7 +13,7 @@ A scene file is a short TOML document beside the model::
     position_m = [-0.8, 0.0]           # floor point beneath the pelvis (or base)
     yaw_deg = 0                        # heading; 0 looks along +x
     posture = "sitting"                # the seat is found beneath; default: standing
-    body = { stature_m = 1.75 }        # optional sizes, see world/anthropometry.py
+    body = { stature_m = 1.75 }        # optional sizes, see world/body/anthropometry.py
     joints_deg = { head_tilt = -20 }   # optional
 
 What can be derived is not asked for: supports, containers and seats come from geometry.
@@ -31,13 +31,13 @@ import mujoco
 import numpy as np
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.agent import SEEN_GROUPS, Agent, subtree
 from taskgist.world.assembly import Assembled, assemble
-from taskgist.world.decomposition import whole
-from taskgist.world.hands import GHOST_GROUP
-from taskgist.world.rays import opaque, visible_geoms
+from taskgist.world.body.agent import SEEN_GROUPS, Agent, subtree
+from taskgist.world.body.hands import GHOST_GROUP
+from taskgist.world.geometry.decomposition import whole
+from taskgist.world.geometry.rays import opaque, visible_geoms
+from taskgist.world.geometry.shapes import surface_points
 from taskgist.world.scene_file import SceneFile, bundle_from_path, parse_scene_file
-from taskgist.world.shapes import surface_points
 from taskgist.world.state import State
 
 SCENE_FILE = "scene.toml"

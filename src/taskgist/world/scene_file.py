@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.model_files import body_files, model_files, read_file, read_model
-from taskgist.world.named import name_problems
-from taskgist.world.packages import find_file
-from taskgist.world.profile import Posture, builtin_profile_text, builtin_profiles
-from taskgist.world.profile_fields import read_posture
-from taskgist.world.profile_file import parse_profile
+from taskgist.world.body.model_files import body_files, model_files, read_file, read_model
+from taskgist.world.body.named import name_problems
+from taskgist.world.body.packages import find_file
+from taskgist.world.body.profile import Posture, builtin_profile_text, builtin_profiles
+from taskgist.world.body.profile_fields import read_posture
+from taskgist.world.body.profile_file import parse_profile
 from taskgist.world.toml_table import TomlTable
 
 SCENE_KEYS = {"name", "model", "objects", "estimated"}

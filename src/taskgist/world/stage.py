@@ -17,10 +17,10 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from taskgist.world.agent import Agent, ArmIndices
-from taskgist.world.clearance import Clearance
-from taskgist.world.pose import Pose
-from taskgist.world.rays import Rays, Shapes
+from taskgist.world.body.agent import Agent, ArmIndices
+from taskgist.world.geometry.clearance import Clearance
+from taskgist.world.geometry.pose import Pose
+from taskgist.world.geometry.rays import Rays, Shapes
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
 

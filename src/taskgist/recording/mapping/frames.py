@@ -8,7 +8,7 @@ import numpy as np
 
 from taskgist.recording.mapping.section import Section
 from taskgist.recording.mapping.source_model import Frame, Vector
-from taskgist.world.rotations import about_z, matrix_from_wxyz
+from taskgist.world.geometry.rotations import about_z, matrix_from_wxyz
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 

@@ -13,7 +13,7 @@ from taskgist.recording.mapping.model import FixedPose, PointRef, Shape, Support
 from taskgist.recording.mapping.people import read_point_ref
 from taskgist.recording.mapping.section import Section
 from taskgist.recording.rotations import matrix_from_euler
-from taskgist.world.rotations import wxyz_from_matrix
+from taskgist.world.geometry.rotations import wxyz_from_matrix
 
 _SMALLEST_M = 1e-4
 

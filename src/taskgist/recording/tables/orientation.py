@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from taskgist.recording.mapping.source_model import Rotation
 from taskgist.recording.rotations import Array, matrix_from_euler, wxyz_from_rotation_vector
-from taskgist.world.rotations import wxyz_from_matrix
+from taskgist.world.geometry.rotations import wxyz_from_matrix
 
 _TOLERANCE = 0.05  # quaternions with two decimals must pass, wrong columns must not
 

@@ -25,7 +25,7 @@ from taskgist.recording.tables.times import read_times
 from taskgist.recording.tables.tokens import Tokens
 from taskgist.recording.tables.track import Track
 from taskgist.recording.tables.zeros import check_zeros
-from taskgist.world.rotations import matrix_from_wxyz
+from taskgist.world.geometry.rotations import matrix_from_wxyz
 
 
 class Tables:

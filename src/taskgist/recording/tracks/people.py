@@ -15,7 +15,7 @@ from taskgist.recording.tables import Track
 from taskgist.recording.tracks.model import PersonTrack
 from taskgist.recording.tracks.resample import Frames, resample
 from taskgist.recording.tracks.rigid import completed
-from taskgist.world.rotations import matrix_from_wxyz
+from taskgist.world.geometry.rotations import matrix_from_wxyz
 
 Samples = AnyMapping[str, tuple[tuple[PointRef, Track], ...]]
 """The source points of each landmark of one person, and their samples."""

@@ -10,7 +10,7 @@ from taskgist.recording.rotations import Array, changed_frame
 from taskgist.recording.tables import Track
 from taskgist.recording.tracks.model import ObjectTrack
 from taskgist.recording.tracks.resample import resample
-from taskgist.world.rotations import IDENTITY_WXYZ, about_z
+from taskgist.world.geometry.rotations import IDENTITY_WXYZ, about_z
 
 
 def fixed_object(thing: Thing, pose: FixedPose, count: int) -> ObjectTrack:

@@ -1,0 +1,270 @@
+"""A standpoint: one agent in one state, and all that it might do from there (5.1.4).
+
+What does not depend on the object is found once here: which contacts are usual, which torso angles, postures and
+places are within reach. Stances come level by level, from the least amount to the greatest; each level moves only its
+own joints:
+
+====== =============================== ==========================================================================
+level  effort (Fig. 6)                 stances
+====== =============================== ==========================================================================
+0, 1   none; head, or arm              the current one
+2      and torso                       turns and leans of the torso
+3      whole body                      the other posture, with turns and leans of the torso
+4      displacement                    standing, on every place of the floor that can be got to, the chest turned to
+                                       the object, with leans of the torso (a turn would repeat that of the base)
+====== =============================== ==========================================================================
+
+What an agent holds stays where it is in all of them: a held object can be reached and grasped without effort anyway,
+and arms can keep it in place while the torso moves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.perspective.acting.constraints import Blocking, Collisions, held_by
+from taskgist.perspective.acting.floor import NOTHING, Floor, Place
+from taskgist.perspective.acting.frames import Frames
+from taskgist.perspective.acting.region import Region, touched
+from taskgist.perspective.acting.seat import seat_height_m
+from taskgist.perspective.acting.stances import Stances, bent, displaced, turns_towards
+from taskgist.perspective.acting.torso import Bend, bends_of
+from taskgist.perspective.acting.virtual_actions import MOVE, SIT, STAND, TURN, Stance, checked_actions
+from taskgist.perspective.judge import Miss
+from taskgist.perspective.target import Target
+from taskgist.settings import DEFAULT, Settings
+from taskgist.world import Agent, Posture, Stage, State, objects_near, posture_of, with_posture
+from taskgist.world.geometry.rotations import yaw_of
+
+Array = NDArray[np.float64]
+AROUND_M = 0.6
+"""How far around an agent a seat may be, at most: a thigh behind its feet."""
+NO_STANCE = {2: "the torso does not move", 3: "no other posture to take", 4: "cannot move about"}
+"""Why an effort level has nothing to try."""
+
+
+class Standpoint:
+    """An agent in the state that a stage shows.
+
+    Things and agents that were not tracked stand where their fillers in the state put them.
+
+    Args:
+        stage: The scene in a state. It is borrowed for trying other states, and always shows the same one afterwards.
+        agent: Name of the agent.
+        settings: All settings.
+        actions: The virtual actions that the agent may use; all that it has if left out.
+        known_floor: Where it is known already that the agent could stand, or not, by cell of its ``Floor``.
+
+    Attributes:
+        held: The side of the hand that holds each object that the agent holds.
+        consulted: Where all was looked or felt for since ``consult_anew``, but for the floor.
+        walked: Whether the floor was asked for since then.
+
+    Raises:
+        UnknownNameError: There is no such agent, or it has no such action.
+    """
+
+    def __init__(
+        self,
+        stage: Stage,
+        agent: str,
+        settings: Settings = DEFAULT,
+        *,
+        actions: Iterable[str] | None = None,
+        known_floor: Mapping[tuple[float, float], bool] = NOTHING,
+    ) -> None:
+        self.stage, self.settings = stage, settings
+        self.agent: Agent = stage.scene.agent(agent)
+        self.state: State = stage.state
+        self.actions = checked_actions(self.agent, actions)
+        self.held: Mapping[str, str] = held_by(stage, self.agent, settings.contact)
+        self.collisions = Collisions(stage, self.agent, settings, self.held)
+        self._walks: dict[bytes, list[Stances]] = {}
+        self._targets: dict[str, Target] = {}
+        self._frames: dict[tuple[str, ...], Frames] = {}
+        self._own = self._own_region()
+        self._known_floor = known_floor
+        self.consulted, self.walked = Region(), False
+        self.posture: Posture | None = posture_of(stage, self.agent, settings.contact)
+
+    def consult_anew(self) -> None:
+        """Begin a new answer: ``consulted`` is the region in which it will have been found."""
+        self.consulted, self.walked = Region(), False
+        self.consulted.add(self._own)
+
+    def _own_region(self) -> Region:
+        """Where the agent is, and what it holds or might hold: with whose contacts others are compared."""
+        region, own, contact = Region(), self.agent.geoms, self.settings.contact
+        region.add_balls(self.stage.geom_centers(own), self.stage.scene.model.geom_rbound[own])
+        region.grow(contact.grip_m)
+        for name in objects_near(self.stage, self.agent, contact):
+            thing = self.target(name)
+            region.add_balls(thing.centers, thing.radii_m + contact.container_m)
+        return region
+
+    @cached_property
+    def _seat_region(self) -> Region:
+        """Where a seat is looked for."""
+        region = Region()
+        region.add_points(self.stage.show(self.state).geom_centers(self.agent.geoms), AROUND_M)
+        return region
+
+    def blocked(self, state: State) -> Blocking | None:
+        """What the agent would push into in a state; None if nothing. The stage shows that state afterwards."""
+        self.stage.show(state)
+        self.collisions.add_to(self.consulted)
+        return self.collisions.find()
+
+    def stances(self, level: int, target: Array) -> Iterator[Stances]:
+        """Stances of an effort level, by increasing amount, in batches.
+
+        Args:
+            level: Effort level, 0 to 4.
+            target: Where the object is, metres, (3,): agents that walk turn to it.
+        """
+        if level <= 1:
+            yield self._here_alone
+        elif level == 2:
+            yield self._bent_here
+        elif level == 3:
+            self.consulted.add(self._seat_region)
+            if self.other_posture is not None:
+                yield self._bent_other
+        elif level == 4:
+            yield from self._displaced(target)
+
+    def no_stance(self, level: int) -> Miss:
+        """Why an effort level has no stances."""
+        if level == 4 and MOVE in self.actions and self.posture == "sitting" and self.other_posture is not None:
+            blocking = self.blocked(self.other_posture.state)
+            return Miss(math.inf, f"{STAND} is blocked: {blocking}", blocking.evidence if blocking else None)
+        return Miss(math.inf, NO_STANCE[level])
+
+    def target(self, name: str) -> Target:
+        """An object as it is now."""
+        if name not in self._targets:
+            self._targets[name] = Target(self.stage, name, self.settings)
+        return self._targets[name]
+
+    @cached_property
+    def here(self) -> Stance:
+        """Where the agent is."""
+        return Stance(self.state)
+
+    @cached_property
+    def other_posture(self) -> Stance | None:
+        """The agent after standing up, or sitting down if there is a seat; None if it cannot. It may collide."""
+        if self.posture == "sitting" and STAND in self.actions:
+            return Stance(with_posture(self._shown(), self.agent, "standing"), (STAND,))
+        if self.posture == "standing" and SIT in self.actions:
+            seat = seat_height_m(self._shown(), self.agent, self.settings.efforts)
+            if seat is not None:
+                return Stance(with_posture(self._shown(), self.agent, "sitting", seat_height_m=seat), (SIT,))
+        return None
+
+    @cached_property
+    def upright(self) -> Stance | None:
+        """The agent standing, free of collisions, ready to walk; None if it cannot be."""
+        if self.posture == "standing":
+            return self.here
+        standing = self.other_posture
+        return standing if standing is not None and self.blocked(standing.state) is None else None
+
+    @cached_property
+    def _here_alone(self) -> Stances:
+        return bent(self.agent, self.here, self._frames_of(self.here), [Bend()])
+
+    @cached_property
+    def _bent_here(self) -> Stances:
+        bends = [bend for bend in self._bends(self.actions) if bend.actions]
+        return bent(self.agent, self.here, self._frames_of(self.here), bends)
+
+    @cached_property
+    def _bent_other(self) -> Stances:
+        assert self.other_posture is not None
+        return bent(self.agent, self.other_posture, self._frames_of(self.other_posture), self._bends(self.actions))
+
+    def _displaced(self, target: Array) -> Iterator[Stances]:
+        """Places in batches of growing distance: most objects are near to where somebody can stand."""
+        if MOVE not in self.actions:
+            return
+        if self.other_posture is not None and self.posture == "sitting":
+            self.consulted.add(self._rising_region)
+        if self.upright is None:
+            return
+        self.walked = True
+        known = self._walks.setdefault(target.tobytes(), [])  # the three abilities ask for the same stances
+        for index, places in enumerate(self.floor.batches()):
+            if index == len(known):
+                known.append(self._walk(self.upright, places, target))
+            yield known[index]
+
+    def _walk(self, upright: Stance, places: Sequence[Place], target: Array) -> Stances:
+        base = upright.state.qpos[self.agent.base]
+        turned = turns_towards(target, base, self._facing_rad(base), places)
+        bends = self._bends(self.actions - {TURN})
+        return displaced(self.agent, upright, self._frames_of(upright), bends, places=places, turned_rad=turned)
+
+    @cached_property
+    def floor(self) -> Floor:
+        """Where the agent, standing, can get to."""
+        assert self.upright is not None
+        self.stage.show(self.upright.state)
+        free = self.collisions.footprint()
+        return Floor(self.upright.state, self.agent, self.settings.efforts, free, self._known_floor)
+
+    @property
+    def floor_places(self) -> tuple[Place, ...]:
+        """All places that the agent can get to; none if it cannot walk."""
+        if MOVE not in self.actions or self.upright is None:
+            return ()
+        return tuple(place for batch in self.floor.batches() for place in batch)
+
+    @cached_property
+    def _rising_region(self) -> Region:
+        """What the agent fills after standing up."""
+        assert self.other_posture is not None
+        region = Region()
+        self.stage.show(self.other_posture.state)
+        self.collisions.add_to(region)
+        return region
+
+    def floor_after(self, moved: Array) -> dict[tuple[float, float], bool]:
+        """What is known of the floor and stays so when something moved within boxes, (k, 2, 3)."""
+        if "floor" not in self.__dict__:
+            return {}
+        cells = list(self.floor.free_at)
+        offsets = np.array([(*self.floor.offset_m(*cell), 0.0) for cell in cells]).reshape(-1, 1, 3)
+        crossed = touched(self._standing.bounds + offsets, moved)
+        return {cell: self.floor.free_at[cell] for cell, lost in zip(cells, crossed.tolist(), strict=True) if not lost}
+
+    @cached_property
+    def _standing(self) -> Region:
+        """What the agent's head, torso and base fill when it stands where it is."""
+        assert self.upright is not None
+        region = Region()
+        self.stage.show(self.upright.state)
+        self.collisions.add_to(region)
+        return region
+
+    def _facing_rad(self, base: Array) -> float:
+        axis = self.agent.profile.turn
+        turned = float(self.state.qpos[self.agent.joints[axis.joint]]) if axis else 0.0
+        return yaw_of(base[3:]) + turned
+
+    def _bends(self, actions: frozenset[str]) -> list[Bend]:
+        return bends_of(self.agent, self.state, self.settings.efforts, actions)
+
+    def _frames_of(self, stance: Stance) -> Frames:
+        key = stance.actions
+        if key not in self._frames:
+            self._frames[key] = Frames(self.stage.show(stance.state), self.agent)
+        return self._frames[key]
+
+    def _shown(self) -> Stage:
+        return self.stage.show(self.state)

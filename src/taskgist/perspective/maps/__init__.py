@@ -1,0 +1,1 @@
+"""Ability maps: where an agent sees and reaches, with which effort, and where an object could stand."""

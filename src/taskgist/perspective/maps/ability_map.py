@@ -1,0 +1,152 @@
+"""Ability maps (Mightability): which places of its workspace an agent sees or reaches, and with what effort.
+
+A map asks of every cell of a grid what the search asks of an object, as if there were only the point at the cell's
+centre: from all the stances of each effort level (``Standpoint.stances``), with the head aimed or an arm stretched out,
+where joint limits and collisions allow it. Where a point differs from an object, and where steps are taken:
+
+- *See*: the point lies in the gaze cone and in the field of view, and the straight line from the eye to it meets
+  nothing; pixels do not matter. A stance counts if it is free of collisions with the head as it is now.
+- *Reach*: the point lies in the sector of an arm. Nothing is held at a place, so level 1 is the least.
+- At level 4 the chest turns to each point by itself, as it does in the search; what is in the way then is tested with
+  the chest in steps of ``efforts.turn_step_rad``.
+- Nothing can be put into what is solid: cells there have level 5. The agent's own body does not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.errors import UnknownNameError
+from taskgist.perspective.acting.standpoint import Standpoint
+from taskgist.perspective.effort import NO_KNOWN_LEVEL, Ability
+from taskgist.perspective.judge import untracked_parts
+from taskgist.perspective.maps.grid import Grid
+from taskgist.perspective.maps.reach import ReachTrials
+from taskgist.perspective.maps.scan import winners
+from taskgist.perspective.maps.see import SeeTrials
+from taskgist.perspective.maps.solid import solid_cells
+from taskgist.perspective.maps.trials import Array, Indices, Mask, Trial
+from taskgist.perspective.maps.zone import Zone
+from taskgist.perspective.reaching.by_hand import PARTS as HAND_PARTS
+from taskgist.perspective.seeing.see import PARTS as EYE_PARTS
+from taskgist.settings import DEFAULT, Settings
+from taskgist.world import Stage
+
+UNKNOWN_LEVEL = -1
+"""Level of cells of which nothing is known: what would decide was not tracked."""
+Levels = NDArray[np.int8]
+
+
+@dataclass(frozen=True, eq=False)
+class AbilityMap:
+    """The least effort of an agent for every cell of a grid.
+
+    Attributes:
+        agent: Whose.
+        ability: ``see`` or ``reach``.
+        grid: The grid.
+        levels: Least effort levels, 0 to 5, or −1 where that is unknown, the grid's shape, read-only.
+        solid: Whether each cell lies in something solid, the grid's shape, read-only.
+        settings_digest: Of the settings with which it was made.
+    """
+
+    agent: str
+    ability: Ability
+    grid: Grid
+    levels: Levels
+    solid: NDArray[np.bool_]
+    settings_digest: str
+
+    def __post_init__(self) -> None:
+        for name, kind in (("levels", np.int8), ("solid", np.bool_)):
+            array = np.array(getattr(self, name), dtype=kind).reshape(self.grid.shape)
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    def at_most(self, level: int) -> Zone:
+        """Where the agent is able to with no more than an effort level; where that is unknown it does not count."""
+        return Zone(self.grid, (self.levels >= 0) & (self.levels <= level))
+
+    @property
+    def unknown(self) -> Zone:
+        """Where it is unknown."""
+        return Zone(self.grid, self.levels == UNKNOWN_LEVEL)
+
+    @property
+    def free(self) -> Zone:
+        """Where nothing solid is."""
+        return Zone(self.grid, ~self.solid)
+
+    @property
+    def counts(self) -> dict[int, int]:
+        """Number of cells by level."""
+        levels, counts = np.unique(self.levels, return_counts=True)
+        return {int(level): int(count) for level, count in zip(levels, counts, strict=True)}
+
+
+class Trials(Protocol):
+    """Gives the trials of each effort level of one ability."""
+
+    def of(self, level: int) -> list[Trial]:
+        """Trials of a level, 0 to 4."""
+
+    def cull(self, cells: Indices, low_m: Array, high_m: Array) -> Mask:
+        """Whether it is plain that no trial in a box wins each of some cells."""
+
+
+TRIALS: Mapping[str, tuple[Callable[[Standpoint, Array], Trials], tuple[tuple[str, ...], ...]]] = {
+    "see": (SeeTrials, EYE_PARTS),
+    "reach": (ReachTrials, HAND_PARTS),
+}
+"""Trials by ability, and the parts of an agent that must be tracked to judge each level."""
+
+
+def ability_map(
+    stage: Stage | Standpoint,
+    agent: str | None = None,
+    ability: Ability = "reach",
+    *,
+    grid: Grid | None = None,
+    settings: Settings = DEFAULT,
+) -> AbilityMap:
+    """Map where an agent sees or reaches what, and with what effort.
+
+    Args:
+        stage: The scene in a state, or the agent's standpoint, for whoever asks more than one thing.
+        agent: Whose; left out with a standpoint.
+        ability: ``see`` or ``reach``.
+        grid: Where; the agent's own workspace if left out. Maps are combined only if they have one grid.
+        settings: All settings; a standpoint has its own.
+
+    Raises:
+        UnknownNameError: There is no such agent, or no such map.
+    """
+    if ability not in TRIALS:
+        raise UnknownNameError("ability to map", ability, TRIALS)
+    here = stage if isinstance(stage, Standpoint) else Standpoint(stage, agent or "", settings)
+    with here.stage.showing(here.state):
+        where = grid or Grid.around(here.stage, here.agent.name, settings=here.settings.maps)
+        solid = solid_cells(here.stage, where, but=here.agent.name)
+        levels = _levels(here, ability, where.centers(), solid.ravel())
+        return AbilityMap(here.agent.name, ability, where, levels, solid, here.settings.digest)
+
+
+def _levels(here: Standpoint, ability: Ability, centers: Array, solid: Mask) -> Levels:
+    """Level by level, only the cells that no lower level won."""
+    make, parts = TRIALS[ability]
+    levels = np.full(len(centers), NO_KNOWN_LEVEL, dtype=np.int8)
+    left = np.flatnonzero(~solid)
+    trials = make(here, centers)
+    for level in range(NO_KNOWN_LEVEL):
+        if untracked_parts(here.state, here.agent.name, parts[level]):
+            levels[left] = UNKNOWN_LEVEL
+            break
+        won = winners(trials.of(level), left, trials.cull)
+        levels[won] = level
+        left = left[levels[left] == NO_KNOWN_LEVEL]
+    return levels

@@ -1,0 +1,160 @@
+"""Visibility: how much of an object an agent sees from its current state, and what stands in the way (5.1.1).
+
+Only the pixels in which the object alone would be seen are worth a ray into the whole scene, and only those of its
+bounding window are worth a ray at the object alone. The counts are those of the whole image.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.perspective.seeing.glimpse import off_gaze
+from taskgist.perspective.seeing.image import rays_towards
+from taskgist.perspective.target import Target
+from taskgist.settings import DEFAULT, Settings
+from taskgist.world import Agent, Stage
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Visibility:
+    """How much of an object is visible, from one state.
+
+    Attributes:
+        visible_px: Pixels of the object in the image of the whole field of view.
+        image_px: Pixels of that image.
+        unoccluded_px: Pixels that the object would have if nothing stood in the way.
+        gaze_px: Those of the visible pixels that lie in the gaze cone.
+        occluders: What covers the object's pixels, and how many of them, most first.
+        nearest_m: Distance from the eye to the nearest point seen, in metres; None where nothing is seen.
+        off_gaze_rad: Angle between the gaze and the object's middle.
+    """
+
+    visible_px: int
+    image_px: int
+    unoccluded_px: int
+    gaze_px: int
+    occluders: tuple[tuple[str, int], ...]
+    nearest_m: float | None
+    off_gaze_rad: float
+
+    @property
+    def score(self) -> float:
+        """ViS: pixels of the object / pixels of the image (5.1.1)."""
+        return self.visible_px / self.image_px
+
+    @property
+    def visible_share(self) -> float:
+        """Occlusion ratio: visible pixels / pixels if nothing stood in the way; 0 out of the field of view."""
+        return self.visible_px / self.unoccluded_px if self.unoccluded_px else 0.0
+
+    @property
+    def in_gaze_cone(self) -> bool:
+        """Whether something of the object is seen in the gaze cone."""
+        return self.gaze_px > 0
+
+    @property
+    def evidence(self) -> dict[str, object]:
+        """Plain data, fit for JSON."""
+        return {
+            "score": self.score,
+            "visible_px": self.visible_px,
+            "image_px": self.image_px,
+            "unoccluded_px": self.unoccluded_px,
+            "gaze_px": self.gaze_px,
+            "occluders": [[owner, count] for owner, count in self.occluders],
+            "nearest_m": self.nearest_m,
+            "off_gaze_rad": self.off_gaze_rad,
+        }
+
+
+def visibility(
+    stage: Stage,
+    agent: str,
+    name: str,
+    settings: Settings = DEFAULT,
+) -> Visibility | None:
+    """How much of an object an agent sees from its current state.
+
+    Args:
+        stage: The scene in a state.
+        agent: Whose eye.
+        name: The object.
+        settings: All settings.
+
+    Returns:
+        None where the object or the agent's head was not tracked: that is unknown, not invisible.
+
+    Raises:
+        UnknownNameError: There is no such agent or object.
+    """
+    body = stage.scene.agent(agent)
+    stage.scene.object_body(name)
+    if not stage.state.known([name, f"{agent}/head"]):
+        return None
+    return measure(stage, body, Target(stage, name, settings))
+
+
+def measure(stage: Stage, agent: Agent, target: Target) -> Visibility:
+    """As ``visibility``, taking all for tracked."""
+    sight = look(stage, agent, target)
+    owners, eye = stage.scene.owners, stage.eye(agent)
+    others = Counter(owners[geom] for geom in sight.geoms[~sight.visible])
+    width, height = agent.profile.eye.image_px
+    in_cone = sight.rays_in_eye[:, 0] >= np.cos(agent.profile.eye.gaze_cone_rad)
+    near = sight.distances_m[sight.visible]
+    return Visibility(
+        visible_px=int(sight.visible.sum()),
+        image_px=width * height,
+        unoccluded_px=len(sight.geoms),
+        gaze_px=int((sight.visible & in_cone).sum()),
+        occluders=tuple(sorted(others.items(), key=lambda item: (-item[1], item[0]))),
+        nearest_m=float(near.min()) if len(near) else None,
+        off_gaze_rad=float(off_gaze(eye.position[None], eye.matrix[None, :, 0], target.middle)[0]),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """The pixels in which an object would be seen if it were alone, and what is seen there.
+
+    Attributes:
+        rays_in_eye: Unit directions of those pixels, (n, 3).
+        geoms: Shapes that they show, (n,).
+        distances_m: How far these are, (n,).
+        visible: Whether the shape is the object's, (n,).
+    """
+
+    rays_in_eye: Array
+    geoms: NDArray[np.intp]
+    distances_m: Array
+    visible: NDArray[np.bool_]
+
+
+def look(stage: Stage, agent: Agent, target: Target, *, cone_rad: float = math.inf) -> Sight:
+    """Look at an object.
+
+    Args:
+        stage: The scene in a state.
+        agent: Whose eye.
+        target: The object.
+        cone_rad: Half-angle of a cone about the gaze outside of which nothing is looked at.
+    """
+    eye, shapes = stage.eye(agent), target.shapes
+    rays = rays_towards(agent.profile.eye, eye.to_local(target.centers), target.radii_m, cone_rad)
+    directions = rays @ eye.matrix.T
+    own, own_m = stage.cast_at(shapes, eye.position, directions)
+    alone = own >= 0
+    own, own_m = own[alone], own_m[alone]
+    others = stage.between(
+        eye.position, target.centers, target.radii_m, without=shapes, but_body=agent.eye_exclude_body
+    )
+    other, other_m = stage.cast_at(others, eye.position, directions[alone])
+    visible = own_m <= other_m
+    return Sight(rays[alone], np.where(visible, own, other), np.minimum(own_m, other_m), visible)

@@ -1,0 +1,177 @@
+"""URDF, the robot descriptions of ROS, as MuJoCo reads it.
+
+Three things are done before MuJoCo reads a description, and one after:
+
+- meshes are looked up (``package://``) and gathered; COLLADA becomes STL;
+- masses that no body can have are left out, for published descriptions hold some, and geometry does not need them;
+- every link stays a body of its own, for profiles name camera and tool frames, which have no shape;
+- what a link shows is seen (geom group 1) and what it collides with blocks (group 3, unseen). A link that only
+  collides is seen by that.
+
+In a room, the description's root link is the world, so that links below it stand for themselves; those on a
+``floating`` joint are objects.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal, get_args
+
+import mujoco
+import numpy as np
+
+from taskgist.errors import SceneError
+from taskgist.world.body.collada import stl_from_dae
+
+Shapes = Literal["visual", "collision"]
+SHAPES: tuple[Shapes, ...] = get_args(Shapes)
+VISUAL_GROUP, COLLISION_GROUP = 1, 3
+COMPILER = {
+    "discardvisual": "false",
+    "fusestatic": "false",
+    "strippath": "false",
+    "balanceinertia": "true",
+    "boundmass": "1e-6",
+    "boundinertia": "1e-9",
+}
+"""Links without mass, such as camera frames on a moving head, get the least that MuJoCo takes."""
+INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def is_urdf(text: bytes) -> bool:
+    """Whether a model's text is a URDF document."""
+    return b"<robot" in text and b"<mujoco" not in text.partition(b"<robot")[0]
+
+
+def read_urdf(
+    text: bytes,
+    read: Callable[[str], bytes],
+    *,
+    where: str | Path,
+    prefix: str = "",
+    shapes: Shapes = "visual",
+    room: bool = False,
+) -> tuple[mujoco.MjSpec, dict[str, bytes]]:
+    """A description as a MuJoCo specification.
+
+    Args:
+        text: The URDF document.
+        read: Gives the content of a mesh by the name under which the document knows it.
+        where: File for error messages.
+        prefix: Put before the names of mesh files.
+        shapes: ``collision`` leaves out what is only shown: less to carry, and to see through.
+        room: Whether the root link is the world.
+
+    Returns:
+        The specification, and the meshes that it needs by file name.
+
+    Raises:
+        SceneError: It is no URDF, or names a mesh that cannot be read.
+    """
+    robot = _parsed(text, where)
+    if shapes == "collision":
+        _drop_visuals(robot)
+    _drop_textures(robot)
+    _drop_impossible_masses(robot)
+    if room:
+        _call_root_world(robot, where)
+    files = _gather_meshes(robot, read, where, prefix)
+    robot.insert(0, ET.Element("mujoco"))
+    ET.SubElement(robot[0], "compiler", COMPILER)
+    try:
+        spec = mujoco.MjSpec.from_string(ET.tostring(robot, encoding="unicode"), assets=files)
+    except ValueError as error:
+        raise SceneError(f"MuJoCo cannot read this URDF: {error}", where=where) from error
+    _group(spec)
+    return spec, files
+
+
+def _parsed(text: bytes, where: str | Path) -> ET.Element:
+    try:
+        robot = ET.fromstring(text)
+    except ET.ParseError as error:
+        raise SceneError(f"not valid XML: {error}", where=where) from error
+    if robot.tag != "robot":
+        raise SceneError("not a URDF document", where=where, field=robot.tag, hint="its root element is <robot>")
+    return robot
+
+
+def _drop_visuals(robot: ET.Element) -> None:
+    for link in robot.iter("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+
+
+def _drop_textures(robot: ET.Element) -> None:
+    for material in robot.iter("material"):
+        for texture in material.findall("texture"):
+            material.remove(texture)
+
+
+def _drop_impossible_masses(robot: ET.Element) -> None:
+    for link in robot.iter("link"):
+        for inertial in link.findall("inertial"):
+            if not _possible(inertial):
+                link.remove(inertial)
+
+
+def _possible(inertial: ET.Element) -> bool:
+    """Whether some body has that mass and inertia."""
+    mass, inertia = inertial.find("mass"), inertial.find("inertia")
+    if mass is None or inertia is None:
+        return False
+    try:
+        xx, xy, xz, yy, yz, zz = (float(inertia.get(key, "0")) for key in INERTIA)
+        heavy = float(mass.get("value", "0")) > 0
+    except ValueError:
+        return False
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if not heavy or not np.isfinite(tensor).all():
+        return False
+    least, middle, most = np.linalg.eigvalsh(tensor)
+    return bool(least > 0 and least + middle >= most)
+
+
+def _call_root_world(robot: ET.Element, where: str | Path) -> None:
+    """Give the root link the name by which MuJoCo makes it the world itself."""
+    children = {child.get("link") for child in robot.findall("joint/child")}
+    roots = [link for link in robot.findall("link") if link.get("name") not in children]
+    if len(roots) != 1:
+        names = ", ".join(str(link.get("name")) for link in roots) or "none"
+        raise SceneError("a URDF has one root link", where=where, field="link", value=names)
+    for parent in robot.findall("joint/parent"):
+        if parent.get("link") == roots[0].get("name"):
+            parent.set("link", "world")
+    roots[0].set("name", "world")
+
+
+def _gather_meshes(robot: ET.Element, read: Callable[[str], bytes], where: str | Path, prefix: str) -> dict[str, bytes]:
+    """Every mesh under a name without folders, to which the document is changed."""
+    files: dict[str, bytes] = {}
+    for mesh in robot.iter("mesh"):
+        uri = mesh.get("filename")
+        if not uri:
+            raise SceneError("a mesh without a file", where=where, field="mesh", hint='write filename="..."')
+        name = prefix + flat_name(uri)
+        if name.lower().endswith(".dae"):
+            name = f"{name}.stl"
+        if name not in files:
+            data = read(uri)
+            files[name] = stl_from_dae(data, uri) if uri.lower().endswith(".dae") else data
+        mesh.set("filename", name)
+    return files
+
+
+def flat_name(uri: str) -> str:
+    """A file name, without folders, for what a document names by URI or path; two of them never get the same."""
+    return uri.partition("://")[2].strip("/").replace("/", "_") if "://" in uri else uri.replace("/", "_")
+
+
+def _group(spec: mujoco.MjSpec) -> None:
+    for body in spec.bodies:
+        shown = [geom for geom in body.geoms if not geom.contype and not geom.conaffinity]
+        for geom in body.geoms:
+            blocks = bool(geom.contype or geom.conaffinity)
+            geom.group = COLLISION_GROUP if blocks and shown else VISUAL_GROUP

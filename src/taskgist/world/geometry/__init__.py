@@ -1,0 +1,1 @@
+"""Geometry: rays, gaps, kinematics, and shapes as they are seen and as they collide."""
