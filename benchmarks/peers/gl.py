@@ -5,6 +5,9 @@ from __future__ import annotations
 import copy
 import importlib
 import os
+import subprocess
+import sys
+from functools import lru_cache
 from typing import Any
 
 import mujoco
@@ -91,10 +94,25 @@ def _context(width: int, height: int) -> Any:
         RuntimeError: None can be made here.
     """
     chosen = os.environ.get("MUJOCO_GL")
-    failures = []
     for backend in (chosen,) if chosen in BACKENDS else BACKENDS:
-        try:
+        if _works(backend):
             return importlib.import_module(f"mujoco.{backend}").GLContext(width, height)
-        except Exception as error:
-            failures.append(f"{backend}: {error}")
-    raise RuntimeError("no OpenGL here: " + "; ".join(failures))
+    raise RuntimeError("no OpenGL here")
+
+
+PROBE = """
+import mujoco, mujoco.{0} as backend
+context = backend.GLContext(64, 64)
+context.make_current()
+mujoco.MjrContext(mujoco.MjModel.from_xml_string("<mujoco/>"), mujoco.mjtFontScale.mjFONTSCALE_100)
+"""
+
+
+@lru_cache
+def _works(backend: str) -> bool:
+    """Whether a backend draws: tried in another process, for where OpenGL is half installed it ends its own."""
+    probe = [sys.executable, "-c", PROBE.format(backend)]
+    try:
+        return subprocess.run(probe, capture_output=True, timeout=60, check=False).returncode == 0
+    except subprocess.TimeoutExpired:
+        return False

@@ -101,7 +101,7 @@ def test_a_shelf_is_reached_into_from_the_front_and_not_through_its_back() -> No
     behind = effort(scene, "can", "P2")
     assert behind.level == 5
     assert behind.reason == "every approach blocked by shelf"
-    assert behind.evidence["blocking"]["approaches"]["shelf"] > 0  # type: ignore[index]
+    assert behind.evidence["miss"]["approaches"]["shelf"] > 0  # type: ignore[index]
 
 
 def _wall(axis: int, away_m: float, around: tuple[float, float, float]) -> str:
@@ -123,7 +123,7 @@ def test_the_way_in_must_be_free_not_only_the_grasp() -> None:
     assert free.level == 1
     assert caged.level == 5
     assert caged.reason.startswith("every approach blocked by cage")
-    assert sum(caged.evidence["blocking"]["approaches"].values()) > 0  # type: ignore[index]
+    assert sum(caged.evidence["miss"]["approaches"].values()) > 0  # type: ignore[index]
 
 
 def test_grasps_go_with_their_object_and_are_sampled_once() -> None:

@@ -109,7 +109,7 @@ def test_a_framed_plate_is_not_grasped_in_its_middle_for_the_palm_would_be_in_it
     assert effort((plate, *frame), "reach").level == 1
     found = effort((plate, *frame), "grasp")
     assert found.level == 5
-    assert "plate" in found.evidence["blocking"]["approaches"]  # type: ignore[index]
+    assert "plate" in found.evidence["miss"]["approaches"]  # type: ignore[index]
 
 
 def test_the_own_chest_is_in_the_hands_way_until_it_turns() -> None:

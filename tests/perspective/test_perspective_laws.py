@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from hypothesis import given, seed, settings
@@ -115,3 +116,18 @@ def test_asking_changes_no_state() -> None:
 
 
 SITTING = Person("P1", (0.0, 0.0), 0.0, "sitting")
+
+
+def test_what_hides_an_object_is_told_with_a_ray_to_each() -> None:
+    screens = tuple(
+        Thing(f"screen {number}", (0.02, 0.5, 0.8), (0.8, y, 0.8), free=False) for number, y in enumerate((-0.5, 0.5))
+    )
+    cup = Thing("cup", (0.1,), (1.6, 0.0, 0.5), "sphere")
+    stage = Room((*screens, cup, chair(0.0)), (Person("P1", (0.0, 0.0), 0.0, "sitting"),)).stage()
+    found = effort_from(Standpoint(stage, "P1", COARSE, actions=("Pan_Head", "Tilt_Head")), "cup", "see")
+    miss: Any = found.evidence["miss"]
+    assert found.level == 5
+    assert dict(miss["occluders"]).keys() == {"screen 0", "screen 1"}
+    assert sum(dict(miss["occluders"]).values()) == miss["unoccluded_px"] > 50
+    assert [hit[0] for hit in miss["hits_m"].values()] == pytest.approx([0.78, 0.78])
+    assert miss["eye_m"][0] < 0.3

@@ -177,7 +177,8 @@ def test_standing_up_is_free_without_a_table_and_blocked_by_one_over_the_thighs(
     blocked = effort(Room((chair(0.0), table(0.55), high), (SITTING,)), "reach")
     assert blocked.level == 5
     assert "against table" in blocked.reason
-    assert blocked.evidence["blocking"] == {"part": "legs", "other": "table", "depth_m": pytest.approx(0.05, abs=0.05)}
+    contact = {"part": "legs", "other": "table", "depth_m": pytest.approx(0.05, abs=0.05)}
+    assert blocked.evidence["miss"] == {"blocking": contact}
 
 
 def test_standing_up_is_blocked_by_a_lamp_above() -> None:

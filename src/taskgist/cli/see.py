@@ -9,17 +9,16 @@ import typer
 
 from taskgist.cli.files import about, check_target
 from taskgist.cli.output import JsonOption, command, console, print_json
-from taskgist.errors import InputError, RecordingError
+from taskgist.cli.where import AtOption, WhereArgument, open_stage
+from taskgist.errors import InputError
 from taskgist.perspective import Visibility, visibility
-from taskgist.recording import read
-from taskgist.world import Scene, Stage, State
 
 
 @command
 def see(
-    where: Annotated[Path, typer.Argument(help="A scene (.toml) or a recording (.mcap).", show_default=False)],
+    where: WhereArgument,
     agent: Annotated[str, typer.Option(help="Whose eyes.", show_default=False)],
-    at: Annotated[float | None, typer.Option(help="Time in a recording, seconds; default: its start.")] = None,
+    at: AtOption = None,
     object: Annotated[str | None, typer.Option("--object", help="An object to mark.")] = None,  # noqa: A002
     out: Annotated[Path | None, typer.Option("--out", "-o", help="The PNG file; default: beside, by agent.")] = None,
     as_json: JsonOption = False,
@@ -32,8 +31,9 @@ def see(
 
     Example: taskgist see handover.mcap --agent taker --at 3.2 -o taker.png
     """
-    with about(where, {"time_s": "--at"}):
-        scene, state = _scene_and_state(where, at)
+    stage = open_stage(where, at)
+    scene = stage.scene
+    with about(where):
         body = scene.agent(agent)
         if object is not None:
             scene.object_body(object)
@@ -41,14 +41,13 @@ def see(
     check_target(path, "--out")
     if path.suffix.lower() != ".png":
         raise InputError("pictures are PNG", where=path, field="--out", hint="name it .png")
-    stage = Stage(scene, state)
     from taskgist.view import see_picture  # with matplotlib, which only pictures should wait for
 
     see_picture(stage, agent, path, target=object)
     seen = {name: visibility(stage, agent, name) for name in scene.objects}
     if as_json:
         objects = {name: ({"visibility": v.score, **v.evidence} if v else None) for name, v in seen.items()}
-        print_json({"picture": str(path), "agent": agent, "time_s": state.time_s, "objects": objects})
+        print_json({"picture": str(path), "agent": agent, "time_s": stage.state.time_s, "objects": objects})
         return
     console.print(f"saved {path}")
     for name, visible in seen.items():
@@ -67,13 +66,3 @@ def _sentence(visible: Visibility | None) -> str:
     return (
         f"visibility score {100 * visible.score:.2f} %, {where}, {100 * visible.visible_share:.0f} % of it unoccluded"
     )
-
-
-def _scene_and_state(where: Path, at: float | None) -> tuple[Scene, State]:
-    if where.suffix.lower() == ".toml":
-        if at is not None:
-            raise RecordingError("a scene has no time", where=where, field="--at", value=at, hint="leave --at out")
-        scene = Scene.load(where)
-        return scene, scene.initial
-    recording = read(where)
-    return recording.scene, recording.at(float(recording.times_s[0]) if at is None else at)

@@ -40,12 +40,12 @@ class Miss:
     Attributes:
         shortfall: How far the ability is, for comparing misses of one ability.
         why: For people.
-        blocking: The contact that blocks, as plain data, where only that is in the way.
+        evidence: Gives what shows it, as plain data; only asked of the miss that is told.
     """
 
     shortfall: float
     why: str
-    blocking: Mapping[str, object] | None = field(default=None, compare=False)
+    evidence: Callable[[], Mapping[str, object]] = field(default=dict, compare=False)
 
 
 NO_ARM = Miss(math.inf, "no arm may be stretched out")

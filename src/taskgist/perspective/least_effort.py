@@ -108,10 +108,11 @@ def _judge(here: Standpoint, name: str, ability: Ability) -> Judge | None:
 
 def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: Found, misses: list[Miss]) -> Effort:
     amount = found.amount
-    reason = min(misses).why if misses else FREE[ability]
+    nearest = min(misses, default=Miss(0.0, FREE[ability]))
     evidence = {
-        "reason": reason,
+        "reason": nearest.why,
         "not_with_less": [miss.why for miss in misses],
+        "miss": nearest.evidence(),
         "amount": dict(vars(amount)),
         **found.outcome.evidence(),
     }
@@ -125,16 +126,18 @@ def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: 
         joints_rad=_joints_rad(here, found.state),
         posture=_posture(here, found.actions),
         evidence=evidence,
-        reason=reason,
+        reason=nearest.why,
     )
 
 
 def _unattained(here: Standpoint, name: str, ability: Ability, level: int | None, misses: list[Miss]) -> Effort:
     """Level 5, or unknown: the agent stays as it is, and the reason says what stands in the way."""
     telling = misses[-1] if level is None else min(misses)
-    evidence: dict[str, object] = {"reason": telling.why, "not_with_less": [miss.why for miss in misses]}
-    if telling.blocking is not None:
-        evidence["blocking"] = telling.blocking
+    evidence: dict[str, object] = {
+        "reason": telling.why,
+        "not_with_less": [miss.why for miss in misses],
+        "miss": telling.evidence(),
+    }
     return Effort(
         ability=ability,
         agent=here.agent.name,

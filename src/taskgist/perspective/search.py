@@ -86,6 +86,6 @@ def _free(here: Standpoint, among: Among, index: int, stance: Stance, misses: li
         if blocking is None:
             yield found
             return
-        misses.append(Miss(BLOCKED, f"{' + '.join(found.actions)} is blocked: {blocking}", blocking.evidence))
+        misses.append(Miss(BLOCKED, f"{' + '.join(found.actions)} is blocked: {blocking}", blocking.as_miss))
         if blocking.part != HEAD:
             return  # outcomes of one stance differ in the head only

@@ -34,6 +34,10 @@ class Blocking:
     def __str__(self) -> str:
         return f"{self.part} against {self.other}, {self.depth_m:.2f} m deep"
 
+    def as_miss(self) -> dict[str, object]:
+        """What shows that only this is in the way."""
+        return {"blocking": self.evidence}
+
     @property
     def evidence(self) -> dict[str, object]:
         """Plain data, fit for JSON."""

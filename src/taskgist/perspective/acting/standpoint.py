@@ -142,7 +142,7 @@ class Standpoint:
         """Why an effort level has no stances."""
         if level == 4 and MOVE in self.actions and self.posture == "sitting" and self.other_posture is not None:
             blocking = self.blocked(self.other_posture.state)
-            return Miss(math.inf, f"{STAND} is blocked: {blocking}", blocking.evidence if blocking else None)
+            return Miss(math.inf, f"{STAND} is blocked: {blocking}", blocking.as_miss if blocking else dict)
         return Miss(math.inf, NO_STANCE[level])
 
     def target(self, name: str) -> Target:

@@ -168,7 +168,7 @@ class Grasp(ByHand):
         telling = [name for name in names if name != self.target.name] or names  # it is always in its own way somewhere
         counted = [f"{name} ({met[name]} of {len(tried)})" for name in telling] if len(telling) > 1 else telling
         why = f"every approach blocked by {' and '.join(counted[:NAMED])}"
-        return Miss(-2.0, why, {"approaches": {name: met[name] for name in names}})
+        return Miss(-2.0, why, lambda: {"approaches": {name: met[name] for name in names}})
 
 
 class GraspAmong:

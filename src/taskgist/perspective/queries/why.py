@@ -9,7 +9,6 @@ from typing import Any
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.acting.virtual_actions import LEAN, MOVE, NO_ACTION, PAN, SIT, STAND, TILT, TURN
 from taskgist.perspective.effort import NO_KNOWN_LEVEL, Effort
-from taskgist.perspective.seeing.visibility import Visibility, visibility
 
 VERBS: Mapping[str, str] = {"see": "sees", "reach": "reaches", "grasp": "grasps"}
 STRETCH = "Stretch_Out_Arm("
@@ -29,7 +28,7 @@ def why(here: Standpoint, effort: Effort) -> str:
     if effort.level is None:
         return f"it is unknown whether {_claim(effort)}: {effort.reason}"
     if effort.level == NO_KNOWN_LEVEL:
-        return f"{effort.agent} cannot {effort.ability} the {effort.target}: {_hindrance(here, effort)}"
+        return f"{effort.agent} cannot {effort.ability} the {effort.target}: {_hindrance(effort)}"
     if effort.actions == (NO_ACTION,):
         return f"{_claim(effort)} without effort: {_now(effort)}"
     return f"{_claim(effort)} by {listed(gerunds(here, effort))}; {_with_less(effort)}"
@@ -73,9 +72,9 @@ def _with_less(effort: Effort) -> str:
     return f"{effort.agent} does not hold it" if effort.reason == "not held" else f"with less: {effort.reason}"
 
 
-def _hindrance(here: Standpoint, effort: Effort) -> str:
+def _hindrance(effort: Effort) -> str:
     """What stands in the way of the nearest miss, and of going elsewhere."""
-    found = _covered(here, effort) or effort.reason
+    found = _covered(effort) or effort.reason
     tried: Sequence[str] = effort.evidence["not_with_less"]  # type: ignore[assignment]
     elsewhere = tried[-1]
     if len(tried) != NO_KNOWN_LEVEL or elsewhere == "cannot move about":
@@ -85,16 +84,13 @@ def _hindrance(here: Standpoint, effort: Effort) -> str:
     return f"{found}; elsewhere: {elsewhere}"
 
 
-def _covered(here: Standpoint, effort: Effort) -> str | None:
-    """What covers the object in the current image, where being hidden is the reason."""
-    if effort.ability != "see" or not effort.reason.startswith("occluded"):
+def _covered(effort: Effort) -> str | None:
+    """What covers the object in the image of the nearest miss, where being hidden is the reason."""
+    miss: Mapping[str, Any] = effort.evidence["miss"]  # type: ignore[assignment]
+    if "occluders" not in miss:
         return None
-    with here.stage.showing(here.state):
-        seen: Visibility | None = visibility(here.stage, effort.agent, effort.target, here.settings)
-    if seen is None or seen.visible_px or not seen.unoccluded_px:
-        return None
-    by = [f"the {owner}" for owner, _ in seen.occluders]
-    return f"{listed(by)} {'hides' if len(by) == 1 else 'hide'} all of its {seen.unoccluded_px} pixels"
+    by = [f"the {owner}" for owner, _ in miss["occluders"]]
+    return f"{listed(by)} {'hides' if len(by) == 1 else 'hide'} all of its {miss['unoccluded_px']} pixels"
 
 
 def _turned(here: Standpoint, effort: Effort, action: str) -> float:

@@ -53,8 +53,8 @@ class Reaching:
         gap_m = float(np.linalg.norm(points - shoulders[index], axis=1).min())
         if gap_m > arm.length_m:
             why = f"{gap_m:.2f} m from the {arm.side} shoulder, {gap_m - arm.length_m:.2f} m beyond the arm"
-            return Miss(gap_m - arm.length_m, why)
-        return Miss(0.0, f"outside the sector of the {arm.side} arm")
+            return Miss(gap_m - arm.length_m, why, lambda: {"arm": arm.side, "beyond_m": gap_m - arm.length_m})
+        return Miss(0.0, f"outside the sector of the {arm.side} arm", lambda: {"arm": arm.side})
 
 
 @dataclass(frozen=True, eq=False)

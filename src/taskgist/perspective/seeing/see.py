@@ -95,7 +95,7 @@ class See:
         """Why the object is not seen in a state, when looked at."""
         off_rad = self._off_rad(state)
         if len(sight.geoms):
-            return Miss(off_rad, f"occluded by {self.names(sight.geoms)}")
+            return self._hidden(off_rad, state, sight)
         if off_rad <= self._cone_rad:
             return Miss(off_rad, "smaller than a pixel")
         return beside_gaze(off_rad)
@@ -107,17 +107,32 @@ class See:
         if not len(sight.geoms):
             return Miss(off_rad, "smaller than a pixel" if off_rad <= self._cone_rad else f"out of view, {beside}")
         if not sight.visible.any():
-            return Miss(off_rad, f"occluded by {self.names(sight.geoms)}")
+            return self._hidden(off_rad, state, sight)
         return Miss(off_rad, f"in view, but {beside}")
+
+    def _hidden(self, off_rad: float, state: State, sight: Sight) -> Miss:
+        """All of the object's pixels show something else."""
+        owners = self._stage.scene.owners
+        hiders = sorted({owners[geom] for geom in sight.geoms.tolist()})
+
+        def evidence() -> dict[str, object]:
+            eye = self._stage.show(state).eye(self._agent)
+            of = np.array([hiders.index(owners[geom]) for geom in sight.geoms.tolist()])
+            counts = [(owner, int((of == index).sum())) for index, owner in enumerate(hiders)]
+            hits = eye.to_world(sight.rays_in_eye * sight.distances_m[:, None])
+            first = [int(np.argmax(of == index)) for index in range(len(hiders))]
+            return {
+                "occluders": sorted(counts, key=lambda each: -each[1]),
+                "unoccluded_px": len(of),
+                "eye_m": eye.position.tolist(),
+                "hits_m": {owner: hits[row].tolist() for owner, row in zip(hiders, first, strict=True)},
+            }
+
+        return Miss(off_rad, f"occluded by {' and '.join(hiders)}", evidence)
 
     def _off_rad(self, state: State) -> float:
         eye = self._stage.show(state).eye(self._agent)
         return float(off_gaze(eye.position[None], eye.matrix[None, :, 0], self.target.middle)[0])
-
-    def names(self, geoms: NDArray[np.intp]) -> str:
-        """Whose shapes these are."""
-        owners = self._stage.scene.owners
-        return " and ".join(sorted({owners[geom] for geom in geoms.tolist()}))
 
 
 class SeeAmong:
