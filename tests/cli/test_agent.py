@@ -100,11 +100,25 @@ def test_every_problem_is_named_and_the_exit_code_says_no(pillar: Path) -> None:
     pillar.write_text(PROFILE.replace('"neck"', '"nekc"').replace('frame = "head"', 'frame = "haed"'))
     text = run(f"agent check {pillar}", exit_code=1)
     assert "not fit to use" in text
-    assert "head.pan: no joint 'nekc'; did you mean 'neck'? (known: neck)" in text
+    assert "head.pan: no joint 'nekc'; did you mean 'neck'?\n" in text
     assert "eye.frame: no site or body 'haed'; did you mean 'head'?" in text
     assert text.count("problem ") == 2
     found = run_json(f"agent check {pillar}", exit_code=1)
     assert (found["fit"], len(found["problems"])) == (False, 2)
+
+
+def test_known_names_are_listed_only_where_none_is_near(pillar: Path) -> None:
+    pillar.write_text(PROFILE.replace('"neck"', '"xyz"').replace('frame = "head"', 'frame = "haed"'))
+    text = run(f"agent check {pillar}", exit_code=1)
+    assert "no joint 'xyz' (known: neck)" in text
+    assert text.count("known:") == 1
+
+
+def test_a_joint_about_the_wrong_axis_is_doubted(pillar: Path) -> None:
+    pillar.write_text(PROFILE.replace("pan = {", "tilt = {"))
+    text = run(f"agent check {pillar}")
+    assert "pillar.toml: doubtful: is that meant?" in text
+    assert "doubt     head.tilt: tilt looks up and down" in text
 
 
 def test_no_picture_of_what_cannot_be_used(pillar: Path) -> None:

@@ -91,6 +91,29 @@ def test_set_questions() -> None:
     run('query room.toml --where "P1 reaches = 0"', exit_code=1)
 
 
+URDF = """<robot name="r"><link name="room"/><link name="door"><visual><geometry><box size="0.1 0.1 0.1"/></geometry>
+</visual><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<joint name="j" type="KIND"><parent link="room"/><child link="door"/><origin xyz="0.5 0 1"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+
+
+@pytest.mark.parametrize("kind", ["revolute", "fixed", "floating"])
+def test_links_of_a_urdf_are_objects_if_they_float(room: Path, kind: str) -> None:
+    (room / "room.urdf").write_text(URDF.replace("KIND", kind))
+    (room / "room.toml").write_text(SCENE.replace("room.xml", "room.urdf"))
+    if kind == "floating":
+        assert "door" in run("query room.toml --ability see")
+    else:
+        assert "scene.objects: no object in this scene; objects are bodies with a free" in refusal(
+            "query room.toml", room
+        )
+
+
+def test_a_scene_without_agents_is_refused(room: Path) -> None:
+    (room / "room.toml").write_text('[scene]\nmodel = "room.xml"\n')
+    assert "agents: no agent in this scene; add a table" in refusal("query room.toml", room)
+
+
 def test_a_moment_of_a_recording() -> None:
     document = run_json(f"query {PATHS['show_a']} --at 2 --agent P1 --object cup --ability see")
     assert document["efforts"][0]["level"] in range(6)

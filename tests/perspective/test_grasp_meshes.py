@@ -8,9 +8,12 @@ import pytest
 
 from taskgist.perspective import Effort, least_effort
 from taskgist.perspective.grasping.grasps import Grasps
+from taskgist.perspective.grasping.hand import hand_poses
+from taskgist.perspective.grasping.pairs import MOST, opposite_points
 from taskgist.perspective.grasping.samples import grasps_in_object
+from taskgist.perspective.grasping.touch import TOUCH_M
 from taskgist.settings import DEFAULT
-from taskgist.world import Scene, Stage
+from taskgist.world import Scene, Stage, distances_outside_m
 from tests import meshes
 from tests.meshes import Mesh, mesh_scene
 from tests.scenes import agent, cylinder
@@ -49,6 +52,77 @@ def test_a_mugs_handle_can_be_grasped_and_its_inside_cannot() -> None:
     assert grasps.widths_m[on_handle].min() == pytest.approx(0.012, abs=1e-3)
     assert (grasps.approaches[on_handle][:, 0] < 0.9).all()  # never from within the mug
     assert effort(scene, "thing").level == 1
+
+
+def pair_widths_m(mesh: Mesh, within_m: float) -> set[float]:
+    scene = with_thing(mesh)
+    at_origin = scene.initial.replace(at=scene.object_slice("thing"), to=(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
+    pairs = opposite_points(Stage(scene, at_origin), "thing", DEFAULT.grasp, within_m)
+    return {round(float(width), 3) for width in pairs.widths_m}
+
+
+def test_a_mug_without_a_handle_is_held_around_its_outside() -> None:
+    scene = with_thing(meshes.cup(around=32))
+    grasps = free_grasps(scene)
+    above_the_bottom = grasps.only(grasps.centers[:, 2] > 0.02)
+    assert len(above_the_bottom)
+    assert above_the_bottom.widths_m.min() == pytest.approx(0.08, abs=1e-3)
+    assert np.hypot(*above_the_bottom.centers[:, :2].T).max() < 0.01
+    assert effort(scene, "thing").level == 1
+
+
+def test_behind_a_wall_faces_count_as_far_as_the_hand_opens() -> None:
+    """Two boards stand 4 cm apart, each 1 cm thick, a third far behind them; all are 40 cm wide."""
+    boards = [meshes.board((0, y, 0), (0.2, 0.005, 0.2)) for y in (0.0, 0.05, 0.35)]
+    mesh = meshes.joined(*boards)
+    assert pair_widths_m(mesh, 0.1) == {0.01, 0.06, 0.4}
+    assert pair_widths_m(mesh, 0.05) == {0.01, 0.4}
+    assert pair_widths_m(mesh, 0.5) == {0.01, 0.06, 0.31, 0.36, 0.4}
+    assert pair_widths_m(boards[0], 0.005) == {0.01, 0.4}  # whatever the hand, first faces tell how wide it is
+
+
+def test_a_large_shape_is_sampled_sparsely_and_its_handle_still_found() -> None:
+    tub = meshes.revolved([(1e-4, 0), (0.18, 0), (0.18, 0.3), (0.17, 0.3), (0.17, 0.01), (1e-4, 0.01)], 64)
+    scene = with_thing(meshes.joined(tub, meshes.handle(at=0.178)))
+    hand = scene.agent("P1").profile.hand
+    assert hand is not None
+    grasps = grasps_in_object(Stage(scene), "thing", hand, DEFAULT.grasp)
+    assert DEFAULT.grasp.approaches < len(grasps) <= 3 * MOST * DEFAULT.grasp.approaches
+    assert (np.abs(grasps.widths_m - 0.012) < 1e-3).any()
+
+
+def test_quick_tests_of_a_hand_in_a_mesh_find_what_measuring_every_pair_finds() -> None:
+    scene = with_thing(meshes.cup())
+    at_origin = scene.initial.replace(at=scene.object_slice("thing"), to=(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
+    stage, profile = Stage(scene, at_origin), scene.agent("P1").profile
+    assert profile.hand is not None
+    grasps, arm = grasps_in_object(stage, "thing", profile.hand, DEFAULT.grasp), scene.agent("P1").arms[0]
+    palm = int(arm.ghosts[0])
+    seen = set()
+    for index in range(0, len(grasps), 23):
+        stage.place_ghosts(arm, hand_poses(grasps, index, profile.hand))
+        touched = grasps.touched(index)
+        met = [
+            depth_m
+            for ghost, solid, depth_m in stage.overlaps(arm.ghosts, grasps.solids)
+            if (ghost == palm or solid not in touched) and abs(depth_m - TOUCH_M) > 1e-5
+        ]
+        assert bool(grasps.in_itself[index]) == any(depth_m > TOUCH_M for depth_m in met)
+        seen.add(bool(grasps.in_itself[index]))
+    assert seen == {True, False}
+
+
+def test_how_far_points_are_outside_is_the_same_as_far_as_it_is_asked() -> None:
+    scene = with_thing(meshes.octahedron(0.05))
+    (solid,) = scene.solid_geoms_of("thing").tolist()
+    points = np.random.default_rng(3).uniform(-0.1, 0.1, (500, 3))
+    whole = distances_outside_m(scene.model, solid, points)
+    some = distances_outside_m(scene.model, solid, points, within_m=0.02)
+    near = whole <= 0.02
+    assert near.any()
+    np.testing.assert_array_equal(some[near], whole[near])
+    assert (some[~near] > 0.02).all()
+    assert (some <= whole).all()
 
 
 def test_a_handle_counts_where_the_tub_is_too_wide() -> None:

@@ -334,3 +334,12 @@ def without(profile: str) -> str:
         start = profile.index(table_name)
         profile = profile[:start] + profile[profile.index("\n\n", start) :]
     return "\n".join(line for line in profile.splitlines() if not line.startswith("pan ="))
+
+
+def test_what_lies_in_the_cone_but_not_in_the_image_is_out_of_view() -> None:
+    """The image of a camera may be lower than its gaze cone is wide."""
+    files = dict(Room((Thing("cup", (0.05,), (1.0, 0.0, 1.25), "sphere"),), (STANDING,)).scene().bundle)
+    files["P1.profile.toml"] = files["P1.profile.toml"].replace(b"fov_deg = [120, 105]", b"fov_deg = [120, 30]")
+    found = least_effort(Stage(Scene.from_bundle(files)), "P1", "cup", "see")
+    assert found.level == 1
+    assert found.reason.startswith("out of view, 2")

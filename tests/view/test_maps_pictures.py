@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import matplotlib.image
@@ -43,6 +44,19 @@ def test_columns_have_the_colour_of_their_least_level() -> None:
         )
     assert (image[least == NOTHING][:, 3] == 0).all()
     assert (image[least != NOTHING][:, 3] > 0).all()
+
+
+def test_axes_from_above_are_those_of_the_room() -> None:
+    """Whatever way the grid is turned, a position can be read from the picture."""
+    grid = Grid((0.5, -1.0, 0.0), math.radians(30), 0.1, (20, 10, 5))
+    axes = Figure().subplots()
+    draw_above(axes, Stage(ROOM), Layers.of_zone(Zone(grid, np.ones(grid.shape, dtype=bool)), "somewhere"))
+    placed = axes.get_images()[1].get_transform() - axes.transData
+    corners = np.array([(0, 0), (2, 0), (2, 1), (0, 1)])
+    expected = [(0.5, -1.0), (0.5 + math.sqrt(3), 0.0), (math.sqrt(3), math.sqrt(3) / 2), (0.0, math.sqrt(3) / 2 - 1)]
+    assert placed.transform(corners) == pytest.approx(np.array(expected))
+    assert axes.get_xlim() == pytest.approx((0.0, 0.5 + math.sqrt(3)))
+    assert axes.get_ylim() == pytest.approx((-1.0, math.sqrt(3) / 2))
 
 
 def test_fuller_columns_are_stronger() -> None:

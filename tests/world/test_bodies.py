@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import warnings
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -173,3 +175,17 @@ def test_an_agent_inside_a_table_is_answered_not_refused() -> None:
     stage = Stage(room(standing("P", "human"), cup=(0.5, 0.0, 0.78), things=table))
     for ability in ABILITIES:
         assert least_effort(stage, "P", "cup", ability).level in range(6)
+
+
+@needs("pr2")
+def test_meshes_of_room_and_robot_come_together_without_a_warning(tmp_path: Path) -> None:
+    (tmp_path / "wedge.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    shape = '<geometry><mesh filename="wedge.obj"/></geometry>'
+    link = f'<link name="room"><visual>{shape}</visual><collision>{shape}</collision></link>'
+    (tmp_path / "room.urdf").write_text(f'<robot name="r">{link}</robot>')
+    people = '[agents.R]\nprofile = "pr2"\nposition_m = [-2, 0]\n[agents.H]\nprofile = "human"\nposition_m = [-3, 0]\n'
+    (tmp_path / "scene.toml").write_text(f'[scene]\nmodel = "room.urdf"\n{people}')
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)
+        warnings.filterwarnings("error", message="Attaching a child")
+        assert Scene.load(tmp_path / "scene.toml").agents == ("R", "H")

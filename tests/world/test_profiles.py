@@ -190,8 +190,7 @@ def test_fields_that_cannot_be_are_refused(tmp_path: Path, right: str, wrong: st
 
 def test_all_fields_are_read_before_any_is_complained_of() -> None:
     text = PROFILE.replace("[160, 120]", "[0, 1]").replace("moves = true", "moves = 3").replace("[-90, 80]", "[80]")
-    profile, problems = examine_profile(text, where="crane.toml")
-    assert profile is None
+    _, problems = examine_profile(text, where="crane.toml")
     assert len(problems) == 3
     with pytest.raises(InputError) as caught:
         parse_profile(text, where="crane.toml")
@@ -269,6 +268,78 @@ def test_built_in_profiles_are_fit_to_use(name: str) -> None:
     assert isinstance(result.given, AgentProfile)
     assert result.scene is not None
     assert [note for note in result.lacks if "wider" in note] == []
+
+
+def test_mistakes_in_fields_hide_none_in_names(tmp_path: Path) -> None:
+    """A list of everything is worked through once."""
+    text = PROFILE
+    wrongs = {
+        'model = "crane.xml"': 'model = "crane.xml"\nshapes = "colision"',
+        'frame = "camera"': 'frame = "kamera"',
+        'exclude = "camera"': 'exclude = "lense"',
+        "fov_deg = [60, 40]": "fov_deg = [200, 40]",
+        "image_px = [160, 120]": "image_px = [0, 120]",
+        'pan = { joint = "pan" }': 'pan = { joint = "pam", range_deg = [1, 0] }\ntilt = { joint = "lift" }',
+        'root = "upper"': 'root = "uper"',
+        "offset_m = [0.1, 0, 0]": "offset_m = [0.1, 0]",
+        "azimuth_deg = [-60, 120]": "azimuth_deg = [120, -60]",
+    }
+    for right, wrong in wrongs.items():
+        assert right in text
+        text = text.replace(right, wrong, 1)
+    written(tmp_path, text)
+    said = [str(problem) for problem in check_body(str(tmp_path / "crane.toml")).problems]
+    fields = ("shapes", "eye.frame", "eye.exclude", "eye.fov_deg", "eye.image_px", "head.pan.range_deg", "head.pan: no")
+    for field in (*fields, "head.tilt", "arms.right.root", "arms.palm.offset_m", "arms.azimuth_deg"):
+        assert sum(field in sentence for sentence in said) == 1, field
+    assert len(said) == 11
+
+
+@pytest.mark.parametrize(("key", "right"), [("hand", 'hand = "grip"'), ("palm", 'palm = { frame = "grip"')])
+def test_a_hand_that_the_arm_does_not_carry_is_refused(tmp_path: Path, key: str, right: str) -> None:
+    wrong = PROFILE.replace(right, right.replace("grip", "camera"))
+    with pytest.raises(SceneError, match=rf"arms\.right\.{key}: the {key} is no part of the arm.*got 'camera'"):
+        Scene.load(written(tmp_path, wrong))
+
+
+@pytest.mark.parametrize(
+    ("profile", "model", "doubt"),
+    [
+        (
+            "rpy_deg = [0, -90, 0]|rpy_deg = [0, 0, 0]",
+            "|",
+            "eye.frame: 'camera' does not look ahead, but along (0.0, 0.0",
+        ),
+        ("rpy_deg = [0, -90, 0]|rpy_deg = [0, 0, -90]", "|", "it would with optical = true"),
+        ("rpy_deg = [0, -90, 0]|rpy_deg = [90, -90, 0]", "|", "looks ahead with its z along"),
+        (
+            "|",
+            'axis="-1 0 0" range="-50 50"|axis="0 1 0" range="-50 50"',
+            "head.pan: pan turns to the side, but the axis",
+        ),
+        ('pan = { joint = "pan" }|tilt = { joint = "pan" }', "|", "head.tilt: tilt looks up and down, but the axis"),
+        ('pan = { joint = "pan" }|pan = { joint = "elbow" }', "|", "the joint 'elbow' does not move the eye"),
+    ],
+)
+def test_what_looks_or_turns_the_wrong_way_is_doubted(tmp_path: Path, profile: str, model: str, doubt: str) -> None:
+    right, wrong = profile.split("|")
+    straight, turned = model.split("|")
+    assert right in PROFILE
+    assert straight in MODEL
+    scene_file = written(
+        tmp_path,
+        PROFILE.replace(right, wrong) if right else PROFILE,
+        MODEL.replace(straight, turned) if turned else MODEL,
+    )
+    result = check_body(str(scene_file.with_name("crane.toml")))
+    assert result.problems == ()
+    assert doubt in "\n".join(result.doubts)
+
+
+def test_what_is_right_is_not_doubted_and_a_lift_is_told_of(tmp_path: Path) -> None:
+    result = check_body(str(written(tmp_path).with_name("crane.toml")))
+    assert result.doubts == ()
+    assert any("'lift' slides between base and shoulders" in lack for lack in result.lacks)
 
 
 def test_a_range_wider_than_the_joint_is_cut_and_noted(tmp_path: Path) -> None:

@@ -31,8 +31,9 @@ def check(
 ) -> int:
     """Say whether an agent profile is fit to use, and what it has.
 
-    Every problem is named. The picture shows the body from the side and from above, with its eye, shoulders, hands,
-    reach and field of view. The exit code is 1 if the profile cannot be used.
+    Every problem is named, and what is doubtful: an eye that looks aside, a joint about the wrong axis. The picture
+    shows the body from the side and from above, with its eye, shoulders, hands, reach and field of view. The exit code
+    is 1 if the profile cannot be used.
 
     Example: taskgist agent check pr2 -o pr2.png
 

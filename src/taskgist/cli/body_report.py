@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from rich.text import Text
 
 from taskgist.cli.output import console
+from taskgist.errors import InputError, UnknownNameError, nearest
 from taskgist.perspective import view_of
 from taskgist.world import Stage
 from taskgist.world.body.check import BODY, BodyCheck
@@ -20,7 +21,8 @@ def found_in(result: BodyCheck) -> dict[str, object]:
     found: dict[str, object] = {
         "profile": result.name,
         "fit": not result.problems,
-        "problems": [str(problem) for problem in result.problems],
+        "problems": [_told(problem) for problem in result.problems],
+        "doubts": list(result.doubts),
         "lacks": list(result.lacks),
     }
     return found | _body(result) if result.scene is not None else found
@@ -86,16 +88,31 @@ def _degrees(angles: tuple[float, float]) -> list[float]:
 
 def print_found(result: BodyCheck, found: dict[str, object]) -> None:
     """Print it for people."""
-    verdict = ("not fit to use", "bold red") if result.problems else ("fit to use", "green")
-    console.print(Text.assemble(f"{result.name}: ", verdict))
+    console.print(Text.assemble(f"{result.name}: ", _verdict(result)))
     for problem in result.problems:
-        console.print(Text.assemble("  ", ("problem", "bold red"), f"   {problem}"))
+        console.print(Text.assemble("  ", ("problem", "bold red"), f"   {_told(problem)}"))
+    for doubt in result.doubts:
+        console.print(Text.assemble("  ", ("doubt", "bold yellow"), f"     {doubt}"))
     if result.scene is not None:
         _print_body(result, found)
     for lack in result.lacks:
         console.print(Text.assemble("  ", ("note", "cyan"), f"      {lack}"))
     if "picture" in found:
         console.print(f"saved {found['picture']}")
+
+
+def _verdict(result: BodyCheck) -> tuple[str, str]:
+    if result.problems:
+        return "not fit to use", "bold red"
+    return ("doubtful: is that meant?", "bold yellow") if result.doubts else ("fit to use", "green")
+
+
+def _told(problem: InputError) -> str:
+    """A problem in one sentence: all known names, of which a robot has a hundred, only where none is near."""
+    near = nearest(problem.name, problem.known) if isinstance(problem, UnknownNameError) else None
+    if near is None:
+        return str(problem)
+    return str(InputError(problem.problem, where=problem.where, hint=f"did you mean {near!r}?"))
 
 
 def _print_body(result: BodyCheck, found: dict[str, object]) -> None:
@@ -112,7 +129,7 @@ def _print_body(result: BodyCheck, found: dict[str, object]) -> None:
     axes = dict(p.axes)
     for part, fields in (("head", ("pan", "tilt")), ("torso", ("turn", "lean"))):
         named = [(field, axes.get(f"{part}.{field}")) for field in fields]
-        _line(part, ", ".join(_axis(field, axis) for field, axis in named if axis) or "no joints")
+        _line(part, ", ".join(_axis(field, axis) for field, axis in named if axis) or "no joints that turn")
     _line("postures", " and ".join(p.legs.can))
     for arm in body.arms:
         reach = f"reaches {arm.profile.length_m:.2f} m"

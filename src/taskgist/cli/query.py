@@ -18,6 +18,7 @@ from taskgist.perspective.queries.asking import Perspectives, able_by, becoming_
 from taskgist.perspective.queries.grammar import parse_question
 from taskgist.perspective.queries.sets import objects_where
 from taskgist.perspective.queries.why import why
+from taskgist.world import Scene
 
 WIDTH = 28
 """Columns of an answer in a table."""
@@ -51,6 +52,7 @@ def query(
     stage = open_stage(where, at)
     answers = _Answers(Perspectives(stage), explain=explain, as_json=as_json)
     with about(where, {"where": "--where"}):
+        _check_scene(stage.scene)
         if question is not None:
             _alone(asked)
             return answers.where(question)
@@ -148,8 +150,6 @@ class _Answers:
             for name in dict.fromkeys(each.target for each in efforts):
                 cells = "".join(f"{levels[agent, name, ability]:{WIDTH}}" for ability in abilities)
                 console.print(f"  {name:18}{cells}".rstrip())
-        if not efforts:
-            console.print("there is nothing to ask about: no agents or no objects in this scene")
 
     def _print_group(self, heading: str, efforts: dict[str, list[Effort]]) -> None:
         if not efforts:
@@ -181,6 +181,15 @@ def _one(agent: str | None) -> str:
     if agent is None:
         raise InputError("bodies differ in their actions", field="--actions", hint="name --agent, too")
     return agent
+
+
+def _check_scene(scene: Scene) -> None:
+    """Refuse a scene of which nothing can be asked."""
+    if not scene.agents:
+        raise InputError("no agent in this scene", field="agents", hint="add a table such as [agents.P1]")
+    if not scene.objects:
+        hint = "objects are bodies with a free joint; in URDF, links on a `floating` joint, no others"
+        raise InputError("no object in this scene", field="scene.objects", hint=hint)
 
 
 def _alone(options: dict[str, str | None]) -> None:

@@ -63,6 +63,11 @@ def _sentence(visible: Visibility | None) -> str:
         hidden_by = ", ".join(owner for owner, _ in visible.occluders)
         return f"not visible: hidden by {hidden_by}" if hidden_by else "not visible: out of the field of view"
     where = "in the gaze cone" if visible.in_gaze_cone else "beside the gaze cone"
-    return (
-        f"visibility score {100 * visible.score:.2f} %, {where}, {100 * visible.visible_share:.0f} % of it unoccluded"
-    )
+    unoccluded = _percent(visible.visible_share, 0)
+    return f"visibility score {_percent(visible.score, 2)}, {where}, {unoccluded} of it unoccluded"
+
+
+def _percent(share: float, digits: int) -> str:
+    """A share above zero, never written as zero."""
+    least = 10.0**-digits
+    return f"{100 * share:.{digits}f} %" if 100 * share >= least else f"below {least:g} %"

@@ -10,17 +10,19 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, Rectangle
+from matplotlib.ticker import MultipleLocator
+from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from taskgist.perspective.maps.ability_map import AbilityMap
 from taskgist.perspective.maps.grid import Grid
 from taskgist.perspective.maps.places import Place
 from taskgist.perspective.maps.zone import Zone
+from taskgist.view.map_labels import draw_people, draw_things
 from taskgist.view.rendering import looking, pinhole, render
 from taskgist.view.saving import save_figure
 from taskgist.world import Pose, Stage
-from taskgist.world.geometry.rotations import yaw_of
 
 Array = NDArray[np.float64]
 COLOURS = ((0.99, 0.80, 0.18), (0.50, 0.76, 0.25), (0.13, 0.60, 0.54), (0.20, 0.40, 0.66), (0.36, 0.17, 0.47))
@@ -39,8 +41,10 @@ FAINTEST, DENSEST = 0.25, 0.7
 """Opacity of columns in which one cell, or half of them, belong to what is shown."""
 LAST = 0.6
 """Of which the greatest level has so much: it surrounds all else."""
-ARROW_M = 0.42
-LABEL = {"boxstyle": "round,pad=0.25", "facecolor": "white", "edgecolor": "black", "alpha": 0.9}
+SIDES = (-114, -66, 66, 114, -24, 24, 156, -156)
+"""From where the view in space may look, degrees from the grid's first axis, the usual one first."""
+PROBES = 150
+"""Cells that decide from which side most of them are seen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,43 +99,62 @@ def map_picture(stage: Stage, layers: Layers, path: Path, *, title: str) -> Path
 
 
 def draw_above(axes: Axes, stage: Stage, layers: Layers) -> None:
-    """Draw the grid from above, its first axis to the right; the fuller a column, the stronger its colour."""
-    grid, levels = layers.grid, layers.levels
+    """Draw the grid from above in the room's coordinates, x to the right; the fuller a column, the stronger."""
+    grid = layers.grid
+    low, high = _corners(grid)
+    axes.imshow(1 - FADED * (1 - _from_above(stage, low, high)), extent=(low[0], high[0], low[1], high[1]))
     width, depth = (count * grid.cell_m for count in grid.shape[:2])
-    extent = (0.0, width, 0.0, depth)
-    axes.imshow(1 - FADED * (1 - _from_above(stage, grid)), extent=extent)
-    share = (levels < NOTHING).mean(axis=2)
-    least = levels.min(axis=2)
-    opacity = np.where(share > 0, FAINTEST + (DENSEST - FAINTEST) * np.minimum(1.0, 2 * share), 0.0)
-    opacity[least == max(layers.names)] *= LAST if len(layers.names) > 1 else 1.0
-    palette = np.array((*COLOURS, (1.0, 1.0, 1.0)))
-    image = np.concatenate((palette[least], opacity[..., None]), axis=2)
-    axes.imshow(np.swapaxes(image, 0, 1), origin="lower", extent=extent, interpolation="nearest")
-    _draw_people(axes, stage, grid)
-    _draw_things(axes, stage, grid)
+    placed = Affine2D().rotate(grid.yaw_rad).translate(*grid.origin_m[:2]) + axes.transData
+    image = np.swapaxes(_columns(layers), 0, 1)
+    axes.imshow(image, origin="lower", extent=(0.0, width, 0.0, depth), interpolation="nearest", transform=placed)
+    axes.add_patch(Rectangle((0, 0), width, depth, fill=False, edgecolor="0.35", linewidth=0.8, transform=placed))
+    draw_people(axes, stage)
+    draw_things(axes, stage, low, high)
     spots = np.array([place.position_m for place in layers.places]).reshape(-1, 3)
-    axes.plot(*_local(grid, spots)[:, :2].T, ".", color="black", markersize=2.5)
+    axes.plot(*spots[:, :2].T, ".", color="black", markersize=2.5)
     shown = "the least effort in each column" if len(layers.names) > 1 else "the stronger, the more of a column"
     axes.set_title(f"from above: {shown}", fontsize=10)
-    axes.set_xlabel("metres", fontsize=9)
-    axes.set_xlim(0, width)
-    axes.set_ylim(0, depth)
+    axes.set_xlabel("x of the room, metres", fontsize=9)
+    axes.set_ylabel("y of the room, metres", fontsize=9)
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_aspect("equal")
+    axes.xaxis.set_major_locator(MultipleLocator(0.5))
+    axes.yaxis.set_major_locator(MultipleLocator(0.5))
+    axes.grid(color="0.3", linewidth=0.3, alpha=0.5)
     axes.tick_params(labelsize=8)
 
 
-def _from_above(stage: Stage, grid: Grid) -> Array:
-    """The room from so high above that all rays are as good as parallel."""
+def _columns(layers: Layers) -> Array:
+    """Colour and opacity of each column of cells, (columns of the grid, 4)."""
+    levels = layers.levels
+    share, least = (levels < NOTHING).mean(axis=2), levels.min(axis=2)
+    opacity = np.where(share > 0, FAINTEST + (DENSEST - FAINTEST) * np.minimum(1.0, 2 * share), 0.0)
+    opacity[least == max(layers.names)] *= LAST if len(layers.names) > 1 else 1.0
+    palette = np.array((*COLOURS, (1.0, 1.0, 1.0)))
+    return np.concatenate((palette[least], opacity[..., None]), axis=2)
+
+
+def _corners(grid: Grid) -> tuple[Array, Array]:
+    """Opposite corners, in the room and along its axes, of what holds the whole grid: metres, (2,) each."""
     width, depth = (count * grid.cell_m for count in grid.shape[:2])
-    center = grid.axes @ (width / 2, depth / 2, HIGH_M) + grid.origin_m
-    ahead, left, up = grid.axes.T
+    flat = np.array([(0, 0, 0), (width, 0, 0), (width, depth, 0), (0, depth, 0)]) @ grid.axes.T + grid.origin_m
+    return flat[:, :2].min(axis=0), flat[:, :2].max(axis=0)
+
+
+def _from_above(stage: Stage, low: Array, high: Array) -> Array:
+    """The room from so high above that all rays are as good as parallel."""
+    width, depth = (float(side) for side in high - low)
+    center = np.array((*(low + high) / 2, HIGH_M))
+    right, ahead, up = np.eye(3)
     pixels = (round(width / ABOVE_PIXEL_M), round(depth / ABOVE_PIXEL_M))
     angles = (2 * math.atan(width / 2 / HIGH_M), 2 * math.atan(depth / 2 / HIGH_M))
-    return render(stage, Pose(center, np.stack((-up, -ahead, left), axis=1)), pinhole(angles, *pixels)).rgb
+    return render(stage, Pose(center, np.stack((-up, -right, ahead), axis=1)), pinhole(angles, *pixels)).rgb
 
 
 def draw_space(axes: Axes, stage: Stage, layers: Layers) -> None:
     """Draw the room from the side with the cells as a translucent surface in it."""
-    camera = looking(*_camera(layers.grid))
+    camera = _camera(stage, layers)
     directions = pinhole(SPACE_FOV_RAD, *SPACE_PX)
     room = render(stage, camera, directions).rgb
     rays = directions.reshape(-1, 3) @ camera.matrix.T
@@ -187,34 +210,26 @@ def _surface(levels: NDArray[np.integer]) -> NDArray[np.integer]:
     return np.where(differs, levels, NOTHING)
 
 
-def _camera(grid: Grid) -> tuple[Array, Array]:
-    """A place from which the whole grid is in the picture, and the point to look at; metres."""
+def _camera(stage: Stage, layers: Layers) -> Pose:
+    """A place from which the whole grid is in the picture, on the side from which walls hide least of what is shown."""
+    grid = layers.grid
     size = grid.cell_m * np.array(grid.shape)
     middle = grid.axes @ (size / 2) + grid.origin_m
     middle[2] = 0.42 * size[2]
-    distance = 0.95 * float(np.hypot(*size[:2])) / (2 * math.tan(SPACE_FOV_RAD[0] / 2)) + 0.9
-    away = grid.axes @ np.array((-0.45, -1.0, 0.62))
-    return middle + distance * away / np.linalg.norm(away), middle
+    distance = 1.15 * float(np.hypot(*size[:2])) / (2 * math.tan(SPACE_FOV_RAD[0] / 2)) + 0.9
+    bearings = np.radians(SIDES)
+    away = np.stack((1.1 * np.cos(bearings), 1.1 * np.sin(bearings), np.full(len(SIDES), 0.62)), axis=1) @ grid.axes.T
+    places = middle + distance * away / np.linalg.norm(away, axis=1, keepdims=True)
+    cells = np.argwhere(layers.levels < NOTHING)
+    probes = (cells[:: len(cells) // PROBES + 1] + 0.5) * grid.cell_m @ grid.axes.T + grid.origin_m
+    return looking(max(places, key=lambda place: _clear(stage, place, probes)), middle)
 
 
-def _draw_people(axes: Axes, stage: Stage, grid: Grid) -> None:
-    for name in stage.scene.agents:
-        base = stage.state.qpos[stage.scene.base_slice(name)]
-        x, y = _local(grid, base[:3])[:2]
-        heading = yaw_of(base[3:]) - grid.yaw_rad
-        tip = (x + ARROW_M * math.cos(heading), y + ARROW_M * math.sin(heading))
-        axes.annotate(
-            "", tip, (x, y), arrowprops={"arrowstyle": "-|>", "color": "black", "lw": 1.5}, annotation_clip=True
-        )
-        axes.text(x, y, name, ha="center", va="center", fontsize=9, clip_on=True, bbox=LABEL)
-
-
-def _draw_things(axes: Axes, stage: Stage, grid: Grid) -> None:
-    for name in stage.scene.objects:
-        x, y = _local(grid, stage.state.qpos[stage.scene.object_slice(name)][:3])[:2]
-        axes.plot(x, y, "x", color="black", markersize=5, markeredgewidth=1.2)
-        axes.annotate(name, (x, y), xytext=(4, 3), textcoords="offset points", fontsize=8, annotation_clip=True)
-
-
-def _local(grid: Grid, point: Array) -> Array:
-    return np.asarray((point - grid.origin_m) @ grid.axes)
+def _clear(stage: Stage, place: Array, points: Array) -> int:
+    """How many tenths of the points are seen from a place."""
+    if not len(points):
+        return 0
+    ways = points - place
+    far_m = np.linalg.norm(ways, axis=1)
+    geoms, met_m = stage.cast(place, ways / far_m[:, None])
+    return round(10 * float(np.mean((geoms < 0) | (met_m >= far_m))))

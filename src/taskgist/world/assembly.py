@@ -55,6 +55,7 @@ def assemble(file: SceneFile, bundle: Mapping[str, bytes]) -> Assembled:
     decompose(room, lambda spec: _compile(spec, files, file.where), files, file.where)
     for entry in file.agents:
         body = _agent_spec(profiles[entry.name], files, entry, file.where)
+        room.assets = body.assets = _assets(files)  # MuJoCo warns if only one of them has any
         room.attach(body, prefix=f"{entry.name}/", frame=room.worldbody.add_frame())
     model = _compile(room, files, file.where)
     bound_all_shapes(model)
@@ -138,8 +139,12 @@ def _agent_spec(profile: AgentProfile, files: dict[str, bytes], entry: AgentEntr
 
 
 def _compile(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> mujoco.MjModel:
-    spec.assets = {name: data for name, data in files.items() if not name.endswith((".toml", ".xml", ".urdf"))}
+    spec.assets = _assets(files)
     try:
         return spec.compile()
     except ValueError as error:
         raise SceneError(f"MuJoCo cannot compile this scene: {error}", where=where) from error
+
+
+def _assets(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    return {name: data for name, data in files.items() if not name.endswith((".toml", ".xml", ".urdf"))}

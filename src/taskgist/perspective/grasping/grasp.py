@@ -51,6 +51,10 @@ class Grasp(ByHand):
 
     def among(self, stances: Stances) -> Among:
         """What the arms can grasp from some stances."""
+        if self._agent.profile.hand is not None:
+            surface = ReachAmong(self, stances, self.surface)
+            if surface.beyond(self._hand.opening_m / 2 + self._here.settings.reach.cell_m):
+                return surface  # no grasp is farther from the surface than this: spares sampling them
         if self._impossible is not None:
             return Hopeless(self._impossible, len(stances))
         return GraspAmong(self, stances)

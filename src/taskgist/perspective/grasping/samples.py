@@ -59,7 +59,7 @@ _SAMPLED: WeakKeyDictionary[Scene, dict[Hashable, Grasps]] = WeakKeyDictionary()
 
 
 def _sampled(bench: Stage, name: str, hand: Hand, settings: Grasp) -> Grasps:
-    pairs = opposite_points(bench, name, settings)
+    pairs = opposite_points(bench, name, settings, hand.opening_m + ROUNDING)
     narrowest_m = float(pairs.widths_m.min()) if len(pairs.widths_m) else None
     pairs = pairs.take(pairs.widths_m <= hand.opening_m + ROUNDING)
     grasps = _around(bench, name, _both_ways(pairs) if hand.one_sided else pairs, narrowest_m, settings)

@@ -38,7 +38,8 @@ def touching(bench: Stage, name: str, pairs: Pairs) -> Mask:
     for column in np.flatnonzero(~np.isin(solids, seen)):
         pose = bench.geom(int(solids[column]))
         for points in (pairs.centers - half, pairs.centers + half):
-            outside_m = distances_outside_m(bench.scene.model, int(solids[column]), pose.to_local(points))
+            local, model = pose.to_local(points), bench.scene.model
+            outside_m = distances_outside_m(model, int(solids[column]), local, within_m=TOUCHED_M)
             touched[:, column] |= outside_m <= TOUCHED_M
     return touched
 
@@ -74,21 +75,33 @@ def _settled(bench: Stage, grasps: Grasps, hand: Hand, frames: Array, centers: A
     A box is in a shape if one of its points is; it is not if one of its faces keeps the shape apart.
     """
     boxes, model = hand_boxes(hand), bench.scene.model
-    near = np.ones((len(grasps), len(boxes), len(grasps.solids)), dtype=bool)
-    near[:, 1:] &= ~grasps.touching[:, None, :]
+    half = np.array([box.half_m for box in boxes]) - TOUCH_M
+    near = np.zeros((len(grasps), len(boxes), len(grasps.solids)), dtype=bool)
     found = np.zeros(len(grasps), dtype=bool)
     for column, solid in enumerate(grasps.solids.tolist()):
         pose = bench.geom(solid)
-        low, high = spans_m(model, solid, frames.transpose(0, 2, 1) @ pose.matrix)
-        for row, box in enumerate(boxes):
-            middle = np.einsum("nij,ni->nj", frames, pose.position - centers[:, row])
-            half = np.array(box.half_m) - TOUCH_M
-            near[:, row, column] &= ((middle + low < half) & (middle + high > -half)).all(axis=1)
+        counts = np.repeat(~found[:, None], len(boxes), axis=1)
+        counts[:, 1:] &= ~grasps.touching[:, column, None]
+        near[:, :, column] = _near(bench, solid, frames, centers, half, counts)
+        for row in range(len(boxes)):
             rows = np.flatnonzero(near[:, row, column] & ~found)
-            points = centers[rows, row, None] + (LATTICE * half) @ frames[rows].transpose(0, 2, 1)
-            outside_m = distances_outside_m(model, solid, pose.to_local(points).reshape(-1, 3))
-            found[rows] |= (outside_m.reshape(len(rows), len(LATTICE)) < -TOUCH_M).any(axis=1)
+            points = centers[rows, row, None] + (LATTICE * half[row]) @ frames[rows].transpose(0, 2, 1)
+            outside_m = distances_outside_m(model, solid, pose.to_local(points.reshape(-1, 3)), within_m=0.0)
+            found[rows] = (outside_m.reshape(len(rows), len(LATTICE)) < -TOUCH_M).any(axis=1)
     return found, near
+
+
+def _near(bench: Stage, solid: int, frames: Array, centers: Array, half: Array, counts: Mask) -> Mask:
+    """Which of those boxes that count no face keeps apart from a solid shape, (n, boxes)."""
+    pose, model = bench.geom(solid), bench.scene.model
+    radius_m = float(model.geom_rbound[solid]) or np.inf  # planes have none
+    middles = (pose.position - centers) @ frames
+    near = counts & (np.abs(middles) < half + radius_m).all(axis=2)
+    rows = np.flatnonzero(near.any(axis=1))
+    low, high = spans_m(model, solid, frames[rows].transpose(0, 2, 1) @ pose.matrix)
+    low, high = middles[rows] + low[:, None], middles[rows] + high[:, None]
+    near[rows] &= ((low < half) & (high > -half)).all(axis=2)
+    return near
 
 
 def met_by_all_fingers(bench: Stage, name: str, grasps: Grasps, hand: Hand) -> Mask:

@@ -102,7 +102,8 @@ def _turned(here: Standpoint, effort: Effort, action: str) -> float:
 
 
 def _degrees(angle_rad: float) -> str:
-    return f"{math.degrees(abs(angle_rad)):.0f}°"
+    degrees = math.degrees(abs(angle_rad))
+    return f"{degrees:.0f}°" if degrees >= 0.5 else "less than 1°"
 
 
 def _leaning(angle_rad: float) -> str:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 from taskgist.perspective.acting.stances import Stances
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.judge import Miss, Outcome, untracked_parts
 from taskgist.perspective.reaching.hold import Hold
-from taskgist.perspective.reaching.sector import arms_of
+from taskgist.perspective.reaching.sector import Cloud, arms_of
 from taskgist.perspective.target import Target
 from taskgist.world import ArmIndices
 
@@ -31,6 +32,11 @@ class ByHand:
         self._stage, self._agent = here.stage, here.agent
         self.arms = arms_of(here)
         self._hold = Hold(here, target)
+
+    @cached_property
+    def surface(self) -> Cloud:
+        """The object's cells."""
+        return Cloud.of(self.target.points)
 
     def arm(self, index: int) -> ArmIndices:
         """An arm of the agent by its index."""

@@ -9,7 +9,6 @@ whole arm.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,13 +25,9 @@ Array = NDArray[np.float64]
 class Reach(ByHand):
     """Judges the ability to reach one object."""
 
-    @cached_property
-    def _cloud(self) -> Cloud:
-        return Cloud.of(self.target.points)
-
     def among(self, stances: Stances) -> Among:
         """What the arms reach from some stances."""
-        return ReachAmong(self, stances, self._cloud)
+        return ReachAmong(self, stances, self.surface)
 
 
 class ReachAmong:
@@ -53,6 +48,11 @@ class ReachAmong:
         self.hopeful: NDArray[np.bool_] = np.zeros(len(stances), dtype=np.bool_)
         for reached in self._by_arm.values():
             self.hopeful |= reached.nearest != NOWHERE
+
+    def beyond(self, margin_m: float) -> bool:
+        """Whether all points are farther than this beyond every arm, from every stance."""
+        lengths_m = {arm: self._judge.arm(arm).profile.length_m + margin_m for arm in self._by_arm}
+        return all(bool((reached.gap_m > lengths_m[arm]).all()) for arm, reached in self._by_arm.items())
 
     def able(self, index: int) -> list[int]:
         """The arms that reach some point from a stance, the nearer shoulder's first."""

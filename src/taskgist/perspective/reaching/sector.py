@@ -52,8 +52,10 @@ class Reaching:
         index = int(np.argmin(np.where(asked, self.gap_m, np.inf)))
         gap_m = float(np.linalg.norm(points - shoulders[index], axis=1).min())
         if gap_m > arm.length_m:
-            why = f"{gap_m:.2f} m from the {arm.side} shoulder, {gap_m - arm.length_m:.2f} m beyond the arm"
-            return Miss(gap_m - arm.length_m, why, lambda: {"arm": arm.side, "beyond_m": gap_m - arm.length_m})
+            beyond_m = gap_m - arm.length_m
+            far = f"{beyond_m:.2f} m" if beyond_m >= 0.005 else f"{1000 * beyond_m:.1f} mm"
+            why = f"{gap_m:.2f} m from the {arm.side} shoulder, {far} beyond the arm"
+            return Miss(beyond_m, why, lambda: {"arm": arm.side, "beyond_m": beyond_m})
         return Miss(0.0, f"outside the sector of the {arm.side} arm", lambda: {"arm": arm.side})
 
 

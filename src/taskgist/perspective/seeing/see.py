@@ -96,7 +96,7 @@ class See:
         off_rad = self._off_rad(state)
         if len(sight.geoms):
             return self._hidden(off_rad, state, sight)
-        if off_rad <= self._cone_rad:
+        if off_rad <= self._cone_rad and self._in_image(state):
             return Miss(off_rad, "smaller than a pixel")
         return beside_gaze(off_rad)
 
@@ -105,7 +105,7 @@ class See:
         off_rad = self._off_rad(state)
         beside = f"{math.degrees(off_rad):.0f}° beside the gaze (cone {math.degrees(self._cone_rad):.0f}°)"
         if not len(sight.geoms):
-            return Miss(off_rad, "smaller than a pixel" if off_rad <= self._cone_rad else f"out of view, {beside}")
+            return Miss(off_rad, "smaller than a pixel" if self._in_image(state) else f"out of view, {beside}")
         if not sight.visible.any():
             return self._hidden(off_rad, state, sight)
         return Miss(off_rad, f"in view, but {beside}")
@@ -129,6 +129,12 @@ class See:
             }
 
         return Miss(off_rad, f"occluded by {' and '.join(hiders)}", evidence)
+
+    def _in_image(self, state: State) -> bool:
+        """Whether the object's middle is within the field of view."""
+        x, y, z = self._stage.show(state).eye(self._agent).to_local(self.target.middle)
+        across, up = self._agent.profile.eye.fov_rad
+        return bool(x > 0 and abs(y) <= x * math.tan(across / 2) and abs(z) <= x * math.tan(up / 2))
 
     def _off_rad(self, state: State) -> float:
         eye = self._stage.show(state).eye(self._agent)

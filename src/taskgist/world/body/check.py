@@ -9,6 +9,8 @@ from pathlib import Path
 
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.world.body.anthropometry import HumanSize
+from taskgist.world.body.attempts import UNREADABLE
+from taskgist.world.body.directions import direction_doubts, sliding_before
 from taskgist.world.body.model_files import body_files, read_file, read_model
 from taskgist.world.body.named import name_problems
 from taskgist.world.body.profile import AS_THE_JOINT, AgentProfile, builtin_profile_text, builtin_profiles
@@ -31,6 +33,7 @@ class BodyCheck:
         name: As it was given.
         given: The profile as its document has it; None if that cannot be read.
         problems: Why it cannot be used; empty if it can.
+        doubts: What can be used and is probably wrong: an eye that looks aside, a joint about the wrong axis.
         lacks: What the body does not have, or has otherwise than the profile says, and what follows.
         scene: The body alone on an empty floor; None beside problems.
     """
@@ -38,6 +41,7 @@ class BodyCheck:
     name: str
     given: AgentProfile | None
     problems: tuple[InputError, ...]
+    doubts: tuple[str, ...] = ()
     lacks: tuple[str, ...] = ()
     scene: Scene | None = None
 
@@ -53,18 +57,19 @@ def check_body(profile: str) -> BodyCheck:
         UnknownNameError: There is no such built-in profile.
     """
     text, folder, where = _document(profile)
-    given, problems = examine_profile(text, where=where, stature_m=DEFAULT_STATURE_M)
+    given, misread = examine_profile(text, where=where, stature_m=DEFAULT_STATURE_M)
     if given is None:
-        return BodyCheck(profile, None, problems)
-    files, problems = _files(given, folder, where)
-    if problems:
-        return BodyCheck(profile, given, problems)
+        return BodyCheck(profile, None, misread)
+    files, misnamed = _files(given, folder, where)
+    if misread or misnamed:
+        return BodyCheck(profile, given, (*misread, *misnamed))
     bundle = {"scene.toml": SCENE.encode(), "floor.xml": FLOOR.encode(), f"{BODY}.profile.toml": text, **files}
     try:
         scene = Scene.from_bundle(bundle, where=where)
     except InputError as error:
         return BodyCheck(profile, given, (error,))
-    return BodyCheck(profile, given, (), tuple(_lacks(given, scene)), scene)
+    doubts = direction_doubts(scene.model, scene.agent(BODY), scene.initial.qpos)
+    return BodyCheck(profile, given, (), tuple(doubts), tuple(_lacks(given, scene)), scene)
 
 
 def _document(profile: str) -> tuple[bytes, Path | None, str]:
@@ -77,6 +82,8 @@ def _document(profile: str) -> tuple[bytes, Path | None, str]:
 
 def _files(given: AgentProfile, folder: Path | None, where: str) -> tuple[dict[str, bytes], tuple[InputError, ...]]:
     """The model's files, or everything that is wrong with it."""
+    if given.model == UNREADABLE:
+        return {}, ()
     key = f"{BODY}.model.xml"
     try:
         size = HumanSize.from_stature(DEFAULT_STATURE_M)
@@ -101,6 +108,8 @@ def _lacks(given: AgentProfile, scene: Scene) -> Iterator[str]:
         "solid shapes": (len(agent.core_geoms), "head, torso and base push into nothing: every way is free"),
     }
     yield from (f"no {field}: {meaning}" for field, (there, meaning) in has.items() if not there)
+    for joint in sliding_before(scene.model, agent):
+        yield f"{joint!r} slides between base and shoulders, and no virtual action moves it: a scene may, by joints_m"
     for (field, asked), (_, found) in zip(given.axes, agent.profile.axes, strict=True):
         if asked.range_rad not in (AS_THE_JOINT, found.range_rad):
             low, high = (math.degrees(limit) for limit in found.range_rad)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from taskgist.world.body.attempts import UNREADABLE, Attempts
 from taskgist.world.geometry.rotations import IDENTITY_WXYZ, multiply
 from taskgist.world.toml_table import TomlTable
 
@@ -42,29 +43,29 @@ class Frame:
         return self == Frame(self.name)
 
 
-def read_frame(table: TomlTable, key: str) -> Frame:
+def read_frame(table: TomlTable, key: str, attempt: Attempts) -> Frame:
     """A frame that a field of a profile gives.
 
     The field is the name of a site or body, or a table ``{ frame = "camera_link", offset_m = [0, 0, 0.1],
     rpy_deg = [0, 0, 90], optical = true }``: roll, pitch and yaw as in URDF.
-
-    Raises:
-        SceneError: It is neither.
     """
-    value = table.values.get(key)
-    if isinstance(value, dict):
-        inner = table.table(key).only({"frame", *FIELDS})
-        return frame_from(inner, "frame")
-    return Frame(table.text(key))
+    if not isinstance(table.values.get(key), dict):
+        return Frame(attempt(lambda: table.text(key), UNREADABLE))
+    inner = table.table(key)
+    attempt(lambda: inner.only({"frame", *FIELDS}), inner)
+    return frame_from(inner, "frame", attempt)
 
 
-def frame_from(table: TomlTable, key: str) -> Frame:
+def frame_from(table: TomlTable, key: str, attempt: Attempts) -> Frame:
     """A frame whose name stands under ``key``, with its offset and turn beside it in the same table."""
-    wxyz = _wxyz_from_rpy(table.triple("rpy_deg", (0.0, 0.0, 0.0)))
-    if table.flag("optical", default=False):
+    zero = (0.0, 0.0, 0.0)
+    name = attempt(lambda: table.text(key), UNREADABLE)
+    offset_m = attempt(lambda: table.triple("offset_m", zero), zero)
+    wxyz = _wxyz_from_rpy(attempt(lambda: table.triple("rpy_deg", zero), zero))
+    if attempt(lambda: table.flag("optical", default=False), False):
         wxyz = multiply(wxyz, OPTICAL_WXYZ)
     w, x, y, z = (float(value) for value in wxyz)
-    return Frame(table.text(key), table.triple("offset_m", (0.0, 0.0, 0.0)), (w, x, y, z))
+    return Frame(name, offset_m, (w, x, y, z))
 
 
 def _wxyz_from_rpy(rpy_deg: tuple[float, float, float]) -> np.ndarray:

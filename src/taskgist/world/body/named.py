@@ -7,7 +7,8 @@ from collections.abc import Collection, Iterator
 import mujoco
 
 from taskgist.errors import InputError, SceneError, UnknownNameError
-from taskgist.world.body.profile import AgentProfile
+from taskgist.world.body.attempts import UNREADABLE
+from taskgist.world.body.profile import AgentProfile, Arm
 
 FREE, HINGE, SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 
@@ -23,10 +24,12 @@ def name_problems(spec: mujoco.MjSpec, profile: AgentProfile, where: str) -> Ite
     yield from _root_problems(spec, profile, where)
     bodies = {str(body.name) for body in spec.bodies if body.name != "world"}
     for field, name in _bodies(profile):
-        if name not in bodies:
+        if name not in (*bodies, UNREADABLE):
             yield UnknownNameError("body", name, bodies, where=f"{where}: {field}")
     yield from _frame_problems(spec, profile, where, bodies)
     yield from _joint_problems(spec, profile, where)
+    for arm in profile.arms:
+        yield from _arm_problems(spec, arm, where)
 
 
 def _root_problems(spec: mujoco.MjSpec, profile: AgentProfile, where: str) -> Iterator[InputError]:
@@ -59,7 +62,7 @@ def _frame_problems(
     spec: mujoco.MjSpec, profile: AgentProfile, where: str, bodies: Collection[str]
 ) -> Iterator[InputError]:
     sites = {str(site.name) for site in spec.sites if site.name}
-    for _, field, frame in profile.frames:
+    for _, field, frame in (each for each in profile.frames if each[2].name != UNREADABLE):
         if frame.name not in sites and frame.name not in bodies:
             yield UnknownNameError("site or body", frame.name, {*sites, *bodies}, where=f"{where}: {field}")
         elif frame.name in sites and not frame.is_plain:
@@ -70,9 +73,9 @@ def _frame_problems(
 def _joint_problems(spec: mujoco.MjSpec, profile: AgentProfile, where: str) -> Iterator[InputError]:
     kinds = {str(joint.name): joint.type for joint in spec.joints if joint.type in (HINGE, SLIDE)}
     for field, name in _joints(profile):
-        if name not in kinds:
+        if name not in (*kinds, UNREADABLE):
             yield UnknownNameError("joint", name, kinds, where=f"{where}: {field}")
-        elif kinds[name] != HINGE and field != "rest_m":
+        elif kinds.get(name, HINGE) != HINGE and field != "rest_m":
             hint = "give its rest under [rest_m]" if field == "rest_deg" else "name a joint that turns"
             yield SceneError("a joint that slides", where=where, field=field, value=name, hint=hint)
 
@@ -83,3 +86,25 @@ def _joints(profile: AgentProfile) -> Iterator[tuple[str, str]]:
         yield from ((f"posture.{key}", name) for name in getattr(profile.legs, key))
     yield from (("rest_deg", name) for name, _ in profile.rest_rad)
     yield from (("rest_m", name) for name, _ in profile.rest_m)
+
+
+def _arm_problems(spec: mujoco.MjSpec, arm: Arm, where: str) -> Iterator[InputError]:
+    """A hand that its arm does not carry, or a palm: how far it reaches would be told of something else."""
+    root = spec.body(arm.root) if arm.root else None
+    site = spec.site(arm.palm.name) if arm.palm.name else None
+    palm = str(site.parent.name) if site is not None else arm.palm.name
+    for key, name in (("hand", arm.hand), ("palm", palm)):
+        body = spec.body(name) if name else None
+        if root is not None and body is not None and arm.root not in _carriers(body):
+            hint = f"name what hangs on {arm.root!r}, or another root"
+            problem = f"the {key} is no part of the arm, which begins with {arm.root!r}"
+            yield SceneError(problem, where=where, field=f"arms.{arm.side}.{key}", value=name, hint=hint)
+
+
+def _carriers(body: mujoco.MjsBody) -> set[str]:
+    """Names of a body and all that carry it."""
+    names: set[str] = set()
+    while body is not None and body.name != "world":
+        names.add(str(body.name))
+        body = body.parent
+    return names

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 from taskgist.errors import UnknownNameError
+from taskgist.world.body.attempts import UNREADABLE, Attempts
 from taskgist.world.body.frames import FIELDS as FRAME_FIELDS
 from taskgist.world.body.frames import frame_from, read_frame
 from taskgist.world.body.profile import AS_THE_JOINT, DERIVED_M, POSTURES, Arm, Axis, Eye, Legs, Posture
@@ -27,24 +28,36 @@ def _range(table: TomlTable, key: str) -> tuple[float, float]:
     return _radians((low, high))
 
 
-def read_eye(table: TomlTable) -> Eye:
+def read_eye(table: TomlTable, attempt: Attempts) -> Eye:
     """The ``[eye]`` table."""
     name = "site" if "site" in table else "frame"
-    table.only({name, *FRAME_FIELDS, "exclude", "fov_deg", "image_px", "gaze_cone_deg"})
-    pixels, fov = table.pair("image_px"), table.pair("fov_deg")
-    if not all(value >= 1 and value == int(value) for value in pixels):
-        raise table.error("an image needs at least one pixel each way", "image_px", pixels, "as [320, 240]")
-    if not all(0 < angle < 180 for angle in fov):
-        raise table.error("a pinhole sees between 0 and 180 degrees", "fov_deg", fov, "as [120, 105]")
-    exclude = _excluded(table)
+    attempt(lambda: table.only({name, *FRAME_FIELDS, "exclude", "fov_deg", "image_px", "gaze_cone_deg"}), table)
+    fov_rad = attempt(lambda: _fov_rad(table), (1.0, 1.0))
+    frame = frame_from(table, name, attempt)
+    nothing: tuple[str, ...] = (UNREADABLE,)
+    exclude = attempt(lambda: _excluded(table), nothing)
     return Eye(
-        frame=frame_from(table, name),
+        frame=frame,
         exclude=exclude[0],
         housing=exclude[1:],
-        fov_rad=_radians(fov),
-        image_px=(int(pixels[0]), int(pixels[1])),
-        gaze_cone_rad=_gaze_cone_rad(table, _radians(fov)),
+        fov_rad=fov_rad,
+        image_px=attempt(lambda: _image_px(table), (1, 1)),
+        gaze_cone_rad=attempt(lambda: _gaze_cone_rad(table, fov_rad), 1.0),
     )
+
+
+def _fov_rad(table: TomlTable) -> tuple[float, float]:
+    fov = table.pair("fov_deg")
+    if not all(0 < angle < 180 for angle in fov):
+        raise table.error("a pinhole sees between 0 and 180 degrees", "fov_deg", fov, "as [120, 105]")
+    return _radians(fov)
+
+
+def _image_px(table: TomlTable) -> tuple[int, int]:
+    pixels = table.pair("image_px")
+    if not all(value >= 1 and value == int(value) for value in pixels):
+        raise table.error("an image needs at least one pixel each way", "image_px", pixels, "as [320, 240]")
+    return int(pixels[0]), int(pixels[1])
 
 
 def _excluded(table: TomlTable) -> tuple[str, ...]:
@@ -65,12 +78,16 @@ def _gaze_cone_rad(table: TomlTable, fov_rad: tuple[float, float]) -> float:
     return math.radians(cone)
 
 
-def read_axis(table: TomlTable, key: str) -> Axis | None:
+def read_axis(table: TomlTable, key: str, attempt: Attempts) -> Axis | None:
     """A joint of head or torso; None where the body has none."""
     if key not in table:
         return None
-    axis = table.table(key).only({"joint", "range_deg"})
-    return Axis(axis.text("joint"), _range(axis, "range_deg") if "range_deg" in axis else AS_THE_JOINT)
+    axis = table.table(key)
+    attempt(lambda: axis.only({"joint", "range_deg"}), axis)
+    joint = attempt(lambda: axis.text("joint"), UNREADABLE)
+    if "range_deg" not in axis:
+        return Axis(joint, AS_THE_JOINT)
+    return Axis(joint, attempt(lambda: _range(axis, "range_deg"), AS_THE_JOINT))
 
 
 def read_legs(table: TomlTable) -> Legs:
@@ -99,20 +116,25 @@ def read_posture(name: str, *, where: str | Path) -> Posture:
     raise UnknownNameError("posture", name, POSTURES, where=where)
 
 
-def read_arm(table: TomlTable, stature_m: float | None) -> Arm:
+def read_arm(table: TomlTable, stature_m: float | None, attempt: Attempts) -> Arm:
     """One ``[[arms]]`` table; the stature is for lengths given as a share of it."""
     sectors = {"azimuth_deg", "elevation_deg"}
-    table.only({"side", "shoulder", "hand", "palm", "root", "carrier", "length_m", "length_share", *sectors})
+    known = {"side", "shoulder", "hand", "palm", "root", "carrier", "length_m", "length_share", *sectors}
+    attempt(lambda: table.only(known), table)
+
+    def named(key: str) -> str:
+        return attempt(lambda: table.text(key), UNREADABLE)
+
     return Arm(
-        side=table.text("side"),
-        shoulder=read_frame(table, "shoulder"),
-        hand=table.text("hand"),
-        palm=read_frame(table, "palm"),
-        root=table.text("root"),
-        length_m=_length_m(table, stature_m),
-        azimuth_rad=_range(table, "azimuth_deg"),
-        elevation_rad=_range(table, "elevation_deg"),
-        carrier=table.text("carrier") if "carrier" in table else None,
+        side=named("side"),
+        shoulder=read_frame(table, "shoulder", attempt),
+        hand=named("hand"),
+        palm=read_frame(table, "palm", attempt),
+        root=named("root"),
+        length_m=attempt(lambda: _length_m(table, stature_m), DERIVED_M),
+        azimuth_rad=attempt(lambda: _range(table, "azimuth_deg"), AS_THE_JOINT),
+        elevation_rad=attempt(lambda: _range(table, "elevation_deg"), AS_THE_JOINT),
+        carrier=named("carrier") if "carrier" in table else None,
     )
 
 
@@ -126,9 +148,9 @@ def _length_m(table: TomlTable, stature_m: float | None) -> float:
     return length * stature_m if key == "length_share" and stature_m else length
 
 
-def check_sides(table: TomlTable, arms: tuple[Arm | None, ...]) -> None:
+def check_sides(table: TomlTable, arms: tuple[Arm, ...]) -> None:
     """Refuse sides that are none, and two arms on one side."""
-    sides = [arm.side for arm in arms if arm]
+    sides = [arm.side for arm in arms if arm.side != UNREADABLE]
     for side in sides:
         if side not in SIDES:
             raise UnknownNameError("side", side, SIDES, where=f"{table.where}: arms")

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+
+from taskgist.world.geometry.compiled import compiled
 
 Array = NDArray[np.float64]
 Geom = mujoco.mjtGeom
 
 
-def distances_outside_m(model: mujoco.MjModel, geom: int, points: Array) -> Array:
+def distances_outside_m(model: mujoco.MjModel, geom: int, points: Array, *, within_m: float = math.inf) -> Array:
     """A lower bound on how far points are from a shape, in metres; negative inside.
 
     Exact beside a face; beside an edge or a corner the points may be farther away.
@@ -19,13 +23,14 @@ def distances_outside_m(model: mujoco.MjModel, geom: int, points: Array) -> Arra
         model: The model.
         geom: Index of the shape.
         points: Metres, in the shape's own frame, (n, 3).
+        within_m: Points farther out need only be known to be so: the sooner this is clear, the quicker.
 
     Returns:
         Metres, (n,); infinite for shapes that have no inside.
     """
     kind, size = int(model.geom_type[geom]), model.geom_size[geom]
     if kind == Geom.mjGEOM_MESH:
-        return _outside_planes(points, *hull_planes(model, int(model.geom_dataid[geom])))
+        return _outside_planes(points, *hull_planes(model, int(model.geom_dataid[geom])), within_m)
     if kind == Geom.mjGEOM_BOX:
         return np.asarray((np.abs(points) - size).max(axis=1))
     if kind in (Geom.mjGEOM_SPHERE, Geom.mjGEOM_ELLIPSOID):
@@ -63,8 +68,17 @@ def hull_triangles(model: mujoco.MjModel, mesh: int) -> Array:
     return np.asarray(vertices[faces])
 
 
-def _outside_planes(points: Array, normals: Array, offsets: Array) -> Array:
-    return np.asarray((points @ normals.T - offsets).max(axis=1))
+@compiled
+def _outside_planes(points: Array, normals: Array, offsets: Array, within_m: float) -> Array:
+    outside_m = np.full(len(points), -np.inf)
+    for i in range(len(points)):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        for k in range(len(offsets)):
+            beyond_m = x * normals[k, 0] + y * normals[k, 1] + z * normals[k, 2] - offsets[k]
+            outside_m[i] = max(outside_m[i], beyond_m)
+            if beyond_m > within_m:
+                break
+    return outside_m
 
 
 def spans_m(model: mujoco.MjModel, geom: int, directions: Array) -> tuple[Array, Array]:
