@@ -76,10 +76,6 @@ class Stage:
         """A point on a joint's axis in metres, (3,), and the axis, a unit vector (3,), in the world."""
         return np.array(self._data.xanchor[joint]), np.array(self._data.xaxis[joint])
 
-    def joint_axis(self, agent: Agent, joint: str) -> Array:
-        """Axis of one of the agent's joints in the world, a unit vector (3,)."""
-        return np.array(self._data.xaxis[self.scene.model.joint(f"{agent.name}/{joint}").id])
-
     def site(self, site: int) -> Pose:
         """Pose of a site."""
         return Pose(self._data.site_xpos[site].copy(), self._data.site_xmat[site].reshape(3, 3).copy())
