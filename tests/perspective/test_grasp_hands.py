@@ -129,6 +129,6 @@ def test_what_is_in_the_object_is_what_measuring_every_pair_finds(
     grasps = sample_grasps(stage, "cup", hand, DEFAULT.grasp)
     (cup,) = stage.scene.object_geoms("cup")
     for index in range(0, len(grasps), 5):
-        stage.place_ghosts(arm, hand_poses(grasps, index, hand))
+        stage.place(arm.ghosts, hand_centers(grasps, hand)[index], hand_frames(grasps)[index].reshape(9))
         palm_gap_m = stage.distance(int(arm.ghosts[0]), int(cup), limit_m=0.01)
         assert abs(palm_gap_m + 1e-4) < 1e-5 or grasps.in_itself[index] == (palm_gap_m < -1e-4)

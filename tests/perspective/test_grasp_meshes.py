@@ -8,7 +8,7 @@ import pytest
 
 from taskgist.perspective import Effort, least_effort
 from taskgist.perspective.grasping.grasps import Grasps
-from taskgist.perspective.grasping.hand import hand_poses
+from taskgist.perspective.grasping.hand import hand_centers, hand_frames
 from taskgist.perspective.grasping.pairs import MOST, opposite_points
 from taskgist.perspective.grasping.samples import grasps_in_object
 from taskgist.perspective.grasping.touch import TOUCH_M
@@ -100,7 +100,7 @@ def test_quick_tests_of_a_hand_in_a_mesh_find_what_measuring_every_pair_finds() 
     palm = int(arm.ghosts[0])
     seen = set()
     for index in range(0, len(grasps), 23):
-        stage.place_ghosts(arm, hand_poses(grasps, index, profile.hand))
+        stage.place(arm.ghosts, hand_centers(grasps, profile.hand)[index], hand_frames(grasps)[index].reshape(9))
         touched = grasps.touched(index)
         met = [
             depth_m

@@ -62,7 +62,6 @@ class Follower:
         self._questions: list[Question] = [
             (agent, name, ability) for agent in scene.agents for name in scene.objects for ability in abilities
         ]
-        self._row = {question: row for row, question in enumerate(self._questions)}
         self._regions = np.full((len(self._questions), 2, 3), np.nan)
         self._walked = np.zeros(len(self._questions), dtype=np.bool_)
         self._heres: dict[str, Standpoint] = {}

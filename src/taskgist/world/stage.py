@@ -9,7 +9,7 @@ A stage shows one state at a time. Showing another is cheap (kinematics only) an
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Self
 
@@ -205,15 +205,9 @@ class Stage:
         return self._data.geom_xpos[geoms], self._data.geom_xmat[geoms]
 
     def place(self, geoms: Indices, positions: Array, matrices: Array) -> None:
-        """Put shapes somewhere, (n, 3) and (n, 9); the next ``show`` puts them back."""
+        """Put shapes somewhere, (n, 3) and (n, 9) or all turned alike, (9,); the next ``show`` puts them back."""
         self._data.geom_xpos[geoms] = positions
         self._data.geom_xmat[geoms] = matrices
-
-    def place_ghosts(self, arm: ArmIndices, poses: Iterable[Pose]) -> None:
-        """Put the shapes of a virtual grasp somewhere; the next ``show`` puts them back."""
-        for ghost, pose in zip(arm.ghosts, poses, strict=True):
-            self._data.geom_xpos[ghost] = pose.position
-            self._data.geom_xmat[ghost] = pose.matrix.ravel()
 
     def solid_geoms(self) -> NDArray[np.intp]:
         """Indices of the shapes that block: all but ghosts, those that nothing collides with, and what is untracked."""

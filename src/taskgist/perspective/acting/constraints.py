@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from taskgist.perspective.acting.region import Region
 from taskgist.settings import Contact, Settings
-from taskgist.world import Agent, Stage, holding_of, objects_near
+from taskgist.world import Agent, Stage, holding_of
 
 
 @dataclass(frozen=True)
@@ -94,13 +94,13 @@ def _obstacles(stage: Stage, agent: Agent, held: Collection[str]) -> NDArray[np.
     return np.setdiff1d(stage.solid_geoms(), np.concatenate([stage.scene.geoms_of(name) for name in own]))
 
 
-def held_by(stage: Stage, agent: Agent, settings: Contact) -> dict[str, str]:
-    """Objects that an agent holds, with the side of the hand (the first in the profile's order)."""
+def held_by(stage: Stage, agent: Agent, near: Iterable[str], settings: Contact) -> dict[str, str]:
+    """Objects that an agent holds, with the side of the hand (the first in the profile's order).
+
+    Only those near to its hands can be, unless it was decided over time who holds what.
+    """
     decided = stage.state.holding
-    if decided is None:
-        candidates: Iterable[str] = objects_near(stage, agent, settings)
-    else:
-        candidates = sorted({hold.object for hold in decided if hold.agent == agent.name})
+    candidates = near if decided is None else sorted({hold.object for hold in decided if hold.agent == agent.name})
     held = {}
     for name in candidates:
         holding = holding_of(stage, name, settings)

@@ -82,12 +82,13 @@ class Standpoint:
         self.agent: Agent = stage.scene.agent(agent)
         self.state: State = stage.state
         self.actions = checked_actions(self.agent, actions)
-        self.held: Mapping[str, str] = held_by(stage, self.agent, settings.contact)
+        near = objects_near(stage, self.agent, settings.contact)
+        self.held: Mapping[str, str] = held_by(stage, self.agent, near, settings.contact)
         self.collisions = Collisions(stage, self.agent, settings, self.held)
         self._walks: dict[bytes, list[Stances]] = {}
         self._targets: dict[str, Target] = {}
         self._frames: dict[tuple[str, ...], Frames] = {}
-        self._own = self._own_region()
+        self._own = self._own_region(near)
         self._known_floor = known_floor
         self.consulted, self.walked = Region(), False
         self.posture: Posture | None = posture_of(stage, self.agent, settings.contact)
@@ -97,12 +98,12 @@ class Standpoint:
         self.consulted, self.walked = Region(), False
         self.consulted.add(self._own)
 
-    def _own_region(self) -> Region:
+    def _own_region(self, near: Iterable[str]) -> Region:
         """Where the agent is, and what it holds or might hold: with whose contacts others are compared."""
         region, own, contact = Region(), self.agent.geoms, self.settings.contact
         region.add_balls(self.stage.geom_centers(own), self.stage.scene.model.geom_rbound[own])
         region.grow(contact.grip_m)
-        for name in objects_near(self.stage, self.agent, contact):
+        for name in near:
             thing = self.target(name)
             region.add_balls(thing.centers, thing.radii_m + contact.container_m)
         return region
@@ -194,7 +195,7 @@ class Standpoint:
         if MOVE not in self.actions:
             return
         if self.other_posture is not None and self.posture == "sitting":
-            self.consulted.add(self._rising_region)
+            self.consulted.add(self._filled(self.other_posture))
         if self.upright is None:
             return
         self.walked = True
@@ -225,30 +226,19 @@ class Standpoint:
             return ()
         return tuple(place for batch in self.floor.batches() for place in batch)
 
-    @cached_property
-    def _rising_region(self) -> Region:
-        """What the agent fills after standing up."""
-        assert self.other_posture is not None
-        region = Region()
-        self.stage.show(self.other_posture.state)
-        self.collisions.add_to(region)
-        return region
-
     def floor_after(self, moved: Array) -> dict[tuple[float, float], bool]:
         """What is known of the floor and stays so when something moved within boxes, (k, 2, 3)."""
-        if "floor" not in self.__dict__:
+        if "floor" not in self.__dict__ or self.upright is None:
             return {}
         cells = list(self.floor.free_at)
         offsets = np.array([(*self.floor.offset_m(*cell), 0.0) for cell in cells]).reshape(-1, 1, 3)
-        crossed = touched(self._standing.bounds + offsets, moved)
+        crossed = touched(self._filled(self.upright).bounds + offsets, moved)
         return {cell: self.floor.free_at[cell] for cell, lost in zip(cells, crossed.tolist(), strict=True) if not lost}
 
-    @cached_property
-    def _standing(self) -> Region:
-        """What the agent's head, torso and base fill when it stands where it is."""
-        assert self.upright is not None
+    def _filled(self, stance: Stance) -> Region:
+        """What the agent's head, torso and base fill in a stance."""
         region = Region()
-        self.stage.show(self.upright.state)
+        self.stage.show(stance.state)
         self.collisions.add_to(region)
         return region
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from taskgist.perspective.grasping.grasps import Array, Grasps
 from taskgist.perspective.grasping.hand import hand_centers, hand_frames
 from taskgist.perspective.grasping.pairs import Pairs
-from taskgist.world import ArmIndices, Hand, Pose, Scene, Stage, distances_outside_m, hand_boxes, spans_m
+from taskgist.world import ArmIndices, Hand, Scene, Stage, distances_outside_m, hand_boxes, spans_m
 
 TOUCH_M = 1e-4
 """Overlaps below this are touches: they do not depend on how the scene is turned."""
@@ -60,7 +60,7 @@ def in_itself(bench: Stage, grasps: Grasps, hand: Hand) -> Mask:
     boxes = {int(ghost): box for box, ghost in enumerate(arm.ghosts)}
     columns = {int(solid): column for column, solid in enumerate(grasps.solids)}
     for index in np.flatnonzero(near.any(axis=(1, 2)) & ~found):
-        bench.place_ghosts(arm, [Pose(center, frames[index]) for center in centers[index]])
+        bench.place(arm.ghosts, centers[index], frames[index].reshape(9))
         suspects = grasps.solids[near[index].any(axis=0)]
         found[index] = any(
             depth_m > TOUCH_M and near[index, boxes[ghost], columns[other]]
