@@ -6,12 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from taskgist.perspective import Ability, Effort, least_effort
+from taskgist.perspective import Ability, Effort, Standpoint, least_effort
 from taskgist.perspective.grasping.hand import hand_poses
 from taskgist.perspective.grasping.samples import around, grasps_in_object, sample_grasps
-from taskgist.perspective.reaching.sector import Cloud, reaching
+from taskgist.perspective.judge import Outcome
+from taskgist.perspective.reaching.reach import Reach, ReachAmong
+from taskgist.perspective.reaching.sector import Cloud
 from taskgist.settings import DEFAULT
-from taskgist.world import ArmIndices, Pose, Scene, Stage
+from taskgist.world import Scene, Stage
 from tests.perspective.rooms import Person, Room, Thing, table, wall
 
 STANDING = Person("P1", (0.0, 0.0))
@@ -41,40 +43,42 @@ def test_what_is_held_needs_no_effort(side: str, ability: Ability) -> None:
     assert found.reason == "held"
 
 
-def reached(shoulder: Pose, arm: ArmIndices, point: np.ndarray) -> bool:
-    found = reaching(shoulder.position[None], shoulder.matrix[None], arm, Cloud.of(point))
-    return bool(found.nearest[0] == 0)
+def reached(stage: Stage, side: str, points: np.ndarray) -> Outcome | None:
+    """How P1 reaches one of some points with one arm from where it stands, if it does."""
+    here = Standpoint(stage, "P1", HERE_ONLY, actions=(f"Stretch_Out_Arm({side})",))
+    (stances,) = here.stances(1, points[0])
+    among = ReachAmong(Reach(here, here.target("cup")), stances, Cloud.of(points))
+    return next(among.outcomes(0)) if among.next(0, 1) == 0 else None
 
 
 def test_reach_is_the_arms_length_from_the_shoulder() -> None:
     stage = Room((CUP,), (STANDING,)).stage()
     arm = stage.scene.agent("P1").arm("left")
-    shoulder = stage.shoulder(arm)
     assert arm.profile.length_m == pytest.approx(0.70)
-    points = shoulder.to_world([(0.7, 0.0, 0.0), (0.7001, 0.0, 0.0), (0.0, 0.69, 0.0), (-0.5, -0.1, 0.0)])
-    assert [reached(shoulder, arm, point[None]) for point in points] == [True, False, True, False]
-    found = reaching(shoulder.position[None], shoulder.matrix[None], arm, Cloud.of(points))
-    assert (found.nearest[0], found.reach_m[0]) == (2, pytest.approx(0.69))
+    points = stage.shoulder(arm).to_world([(0.7, 0.0, 0.0), (0.7001, 0.0, 0.0), (0.0, 0.69, 0.0), (-0.5, -0.1, 0.0)])
+    assert [reached(stage, "left", point[None]) is not None for point in points] == [True, False, True, False]
+    found = reached(stage, "left", points)
+    assert found is not None
+    nearest = {"arm": "left", "point_m": points[2].tolist(), "distance_m": pytest.approx(0.69)}
+    assert found.evidence() == nearest
 
 
 @pytest.mark.parametrize(("up_deg", "expected"), [(85, False), (75, True), (-60, True), (-89, True)])
 def test_the_sector_ends_below_the_vertical(up_deg: float, expected: bool) -> None:
-    stage = Room((), (STANDING,)).stage()
-    arm = stage.scene.agent("P1").arm("left")
-    shoulder, up = stage.shoulder(arm), math.radians(up_deg)
-    point = shoulder.to_world([(0.5 * math.cos(up), 0.0, 0.5 * math.sin(up))])
-    assert reached(shoulder, arm, point) == expected
+    stage = Room((CUP,), (STANDING,)).stage()
+    shoulder, up = stage.shoulder(stage.scene.agent("P1").arm("left")), math.radians(up_deg)
+    points = shoulder.to_world([(0.5 * math.cos(up), 0.0, 0.5 * math.sin(up))])
+    assert (reached(stage, "left", points) is not None) == expected
 
 
 @pytest.mark.parametrize(("outward_deg", "expected"), [(-65, False), (-55, True), (0, True), (115, True), (125, False)])
 def test_the_sector_is_mirrored_between_the_arms(outward_deg: int, expected: bool) -> None:
-    stage = Room((), (STANDING,)).stage()
+    stage = Room((CUP,), (STANDING,)).stage()
     for side, sign in (("left", 1), ("right", -1)):
-        arm = stage.scene.agent("P1").arm(side)
-        shoulder = stage.shoulder(arm)
+        shoulder = stage.shoulder(stage.scene.agent("P1").arm(side))
         angle = math.radians(sign * outward_deg)
-        point = shoulder.to_world([(0.5 * math.cos(angle), 0.5 * math.sin(angle), 0.0)])
-        assert reached(shoulder, arm, point) == expected
+        points = shoulder.to_world([(0.5 * math.cos(angle), 0.5 * math.sin(angle), 0.0)])
+        assert (reached(stage, side, points) is not None) == expected
 
 
 def test_a_thing_on_the_left_is_for_the_left_arm() -> None:

@@ -14,7 +14,7 @@ from taskgist.perspective import ABILITIES, Ability, Amount, Effort, Standpoint,
 from taskgist.perspective.acting.floor import Floor, Place, moved
 from taskgist.perspective.acting.stances import Stances
 from taskgist.perspective.acting.virtual_actions import Stance, actions_of
-from taskgist.perspective.judge import Miss, Outcome
+from taskgist.perspective.judge import Miss, Outcome, Why
 from taskgist.perspective.search import Found, least
 from taskgist.perspective.seeing.aim import aimed
 from taskgist.settings import DEFAULT
@@ -34,7 +34,8 @@ def cup_at(x: float, y: float, z: float) -> Thing:
 def head_aimed(stage: Stage, target: np.ndarray) -> dict[int, float]:
     """Head angles by index into qpos with which P1, where it is, looks at a target."""
     (stances,) = Standpoint(stage, "P1", COARSE).stances(1, target)
-    return aimed(stances.placed, stances.frames, target, HEAD).changes(0)
+    head = stances.bent.frames.usable(HEAD)
+    return head.changes(aimed(stances.frames(0), head.neck, target))
 
 
 def all_stances(here: Standpoint, level: int, target: np.ndarray) -> list[Stance]:
@@ -139,21 +140,16 @@ def test_of_equal_amounts_the_best_is_taken() -> None:
 
         def unknown(self, level: int) -> str | None: ...
 
-        def without_effort(self) -> Miss:
-            return Miss(0.0, "no")
-
-        def parts(self, stances: Stances) -> tuple[Stances, ...]:
-            return stances.parts
+        def without_effort(self) -> Why:
+            return self.miss
 
         def among(self, stances: Stances) -> LeftTurns:
             return LeftTurns(stances)
 
-        @property
-        def hopeful(self) -> np.ndarray:
-            assert self.stances is not None
-            return np.ones(len(self.stances), dtype=np.bool_)
+        def next(self, start: int, stop: int) -> int:
+            return min(start, stop)
 
-        def outcomes(self, index: int) -> Iterator[Outcome | Miss]:
+        def outcomes(self, index: int) -> Iterator[Outcome | Why]:
             assert self.stances is not None
             yield Outcome(merit=-float(self.stances[index].state.qpos[turn]))
 

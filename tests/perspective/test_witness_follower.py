@@ -44,6 +44,7 @@ def test_following_finds_what_a_fresh_look_finds(seed: int) -> None:
     for state in frames(case):
         followed, fresh = follower.update(state), all_efforts(Stage(case.scene, state), COARSE)
         assert dict(followed) == fresh
+        assert all(followed[question].evidence == effort.evidence for question, effort in fresh.items())
         assert follower.asked_count <= len(fresh)
 
 

@@ -131,7 +131,7 @@ class _Answers:
 
     def _document(self, effort: Effort, actions: tuple[str, ...] | None = None) -> dict[str, Any]:
         told = {"why": self._why(effort, actions)} if self.explain else {}
-        return {**dataclasses.asdict(effort), "effort": effort.name, "object": effort.target, **told}
+        return {**effort.document, "object": effort.target, **told}
 
     def _why(self, effort: Effort, actions: tuple[str, ...] | None = None) -> str:
         return why(self.perspectives.standpoint(effort.agent, actions), effort)

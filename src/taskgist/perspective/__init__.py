@@ -7,7 +7,7 @@ from taskgist.perspective.effort import ABILITIES, EFFORT_NAMES, NO_KNOWN_LEVEL,
 from taskgist.perspective.least_effort import able, effort_from, least_effort
 from taskgist.perspective.queries.asking import actions_for, objects_with
 from taskgist.perspective.seeing.image import View, view_of
-from taskgist.perspective.seeing.visibility import Visibility, visibility
+from taskgist.perspective.seeing.visibility import Visibility, visibility, visibility_from
 
 __all__ = [
     "ABILITIES",
@@ -30,4 +30,5 @@ __all__ = [
     "objects_with",
     "view_of",
     "visibility",
+    "visibility_from",
 ]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Literal, get_args
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, fields
+from functools import cached_property, partial
+from typing import Any, Literal, get_args
 
 from taskgist.perspective.acting.virtual_actions import Amount
 from taskgist.world import Posture
@@ -44,8 +45,7 @@ class Effort:
         joints_rad: Angles in radians of the head's and the torso's joints in the attained state S, by name (an arm is
             stretched out without looking at its joints). At level 5 and if unknown, those of the current state.
         posture: Posture in that state; None if unknown.
-        evidence: Plain data, fit for JSON: what was found in the attained state, and why not with less.
-        reason: A short sentence: why this level.
+        told: Tells the evidence; asked at most once, and only if somebody wants to know.
     """
 
     ability: Ability
@@ -56,10 +56,37 @@ class Effort:
     amount: Amount | None
     joints_rad: Mapping[str, float] = field(hash=False)
     posture: Posture | None
-    evidence: Mapping[str, object] = field(hash=False)
-    reason: str
+    told: Callable[[], Mapping[str, object]] = field(compare=False, repr=False)
+
+    @cached_property
+    def evidence(self) -> Mapping[str, object]:
+        """Plain data, fit for JSON: what was found in the attained state, and why not with less."""
+        return self.told()
+
+    @property
+    def reason(self) -> str:
+        """A short sentence: why this level."""
+        return str(self.evidence["reason"])
 
     @property
     def name(self) -> str | None:
         """Type of the effort, by its name in Fig. 6; None if unknown."""
         return None if self.level is None else EFFORT_NAMES[self.ability][self.level]
+
+    @property
+    def document(self) -> dict[str, object]:
+        """All of it as plain data, fit for JSON."""
+        values = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "told"}
+        amount = None if self.amount is None else asdict(self.amount)
+        return values | {"amount": amount, "effort": self.name, "evidence": self.evidence, "reason": self.reason}
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """To another process goes what is told, not who tells it."""
+        values = {each.name: getattr(self, each.name) for each in fields(self)}
+        return _effort, (values | {"told": dict(self.evidence)},)
+
+
+def _effort(values: dict[str, Any]) -> Effort:
+    """An effort whose evidence was told."""
+    told = values.pop("told")
+    return Effort(**values, told=partial(dict, told))

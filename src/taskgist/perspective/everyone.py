@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.perspective.acting.floor import NOTHING, Place
-from taskgist.perspective.acting.region import touched
+from taskgist.perspective.acting.region import BODIES, crossed
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.effort import ABILITIES, Ability, Effort
 from taskgist.perspective.least_effort import effort_from
@@ -62,7 +62,7 @@ class Follower:
         self._questions: list[Question] = [
             (agent, name, ability) for agent in scene.agents for name in scene.objects for ability in abilities
         ]
-        self._regions = np.full((len(self._questions), 2, 3), np.nan)
+        self._consulted = np.full((len(self._questions), 2 + BODIES, 2, 3), np.nan)
         self._walked = np.zeros(len(self._questions), dtype=np.bool_)
         self._heres: dict[str, Standpoint] = {}
         self._floors: dict[str, tuple[Place, ...]] = {}
@@ -95,7 +95,7 @@ class Follower:
         agent, name, ability = question = self._questions[row]
         here = self._heres[agent]
         self._efforts[question] = effort_from(here, name, ability)
-        self._regions[row], self._walked[row] = here.consulted.bounds, here.walked
+        self._consulted[row], self._walked[row] = here.consulted.bounds, here.walked
 
     def _renew(self, agent: str, state: State, moved: Moved | None, stale: NDArray[np.bool_]) -> None:
         """Take an agent's standpoint in the new state; if it can now get elsewhere, what made use of that is stale."""
@@ -128,7 +128,7 @@ class Follower:
     def _crossed(self, moved: Moved) -> NDArray[np.bool_]:
         """Questions about what moved, and those in whose region something did."""
         asked = np.array([not moved.owners.isdisjoint(question[:2]) for question in self._questions])
-        return np.asarray(asked | touched(self._regions, moved.boxes))
+        return np.asarray(asked | crossed(self._consulted, moved.boxes))
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
-
-import numpy as np
-from numpy.typing import NDArray
 
 from taskgist.perspective.acting.stances import Stances
 from taskgist.world import State
@@ -51,30 +48,36 @@ class Miss:
 NO_ARM = Miss(math.inf, "no arm may be stretched out")
 
 
+Why = Callable[[], Miss]
+"""Tells why the ability does not hold; only asked if somebody wants to know."""
+
+
 class Among(Protocol):
-    """What is known of an ability among stances before any is looked at closely."""
+    """Stances, passed over quickly where the ability surely does not hold."""
 
-    @property
-    def hopeful(self) -> NDArray[np.bool_]:
-        """Where the ability may hold, (n,); it surely does not where this is false."""
+    def next(self, start: int, stop: int) -> int:
+        """The first stance from ``start`` on from which the ability may hold; ``stop`` if none before it does."""
 
-    def outcomes(self, index: int) -> Iterator[Outcome | Miss]:
-        """How it holds from a hopeful stance, best first; or why it does not."""
+    def outcomes(self, index: int) -> Iterator[Outcome | Why]:
+        """How it holds from that stance, best first; or why it does not."""
 
-    def miss(self) -> Miss:
-        """Why it does not hold from the others: the nearest miss."""
+    def miss(self) -> Miss | None:
+        """Why it does not hold from those passed over: the nearest miss; None if there were none. Asked at last."""
 
 
 class Hopeless:
     """An ability that no stance can give, for one and the same reason."""
 
-    def __init__(self, why: Miss, count: int) -> None:
+    def __init__(self, why: Miss) -> None:
         self._why = why
-        self.hopeful: NDArray[np.bool_] = np.zeros(count, dtype=np.bool_)
 
-    def outcomes(self, index: int) -> Iterator[Outcome | Miss]:  # noqa: ARG002 - as all of these
+    def next(self, start: int, stop: int) -> int:  # noqa: ARG002 - as all of these
+        """None."""
+        return stop
+
+    def outcomes(self, index: int) -> Iterator[Outcome | Why]:  # noqa: ARG002 - as all of these
         """Never."""
-        yield self._why
+        yield self.miss
 
     def miss(self) -> Miss:
         """The reason."""
@@ -87,17 +90,16 @@ class Judge(Protocol):
     def unknown(self, level: int) -> str | None:
         """Why nothing can be said at an effort level, for want of tracking; None if something can."""
 
-    def without_effort(self) -> Outcome | Miss:
+    def without_effort(self) -> Outcome | Why:
         """Level 0: whether the ability holds in the current state."""
 
-    def parts(self, stances: Stances) -> Sequence[Stances]:
-        """In which parts to look at stances: one after the other, each all at once."""
-
     def among(self, stances: Stances) -> Among:
-        """Look at a part of them."""
+        """Look at stances."""
 
 
 def untracked_parts(state: State, agent: str, parts: tuple[str, ...]) -> str | None:
     """Sentence about those parts of an agent that were not tracked; None if all were."""
+    if not state.untracked:
+        return None
     lost = [part for part in parts if not state.known([f"{agent}/{part}"])]
     return f"{agent}'s {' and '.join(lost)} not tracked" if lost else None

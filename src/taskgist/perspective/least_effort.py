@@ -7,13 +7,14 @@ ones fail.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 
 from taskgist.errors import UnknownNameError
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.acting.virtual_actions import NO_ACTION, NO_KNOWN_ACTION, SIT, STAND
 from taskgist.perspective.effort import ABILITIES, NO_KNOWN_LEVEL, Ability, Effort
 from taskgist.perspective.grasping.grasp import Grasp
-from taskgist.perspective.judge import Judge, Miss
+from taskgist.perspective.judge import Judge, Miss, Why
 from taskgist.perspective.reaching.reach import Reach
 from taskgist.perspective.search import Found, least
 from taskgist.perspective.seeing.see import See
@@ -52,18 +53,18 @@ def effort_from(here: Standpoint, name: str, ability: Ability) -> Effort:
         here.consult_anew()
         judge = _judge(here, name, ability)
         if judge is None:
-            return _unattained(here, name, ability, None, [Miss(0.0, f"{name} not tracked")])
+            return _unattained(here, name, ability, None, [partial(Miss, 0.0, f"{name} not tracked")])
         target = here.target(name).middle
-        misses: list[Miss] = []
+        whys: list[Why] = []
         for level in range(NO_KNOWN_LEVEL):
             unknown = judge.unknown(level)
             if unknown is not None:
-                return _unattained(here, name, ability, None, [*misses, Miss(0.0, unknown)])
+                return _unattained(here, name, ability, None, [*whys, partial(Miss, 0.0, unknown)])
             answer = least(here, judge, level, target)
             if isinstance(answer, Found):
-                return _attained(here, name, ability, level, answer, misses)
-            misses.append(answer)
-        return _unattained(here, name, ability, NO_KNOWN_LEVEL, misses)
+                return _attained(here, name, ability, level, answer, whys)
+            whys.append(answer)
+        return _unattained(here, name, ability, NO_KNOWN_LEVEL, whys)
 
 
 def able(
@@ -106,16 +107,15 @@ def _judge(here: Standpoint, name: str, ability: Ability) -> Judge | None:
     return JUDGES[ability](here, here.target(name)) if here.state.known([name]) else None
 
 
-def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: Found, misses: list[Miss]) -> Effort:
+def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: Found, whys: list[Why]) -> Effort:
     amount = found.amount
-    nearest = min(misses, default=Miss(0.0, FREE[ability]))
-    evidence = {
-        "reason": nearest.why,
-        "not_with_less": [miss.why for miss in misses],
-        "miss": nearest.evidence(),
-        "amount": dict(vars(amount)),
-        **found.outcome.evidence(),
-    }
+
+    def told() -> Mapping[str, object]:
+        with here.stage.showing(here.state):
+            misses = [why() for why in whys]
+            nearest = min(misses, default=Miss(0.0, FREE[ability]))
+            return _misses(misses, nearest) | {"amount": dict(vars(amount)), **found.outcome.evidence()}
+
     return Effort(
         ability=ability,
         agent=here.agent.name,
@@ -125,19 +125,18 @@ def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: 
         amount=amount,
         joints_rad=_joints_rad(here, found.state),
         posture=_posture(here, found.actions),
-        evidence=evidence,
-        reason=nearest.why,
+        told=told,
     )
 
 
-def _unattained(here: Standpoint, name: str, ability: Ability, level: int | None, misses: list[Miss]) -> Effort:
+def _unattained(here: Standpoint, name: str, ability: Ability, level: int | None, whys: list[Why]) -> Effort:
     """Level 5, or unknown: the agent stays as it is, and the reason says what stands in the way."""
-    telling = misses[-1] if level is None else min(misses)
-    evidence: dict[str, object] = {
-        "reason": telling.why,
-        "not_with_less": [miss.why for miss in misses],
-        "miss": telling.evidence(),
-    }
+
+    def told() -> Mapping[str, object]:
+        with here.stage.showing(here.state):
+            misses = [why() for why in whys]
+            return _misses(misses, misses[-1] if level is None else min(misses))
+
     return Effort(
         ability=ability,
         agent=here.agent.name,
@@ -147,9 +146,13 @@ def _unattained(here: Standpoint, name: str, ability: Ability, level: int | None
         amount=None,
         joints_rad=_joints_rad(here, here.state),
         posture=here.posture,
-        evidence=evidence,
-        reason=telling.why,
+        told=told,
     )
+
+
+def _misses(misses: list[Miss], telling: Miss) -> dict[str, object]:
+    """What all evidence begins with: why not with less."""
+    return {"reason": telling.why, "not_with_less": [miss.why for miss in misses], "miss": telling.evidence()}
 
 
 FREE: Mapping[Ability, str] = {"see": "in the gaze cone", "reach": "held", "grasp": "held"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,24 @@ from taskgist.world import Stage, object_points
 
 Array = NDArray[np.float64]
 SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+
+
+class Sought(NamedTuple):
+    """An object that is looked for, as compiled functions take it.
+
+    Attributes:
+        shapes: Its seen shapes, (n,).
+        centers: Their centres, metres, (n, 3).
+        radii_m: Radii of balls about these that hold the shapes, (n,).
+        corners: Corners of the boxes around them, metres, (8 n, 3).
+        middle: Mean of the centres, (3,).
+    """
+
+    shapes: NDArray[np.intp]
+    centers: Array
+    radii_m: Array
+    corners: Array
+    middle: Array
 
 
 class Target:
@@ -55,3 +74,15 @@ class Target:
         positions, matrices = self._stage.geoms(self.shapes)
         turned = local @ matrices.reshape(-1, 3, 3).transpose(0, 2, 1)
         return np.asarray((turned + positions[:, None]).reshape(-1, 3))
+
+    @cached_property
+    def sought(self) -> Sought:
+        """For those who look for it."""
+        return Sought(self.shapes, self.centers, self.radii_m, self.corners, self.middle)
+
+    @cached_property
+    def others(self) -> NDArray[np.intp]:
+        """All other seen shapes of the scene, (m,)."""
+        counted = self._stage.seen.copy()
+        counted[self.shapes] = False
+        return np.flatnonzero(counted)

@@ -7,9 +7,9 @@ from taskgist.world.body.postures import posture_of, seat_position, with_posture
 from taskgist.world.body.profile import AgentProfile, Arm, Eye, Posture, builtin_profiles
 from taskgist.world.contacts import container_of, object_points, overlaps, support_of
 from taskgist.world.fit import Fit, Fitter, landmarks
+from taskgist.world.geometry.between import Shapes
 from taskgist.world.geometry.linkage import Linkage
 from taskgist.world.geometry.pose import Pose
-from taskgist.world.geometry.rays import Shapes
 from taskgist.world.geometry.shapes import inner_points
 from taskgist.world.geometry.solids import distances_outside_m, spans_m
 from taskgist.world.holding import Holding, hand_gap_m, hand_known, holding_of, objects_near, rests_on

@@ -18,9 +18,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.world.body.agent import Agent, ArmIndices
+from taskgist.world.geometry.between import Shapes
 from taskgist.world.geometry.clearance import Clearance
 from taskgist.world.geometry.pose import Pose
-from taskgist.world.geometry.rays import Rays, Shapes
+from taskgist.world.geometry.rays import Rays
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
 
@@ -39,12 +40,15 @@ class Stage:
         self._clearance = Clearance(scene.model, self._data)
         self._untracked: frozenset[str] = frozenset()
         self._shown_count = 0
+        self._as_shown = False
         self.state = scene.initial if state is None else state
         self.show(self.state)
 
     def show(self, state: State) -> Self:
         """Bring the scene into a state. What was not tracked is left out: no ray meets it, and it blocks nothing."""
-        self.state = state
+        if state is self.state and self._as_shown:
+            return self
+        self.state, self._as_shown = state, True
         self._shown_count += 1
         if state.untracked != self._untracked:
             self._untracked = state.untracked
@@ -65,6 +69,11 @@ class Stage:
     def eye(self, agent: Agent) -> Pose:
         """The agent's eye: x looks forward, z up."""
         return self.site(agent.eye_site)
+
+    def eye_row(self, agent: Agent) -> Array:
+        """The same as a row of 12 for compiled functions: position, and orientation row by row."""
+        site, data = agent.eye_site, self._data
+        return np.concatenate((data.site_xpos[site], data.site_xmat[site]))
 
     def shoulder(self, arm: ArmIndices) -> Pose:
         """The arm's shoulder, in the frame of what carries the arm (x forward, z up of the torso)."""
@@ -154,6 +163,10 @@ class Stage:
         """All shapes where they are, for compiled functions."""
         return self._rays.shapes
 
+    def count_rays(self, count: int) -> None:
+        """Note that compiled functions cast rays."""
+        self._rays.cast_count += count
+
     @property
     def seen(self) -> NDArray[np.bool_]:
         """Whether each shape is one that rays meet: visible, and tracked, (ngeom,)."""
@@ -187,9 +200,15 @@ class Stage:
         """The smallest signed distance in metres between two sets of shapes, at most ``limit_m``, and the pair."""
         return self._clearance.closest(geoms, others, limit_m=limit_m)
 
-    def overlaps(self, geoms: ArrayLike, others: ArrayLike) -> Iterator[tuple[int, int, float]]:
-        """Pairs of shapes, one of each set, that overlap, and how deep in metres."""
-        return self._clearance.overlaps(geoms, others)
+    def overlaps(
+        self, geoms: ArrayLike, others: ArrayLike, *, deeper_than_m: float = 0.0
+    ) -> Iterator[tuple[int, int, float]]:
+        """Pairs of shapes, one of each set, that overlap deeper than that, and how deep in metres."""
+        return self._clearance.overlaps(geoms, others, deeper_than_m=deeper_than_m)
+
+    def boxes(self, geoms: Indices) -> Array:
+        """Boxes around shapes where they are, as rows of a table, (n, 18); see ``geometry.boxes``."""
+        return self._clearance.boxes(geoms)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -206,6 +225,7 @@ class Stage:
 
     def place(self, geoms: Indices, positions: Array, matrices: Array) -> None:
         """Put shapes somewhere, (n, 3) and (n, 9) or all turned alike, (9,); the next ``show`` puts them back."""
+        self._as_shown = False
         self._data.geom_xpos[geoms] = positions
         self._data.geom_xmat[geoms] = matrices
 

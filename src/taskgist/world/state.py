@@ -37,9 +37,11 @@ class State:
     holding: frozenset[Hold] | None = None
 
     def __post_init__(self) -> None:
-        qpos = np.array(self.qpos, dtype=float)
-        qpos.flags.writeable = False
-        object.__setattr__(self, "qpos", qpos)
+        qpos = self.qpos
+        if qpos.flags.writeable or not qpos.flags.owndata:
+            qpos = np.array(qpos, dtype=float)
+            qpos.flags.writeable = False
+            object.__setattr__(self, "qpos", qpos)
 
     def __reduce__(self) -> tuple[object, ...]:
         return State, (np.array(self.qpos), self.time_s, self.untracked, self.holding)
@@ -59,6 +61,7 @@ class State:
             qpos[index] = value
         if at is not None:
             qpos[at] = to
+        qpos.flags.writeable = False
         return State(qpos, self.time_s, self.untracked, self.holding)
 
     def with_holding(self, holding: Iterable[Hold] | None) -> State:

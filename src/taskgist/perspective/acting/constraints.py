@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,10 @@ from numpy.typing import NDArray
 from taskgist.perspective.acting.region import Region
 from taskgist.settings import Contact, Settings
 from taskgist.world import Agent, Stage, holding_of
+from taskgist.world.geometry.box_gaps import any_near
+from taskgist.world.geometry.boxes import ball_around, near_ball
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -47,7 +52,7 @@ class Blocking:
 class Collisions:
     """Judges states of an agent by what its head, torso and base would push into.
 
-    ``obstacles`` are the shapes that are in the way of it, (n,).
+    ``obstacles`` are the shapes that are in the way of it, (n,); they stay where they are, whatever the agent does.
 
     Args:
         stage: The scene in the agent's current state, with whose contacts others are compared.
@@ -60,16 +65,29 @@ class Collisions:
         self._stage, self._agent = stage, agent
         self.obstacles = _obstacles(stage, agent, held)
         self._tolerance_m = settings.efforts.collision_m
+        self._farthest_m = settings.efforts.move_radius_m + settings.efforts.move_step_m
         self._usual_m = {
             (geom, other): depth for geom, other, depth in stage.overlaps(agent.core_geoms, self.obstacles)
         }
 
+    @cached_property
+    def boxes(self) -> Array:
+        """Boxes around the obstacles, (n, 18); see ``geometry.boxes``."""
+        return self._stage.boxes(self.obstacles)
+
     def find(self) -> Blocking | None:
         """The first contact that blocks in the state that the stage shows; None where it is free."""
-        for geom, other, depth_m in self._stage.overlaps(self._agent.core_geoms, self.obstacles):
-            if depth_m > self._usual_m.get((geom, other), 0.0) + self._tolerance_m:
-                return Blocking(part_of(self._stage, self._agent, geom), self._stage.scene.owners[other], depth_m)
-        return None
+        first = self._first()
+        if first is None:
+            return None
+        geom, other, depth_m = first
+        return Blocking(part_of(self._stage, self._agent, geom), self._stage.scene.owners[other], depth_m)
+
+    def _first(self) -> tuple[int, int, float] | None:
+        """Its two shapes, and how deep they overlap."""
+        tolerance_m, usual_m = self._tolerance_m, self._usual_m
+        contacts = self._stage.overlaps(self._agent.core_geoms, self.obstacles, deeper_than_m=tolerance_m)
+        return next((each for each in contacts if each[2] > usual_m.get(each[:2], 0.0) + tolerance_m), None)
 
     def add_to(self, region: Region) -> None:
         """Let a region hold the agent's head, torso and base as the stage shows them."""
@@ -80,10 +98,15 @@ class Collisions:
         """Tells whether the agent, as the stage shows it now, would be free when moved over the floor, by offset."""
         core = self._agent.core_geoms
         positions, matrices = self._stage.geoms(core)
+        own = self._stage.boxes(core)
+        x, y, z, radius_m = ball_around(own)
+        around = self.boxes[near_ball(self.boxes, x, y, z, radius_m + self._farthest_m)]
 
         def free(offset_m: tuple[float, float]) -> bool:
+            if not any_near(own, offset_m, around, -self._tolerance_m / 2):
+                return True
             self._stage.place(core, positions + (*offset_m, 0.0), matrices)
-            return self.find() is None
+            return self._first() is None
 
         return free
 

@@ -14,19 +14,19 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
+from taskgist.perspective.acting.region import touched
 from taskgist.settings import Efforts
 from taskgist.world import Agent, State
 from taskgist.world.geometry.rotations import turned_about_z, yaw_of
 
+Array = NDArray[np.float64]
 Cell = tuple[int, int]
 STEPS: tuple[Cell, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1))
 
-
 BATCHES_M = (0.6, math.inf)
 """Lengths of the way up to which places are looked at together."""
-
-
 NOTHING: Mapping[tuple[float, float], bool] = MappingProxyType({})
 
 
@@ -60,8 +60,8 @@ class Floor:
         known: Mapping[tuple[float, float], bool] = NOTHING,
     ) -> None:
         self._settings, self._free = settings, free
-        yaw = yaw_of(start.qpos[agent.base][3:])
-        self._forward = settings.move_step_m * np.array((math.cos(yaw), math.sin(yaw)))
+        yaw, step_m = yaw_of(start.qpos[agent.base][3:]), settings.move_step_m
+        self._forward = (step_m * math.cos(yaw), step_m * math.sin(yaw))
         self.free_at: dict[tuple[float, float], bool] = dict(known)
         self._batches: list[list[Place]] = []
         self._flood = self._flooded()
@@ -87,15 +87,15 @@ class Floor:
         ways: dict[Cell, float] = {(0, 0): 0.0}
         queue: list[tuple[float, Cell]] = [(0.0, (0, 0))]
         done: set[Cell] = set()
+        steps = [(*step, math.hypot(*step) * self._settings.move_step_m) for step in STEPS]
         while queue:
             way, cell = heapq.heappop(queue)
             if cell in done:
                 continue
             done.add(cell)
             yield Place(self.offset_m(*cell), way)
-            for step in STEPS:
-                following = (cell[0] + step[0], cell[1] + step[1])
-                longer = way + math.hypot(*step) * self._settings.move_step_m
+            for ahead, aside, step_m in steps:
+                following, longer = (cell[0] + ahead, cell[1] + aside), way + step_m
                 if longer < ways.get(following, math.inf) and following not in done and self._leads(cell, following):
                     ways[following] = longer
                     heapq.heappush(queue, (longer, following))
@@ -112,10 +112,22 @@ class Floor:
             self.free_at[at] = self._free(self.offset_m(*at))
         return self.free_at[at]
 
+    def known_after(self, filled: Array, moved: Array) -> dict[tuple[float, float], bool]:
+        """What is known of the floor and stays so when something moved.
+
+        Args:
+            filled: Lowest and highest corner of the box that the agent fills at the start, metres, (2, 3).
+            moved: Boxes in which something moved, (k, 2, 3).
+        """
+        cells = list(self.free_at)
+        offsets = np.array([(*self.offset_m(*cell), 0.0) for cell in cells]).reshape(-1, 1, 3)
+        lost = touched(filled + offsets, moved).tolist()
+        return {cell: self.free_at[cell] for cell, gone in zip(cells, lost, strict=True) if not gone}
+
     def offset_m(self, ahead: float, aside: float) -> tuple[float, float]:
         """Where a cell is, from the start, metres along the world's axes."""
         x, y = self._forward
-        return float(ahead * x - aside * y), float(ahead * y + aside * x)
+        return ahead * x - aside * y, ahead * y + aside * x
 
 
 def moved(state: State, agent: Agent, offset_m: tuple[float, float], turn_rad: float = 0.0) -> State:

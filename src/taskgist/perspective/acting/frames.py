@@ -1,9 +1,14 @@
-"""The frames of an agent that abilities depend on: its eye, the joints of its head, and its shoulders."""
+"""The frames of an agent that abilities depend on: its eye, the joints of its head, and its shoulders.
+
+Frames are rows of 12 numbers, position and then orientation, as compiled functions take them: the eye first, then the
+joints of the head (a point of the axis, and the axis as x), then the shoulders.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,25 +17,8 @@ from taskgist.perspective.acting.virtual_actions import PAN, TILT
 from taskgist.world import Agent, Linkage, Pose, Stage
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Placed:
-    """Where the frames are in n states.
-
-    Attributes:
-        eyes: Positions of the eye, metres, (n, 3), and its orientation, (n, 3, 3).
-        anchors: A point on the axis of each joint of the head, (n, h, 3).
-        axes: Unit directions of these axes, (n, h, 3).
-        shoulders: Positions of the shoulders, (n, a, 3).
-        carriers: Orientation of what carries the arms, (n, a, 3, 3).
-    """
-
-    eyes: tuple[Array, Array]
-    anchors: Array
-    axes: Array
-    shoulders: Array
-    carriers: Array
+EYE = 0
+"""Which of the frames is the eye."""
 
 
 @dataclass(frozen=True)
@@ -47,36 +35,43 @@ class HeadJoint:
     depth: int
 
 
-@dataclass(frozen=True, eq=False)
-class UsableHead:
-    """Those joints of a head that may be used.
+class Neck(NamedTuple):
+    """The usable joints of a head, as compiled functions take them.
 
     Attributes:
-        columns: Their places among all joints of the head, (h,).
-        joints: The joints.
+        frames: Which of the agent's frames each is, (h,).
         inwards: Their order from the eye to the base, (h,).
         now: Their present angles, radians, (h,).
-        ranges: Their ranges, radians, (h, 2).
+        ranges: The angles that they may take, radians, (h, 2): the present one is always allowed.
     """
 
-    columns: list[int]
-    joints: tuple[HeadJoint, ...]
+    frames: NDArray[np.intp]
     inwards: NDArray[np.intp]
     now: Array
     ranges: Array
+
+
+@dataclass(frozen=True, eq=False)
+class UsableHead:
+    """Those joints of a head that may be used."""
+
+    joints: tuple[HeadJoint, ...]
+    neck: Neck
 
     @classmethod
     def of(cls, head: Sequence[HeadJoint], actions: frozenset[str]) -> UsableHead:
         """The joints that some actions move."""
         columns = [column for column, joint in enumerate(head) if joint.action in actions]
         joints = tuple(head[column] for column in columns)
-        return cls(
-            columns,
-            joints,
-            np.argsort([-joint.depth for joint in joints]),
-            np.array([joint.now_rad for joint in joints]),
-            np.array([joint.range_rad for joint in joints]).reshape(-1, 2),
-        )
+        now = np.array([joint.now_rad for joint in joints])
+        low, high = np.array([joint.range_rad for joint in joints]).reshape(-1, 2).T
+        frames = EYE + 1 + np.array(columns, dtype=np.intp)
+        inwards = np.argsort([-joint.depth for joint in joints]).astype(np.intp)
+        return cls(joints, Neck(frames, inwards, now, np.column_stack((np.minimum(low, now), np.maximum(high, now)))))
+
+    def changes(self, angles: Array) -> dict[int, float]:
+        """Angles, (h,), by index into qpos."""
+        return {joint.index: angle for joint, angle in zip(self.joints, angles.tolist(), strict=True)}
 
 
 class Frames:
@@ -85,6 +80,11 @@ class Frames:
     Args:
         stage: The scene in that state.
         agent: The agent.
+
+    Attributes:
+        head: The joints of its head.
+        first_shoulder: Which of the frames is the first arm's shoulder.
+        base: Where its base is, metres, (3,).
     """
 
     def __init__(self, stage: Stage, agent: Agent) -> None:
@@ -99,11 +99,12 @@ class Frames:
                 head.append(HeadJoint(action, index, axis.range_rad, float(self._qpos[index]), joint))
                 anchor, along = stage.screw(joint)
                 frames.append((int(model.jnt_bodyid[joint]), Pose(anchor, np.repeat(along[:, None], 3, axis=1))))
-        self.head = tuple(head)
+        self.head, self.first_shoulder = tuple(head), len(frames)
         self._usable: dict[frozenset[str], UsableHead] = {}
         frames += [(arm.carrier_body, stage.shoulder(arm)) for arm in agent.arms]
         torso = tuple(axis.joint for axis in (profile.turn, profile.lean) if axis is not None)
         self._linkage = Linkage.of(stage, agent, torso, tuple(frames))
+        self.base = self._linkage.base
 
     def usable(self, actions: frozenset[str]) -> UsableHead:
         """The joints of the head that some actions move."""
@@ -111,34 +112,9 @@ class Frames:
             self._usable[actions] = UsableHead.of(self.head, actions)
         return self._usable[actions]
 
-    def by(self, angles: Sequence[Mapping[int, float]]) -> Array:
-        """How far each of the torso's joints moves to new angles by index into qpos, n of them: (n, j)."""
+    def bent(self, angles: Sequence[Mapping[int, float]]) -> Array:
+        """Where new angles of the torso's joints by index into qpos, n of them, bring the frames: (n, f, 12)."""
         joints = self._linkage.joints.tolist()
         now = {index: float(self._qpos[index]) for index in joints}
         moves = [[new.get(index, now[index]) - now[index] for index in joints] for new in angles]
-        return np.array(moves).reshape(len(angles), len(joints))
-
-    def bent(self, by: Array) -> tuple[Array, Array]:
-        """Where moves of the torso's joints, (n, j), bring the frames: positions and orientations."""
-        return self._linkage.moved(by)
-
-    def displaced(
-        self, bent: tuple[Array, Array], which: NDArray[np.intp], offsets_m: Array, turned_rad: Array
-    ) -> Placed:
-        """Where moves of the base bring them afterwards.
-
-        Args:
-            bent: Frames after some bends of the torso.
-            which: Which of these bends, (n,).
-            offsets_m: How far the base moves, metres along the world's x and y, (n, 2).
-            turned_rad: How far the agent turns about the vertical through its base before that, (n,).
-        """
-        places, turned = self._linkage.displaced(bent, which, offsets_m, turned_rad)
-        arms = 1 + len(self.head)
-        return Placed(
-            eyes=(places[:, 0], turned[:, 0]),
-            anchors=places[:, 1:arms],
-            axes=turned[:, 1:arms, :, 0],
-            shoulders=places[:, arms:],
-            carriers=turned[:, arms:],
-        )
+        return self._linkage.moved(np.array(moves).reshape(len(angles), len(joints)))

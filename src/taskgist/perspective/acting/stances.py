@@ -1,150 +1,218 @@
 """Stances of an effort level, all at once: the states that base, legs and torso may take, by increasing amount.
 
-States are made one by one, when asked for; where the stances bring eye, head and shoulders is known for all of them
-from the start, so that what none of them can see or reach is told without showing a single state.
+States are made one by one, when asked for. Where a stance brings eye, head and shoulders is told without showing it:
+by what the torso does, and by where the base gets to.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.perspective.acting.floor import Place, moved
-from taskgist.perspective.acting.frames import Frames, Placed
+from taskgist.perspective.acting.frames import Frames
 from taskgist.perspective.acting.torso import Bend
 from taskgist.perspective.acting.virtual_actions import MOVE, Amount, Stance
-from taskgist.world import Agent
+from taskgist.world import Agent, Pose
+from taskgist.world.geometry.compiled import compiled
+from taskgist.world.geometry.linkage import POSE, carry_pose
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 DIGITS = 6
 """Amounts that agree to so many digits are equal, wherever the scene stands."""
-FIRST_PART, GROWTH = 8, 4
-"""How many stances are looked at together at first, and how many times as many then."""
+OVERHEAD_M = 1e-6
+"""Nobody turns to what is this near to the axis of the base."""
 
 
 @dataclass(frozen=True, eq=False)
-class Stances:
-    """Stances by increasing amount.
+class Bent:
+    """A posture of an agent, with all that its torso may do in it.
 
     Attributes:
         agent: Whose.
-        start: The posture from which they start.
-        frames: Where eye, head and shoulders are in that posture.
+        start: The posture.
+        frames: Where eye, head and shoulders are in it.
         bends: What the torso may do.
-        bend: Which of these each stance does, (n,).
-        offsets_m: How far the base moves, metres in the world, (n, 2).
-        turned_rad: How far the whole agent turns on the spot, (n,).
-        amounts: Metres moved, radians turned on the spot, radians of the torso, (n, 3).
-        walks: Whether the base moves at all.
+        rows: Where each of these brings the frames, (b, f, 12).
+        torso_rad: How much it is, (b,), rounded for comparing.
     """
 
     agent: Agent
     start: Stance
     frames: Frames
     bends: Sequence[Bend]
-    bend: NDArray[np.intp]
+    rows: Array
+    torso_rad: Array
+
+    @classmethod
+    def of(cls, agent: Agent, start: Stance, frames: Frames, bends: Sequence[Bend]) -> Bent:
+        """A posture and bends of the torso."""
+        amounts = np.round([bend.by_rad for bend in bends], DIGITS)
+        return cls(agent, start, frames, bends, frames.bent([bend.changes for bend in bends]), amounts)
+
+
+@dataclass(frozen=True, eq=False)
+class Spots:
+    """Where a base may go, in order of the way.
+
+    Attributes:
+        offsets_m: How far it moves, metres along the world's x and y, (p, 2).
+        ways_m: Lengths of the ways, (p,).
+        rounded_m: The same, rounded for comparing.
+    """
+
     offsets_m: Array
-    turned_rad: Array
-    amounts: Array
-    walks: bool
+    ways_m: Array
+    rounded_m: Array
+
+    @classmethod
+    def of(cls, places: Sequence[Place]) -> Spots:
+        """Some places."""
+        offsets = np.array([place.offset_m for place in places]).reshape(-1, 2)
+        ways = np.array([place.way_m for place in places])
+        return cls(offsets, ways, np.round(ways, DIGITS))
+
+
+HERE = Spots(np.zeros((1, 2)), np.zeros(1), np.zeros(1))
+AHEAD = np.zeros(1)
+
+
+class Table(NamedTuple):
+    """Stances as compiled functions take them.
+
+    Attributes:
+        rows: Where each bend brings the frames, (b, f, 12).
+        joints: How many joints of the head are among them.
+        base: Where the base is before it moves, metres, (3,).
+        offsets_m: How far it moves to each spot, (p, 2).
+        turns: Sine and cosine of the turn there, (p, 2).
+        spot: Which spot each stance has, (n,).
+        bend: Which bend, (n,).
+    """
+
+    rows: Array
+    joints: int
+    base: Array
+    offsets_m: Array
+    turns: Array
+    spot: Indices
+    bend: Indices
+
+
+class Stances:
+    """Stances by increasing amount: every spot with every bend.
+
+    Args:
+        bent: The posture, and what the torso may do.
+        spots: Where the base may go; it stays if left out.
+        turned_rad: How far the whole agent turns on the spot, (p,).
+
+    Attributes:
+        bent: As given.
+        table: For compiled functions.
+        ends: For each stance, which is the first one after it of another amount, (n,).
+    """
+
+    def __init__(self, bent: Bent, spots: Spots = HERE, turned_rad: Array = AHEAD) -> None:
+        self.bent, self._spots, self._turned_rad = bent, spots, turned_rad
+        spot, bend, self.ends, sines = _ordered(spots.rounded_m, turned_rad, bent.torso_rad)
+        self.table = Table(bent.rows, len(bent.frames.head), bent.frames.base, spots.offsets_m, sines, spot, bend)
 
     def __len__(self) -> int:
-        return len(self.bend)
+        return len(self.ends)
 
     def __getitem__(self, index: int) -> Stance:
         """The stance of that index."""
-        bend = self.bends[self.bend[index]]
-        state, used = self.start.state.replace(bend.changes), bend.actions
-        if self.walks:
-            offset = (float(self.offsets_m[index, 0]), float(self.offsets_m[index, 1]))
-            state, used = moved(state, self.agent, offset, float(self.turned_rad[index])), (MOVE, *used)
-        return Stance(state, (*self.start.actions, *used), Amount(*self.amounts[index].tolist()))
+        spot, bend = self.table.spot[index], self.bent.bends[self.table.bend[index]]
+        state, used = self.bent.start.state.replace(bend.changes), bend.actions
+        way_m, turned_rad = float(self._spots.ways_m[spot]), float(self._turned_rad[spot])
+        if self._spots is not HERE:
+            x, y = self._spots.offsets_m[spot].tolist()
+            state, used = moved(state, self.bent.agent, (x, y), turned_rad), (MOVE, *used)
+        return Stance(state, (*self.bent.start.actions, *used), Amount(way_m, abs(turned_rad), bend.by_rad))
 
-    @cached_property
-    def parts(self) -> tuple[Stances, ...]:
-        """The stances in parts of growing size, equal amounts together: what takes little is mostly found early."""
-        keys = np.round(self.amounts, DIGITS)
-        changes = np.array([*(np.flatnonzero((keys[1:] != keys[:-1]).any(axis=1)) + 1), len(self)])
-        parts, start, size = [], 0, FIRST_PART
-        while start < len(self):
-            end = int(changes[min(int(np.searchsorted(changes, start + size)), len(changes) - 1)])
-            parts.append(self._part(slice(start, end)))
-            start, size = end, size * GROWTH
-        return tuple(parts)
+    @property
+    def offsets_m(self) -> Array:
+        """How far the base moves in each, metres along the world's x and y, (n, 2)."""
+        return self.table.offsets_m[self.table.spot]
 
-    def _part(self, which: slice) -> Stances:
-        rows = (self.bend[which], self.offsets_m[which], self.turned_rad[which], self.amounts[which])
-        return Stances(self.agent, self.start, self.frames, self.bends, *rows, self.walks)
+    def frames(self, index: int) -> Array:
+        """Where a stance brings the frames, (f, 12)."""
+        return _carried(self.table, index)
 
-    def groups(self, chosen: NDArray[np.bool_]) -> Iterator[list[int]]:
-        """Indices of the chosen stances, those of equal amount together, the least amount first."""
-        indices = np.flatnonzero(chosen)
-        keys = np.round(self.amounts[indices], DIGITS).tolist()
-        for _, same in itertools.groupby(range(len(indices)), key=keys.__getitem__):
-            yield [int(indices[each]) for each in same]
-
-    @cached_property
-    def placed(self) -> Placed:
-        """Where eye, head and shoulders get to."""
-        bent = self.frames.bent(self.frames.by([bend.changes for bend in self.bends]))
-        return self.frames.displaced(bent, self.bend, self.offsets_m, self.turned_rad)
+    def shoulder(self, index: int, arm: int) -> Pose:
+        """Where a stance brings a shoulder, in the frame of what carries it."""
+        row = self.frames(index)[self.bent.frames.first_shoulder + arm]
+        return Pose(row[:3], row[3:].reshape(3, 3))
 
 
-def bent(agent: Agent, start: Stance, frames: Frames, bends: Sequence[Bend]) -> Stances:
-    """A posture with turns and leans of the torso."""
-    places = (np.zeros((1, 2)), np.zeros(1), np.zeros(1))
-    return _every(agent, start, frames, bends, places, walks=False)
-
-
-def displaced(
-    agent: Agent,
-    start: Stance,
-    frames: Frames,
-    bends: Sequence[Bend],
-    *,
-    places: Sequence[Place],
-    turned_rad: Array,
-) -> Stances:
-    """A standing agent at places, turned there on the spot, with what its torso may do."""
-    offsets = np.array([place.offset_m for place in places]).reshape(-1, 2)
-    ways = np.array([place.way_m for place in places])
-    return _every(agent, start, frames, bends, (offsets, ways, turned_rad), walks=True)
-
-
-def _every(
-    agent: Agent,
-    start: Stance,
-    frames: Frames,
-    bends: Sequence[Bend],
-    places: tuple[Array, Array, Array],
-    *,
-    walks: bool,
-) -> Stances:
-    """Every place (offsets, ways and turns) with every bend."""
-    offsets_m, ways_m, turned_rad = places
-    place, bend = (index.ravel() for index in np.indices((len(ways_m), len(bends))))
-    torso_rad = np.array([each.by_rad for each in bends])
-    amounts = np.stack((ways_m[place], np.abs(turned_rad[place]), torso_rad[bend]), axis=1)
-    order = np.lexsort(np.round(amounts, DIGITS).T[::-1])
-    place = place[order]
-    return Stances(agent, start, frames, bends, bend[order], offsets_m[place], turned_rad[place], amounts[order], walks)
-
-
-def turns_towards(target: Array, base: Array, facing_rad: float, places: Sequence[Place]) -> Array:
+@compiled
+def turns_towards(target: Array, base: Array, facing_rad: float, offsets_m: Array) -> Array:
     """How far an agent turns at each place so that its chest faces a target, radians from −π to π.
 
     Args:
         target: Metres, (3,).
         base: Where the base is now, metres, at least (2,).
         facing_rad: Where the chest faces now, about the vertical.
-        places: The places.
+        offsets_m: How far the places are from there, (p, 2).
     """
-    to = target[:2] - base[:2] - np.array([place.offset_m for place in places]).reshape(-1, 2)
-    turns = np.where(np.hypot(*to.T) > 1e-6, np.arctan2(to[:, 1], to[:, 0]) - facing_rad, 0.0)
-    return np.asarray(turns - 2 * math.pi * np.round(turns / (2 * math.pi)))
+    turns = np.zeros(len(offsets_m))
+    for p in range(len(turns)):
+        x, y = target[0] - base[0] - offsets_m[p, 0], target[1] - base[1] - offsets_m[p, 1]
+        if math.hypot(x, y) > OVERHEAD_M:
+            turn = math.atan2(y, x) - facing_rad
+            turns[p] = turn - 2 * math.pi * np.rint(turn / (2 * math.pi))
+    return turns
+
+
+@compiled
+def _carried(table: Table, index: int) -> Array:
+    found = np.empty((table.rows.shape[1], POSE))
+    spot, rows = table.spot[index], table.rows[table.bend[index]]
+    for frame in range(len(found)):
+        turn = table.turns[spot]
+        carry_pose(rows[frame], table.base, table.offsets_m[spot], turn[0], turn[1], found[frame])
+    return found
+
+
+@compiled
+def _ordered(ways: Array, turned_rad: Array, torso: Array) -> tuple[Indices, Indices, Indices, Array]:
+    """Every spot with every bend, by way, turn and bend of the torso.
+
+    Equal ones keep the order of spots, then of bends.
+
+    Returns:
+        Spot and bend of each, where its equals end, all (n,); and sine and cosine of the turn at each spot, (p, 2).
+    """
+    spots, bends = len(ways), len(torso)
+    spot, bend = np.empty(spots * bends, dtype=np.intp), np.empty(spots * bends, dtype=np.intp)
+    ends, sines = np.empty(spots * bends, dtype=np.intp), np.empty((spots, 2))
+    turns = np.rint(np.abs(turned_rad) * 10.0**DIGITS)
+    by_turn, by_torso = np.argsort(turns, kind="mergesort"), np.argsort(torso, kind="mergesort")
+    by_amount = by_turn[np.argsort(ways[by_turn], kind="mergesort")]
+    count, first = 0, 0
+    while first < spots:
+        one, last = by_amount[first], first + 1
+        while last < spots and ways[by_amount[last]] == ways[one] and turns[by_amount[last]] == turns[one]:
+            last += 1
+        low = 0
+        while low < bends:
+            high = low + 1
+            while high < bends and torso[by_torso[high]] == torso[by_torso[low]]:
+                high += 1
+            end = count + (last - first) * (high - low)
+            for p in range(first, last):
+                for b in range(low, high):
+                    spot[count], bend[count], ends[count] = by_amount[p], by_torso[b], end
+                    count += 1
+            low = high
+        first = last
+    for p in range(spots):
+        sines[p, 0], sines[p, 1] = math.sin(turned_rad[p]), math.cos(turned_rad[p])
+    return spot, bend, ends, sines

@@ -23,6 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,16 +31,20 @@ from numpy.typing import NDArray
 from taskgist.perspective.acting.constraints import Blocking, Collisions, held_by
 from taskgist.perspective.acting.floor import NOTHING, Floor, Place
 from taskgist.perspective.acting.frames import Frames
-from taskgist.perspective.acting.region import Region, touched
+from taskgist.perspective.acting.region import Consulted, Region
 from taskgist.perspective.acting.seat import seat_height_m
-from taskgist.perspective.acting.stances import Stances, bent, displaced, turns_towards
+from taskgist.perspective.acting.stances import Bent, Stances
 from taskgist.perspective.acting.torso import Bend, bends_of
 from taskgist.perspective.acting.virtual_actions import MOVE, SIT, STAND, TURN, Stance, checked_actions
+from taskgist.perspective.acting.walk import Walk
 from taskgist.perspective.judge import Miss
 from taskgist.perspective.target import Target
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Agent, Posture, Stage, State, objects_near, posture_of, with_posture
 from taskgist.world.geometry.rotations import yaw_of
+
+if TYPE_CHECKING:
+    from taskgist.perspective.seeing.sight import Sight
 
 Array = NDArray[np.float64]
 AROUND_M = 0.6
@@ -62,6 +67,7 @@ class Standpoint:
 
     Attributes:
         held: The side of the hand that holds each object that the agent holds.
+        sights: What the agent sees of objects in its state, by name, as far as it was asked.
         consulted: Where all was looked or felt for since ``consult_anew``, but for the floor.
         walked: Whether the floor was asked for since then.
 
@@ -85,18 +91,17 @@ class Standpoint:
         near = objects_near(stage, self.agent, settings.contact)
         self.held: Mapping[str, str] = held_by(stage, self.agent, near, settings.contact)
         self.collisions = Collisions(stage, self.agent, settings, self.held)
-        self._walks: dict[bytes, list[Stances]] = {}
         self._targets: dict[str, Target] = {}
+        self.sights: dict[str, Sight] = {}
         self._frames: dict[tuple[str, ...], Frames] = {}
         self._own = self._own_region(near)
         self._known_floor = known_floor
-        self.consulted, self.walked = Region(), False
+        self.consulted, self.walked = Consulted(self._own), False
         self.posture: Posture | None = posture_of(stage, self.agent, settings.contact)
 
     def consult_anew(self) -> None:
         """Begin a new answer: ``consulted`` is the region in which it will have been found."""
-        self.consulted, self.walked = Region(), False
-        self.consulted.add(self._own)
+        self.consulted, self.walked = Consulted(self._own), False
 
     def _own_region(self, near: Iterable[str]) -> Region:
         """Where the agent is, and what it holds or might hold: with whose contacts others are compared."""
@@ -108,7 +113,6 @@ class Standpoint:
             region.add_balls(thing.centers, thing.radii_m + contact.container_m)
         return region
 
-    @cached_property
     def _seat_region(self) -> Region:
         """Where a seat is looked for."""
         region = Region()
@@ -118,7 +122,9 @@ class Standpoint:
     def blocked(self, state: State) -> Blocking | None:
         """What the agent would push into in a state; None if nothing. The stage shows that state afterwards."""
         self.stage.show(state)
-        self.collisions.add_to(self.consulted)
+        region = Region()
+        self.collisions.add_to(region)
+        self.consulted.add_body(region)
         return self.collisions.find()
 
     def stances(self, level: int, target: Array) -> Iterator[Stances]:
@@ -133,7 +139,7 @@ class Standpoint:
         elif level == 2:
             yield self._bent_here
         elif level == 3:
-            self.consulted.add(self._seat_region)
+            self.consulted.add_body(self._seat_region())
             if self.other_posture is not None:
                 yield self._bent_other
         elif level == 4:
@@ -158,6 +164,18 @@ class Standpoint:
         return Stance(self.state)
 
     @cached_property
+    def is_own(self) -> NDArray[np.bool_]:
+        """Whether each shape of the scene is the agent's, (ngeom,)."""
+        own = np.zeros(self.stage.scene.model.ngeom, dtype=np.bool_)
+        own[self.agent.geoms] = True
+        return own
+
+    @property
+    def first_shoulder(self) -> int:
+        """Which of the agent's frames is the first arm's shoulder."""
+        return self._frames_of(self.here).first_shoulder
+
+    @cached_property
     def other_posture(self) -> Stance | None:
         """The agent after standing up, or sitting down if there is a seat; None if it cannot. It may collide."""
         if self.posture == "sitting" and STAND in self.actions:
@@ -178,62 +196,50 @@ class Standpoint:
 
     @cached_property
     def _here_alone(self) -> Stances:
-        return bent(self.agent, self.here, self._frames_of(self.here), [Bend()])
+        return Stances(self._bent(self.here, [Bend()]))
 
     @cached_property
     def _bent_here(self) -> Stances:
         bends = [bend for bend in self._bends(self.actions) if bend.actions]
-        return bent(self.agent, self.here, self._frames_of(self.here), bends)
+        return Stances(self._bent(self.here, bends))
 
     @cached_property
     def _bent_other(self) -> Stances:
         assert self.other_posture is not None
-        return bent(self.agent, self.other_posture, self._frames_of(self.other_posture), self._bends(self.actions))
+        return Stances(self._bent(self.other_posture, self._bends(self.actions)))
 
     def _displaced(self, target: Array) -> Iterator[Stances]:
-        """Places in batches of growing distance: most objects are near to where somebody can stand."""
         if MOVE not in self.actions:
             return
         if self.other_posture is not None and self.posture == "sitting":
-            self.consulted.add(self._filled(self.other_posture))
-        if self.upright is None:
-            return
-        self.walked = True
-        known = self._walks.setdefault(target.tobytes(), [])  # the three abilities ask for the same stances
-        for index, places in enumerate(self.floor.batches()):
-            if index == len(known):
-                known.append(self._walk(self.upright, places, target))
-            yield known[index]
-
-    def _walk(self, upright: Stance, places: Sequence[Place], target: Array) -> Stances:
-        base = upright.state.qpos[self.agent.base]
-        turned = turns_towards(target, base, self._facing_rad(base), places)
-        bends = self._bends(self.actions - {TURN})
-        return displaced(self.agent, upright, self._frames_of(upright), bends, places=places, turned_rad=turned)
+            self.consulted.add_body(self._filled(self.other_posture))
+        if self.walk is not None:
+            self.walked = True
+            yield from self.walk.stances(target)
 
     @cached_property
-    def floor(self) -> Floor:
-        """Where the agent, standing, can get to."""
-        assert self.upright is not None
-        self.stage.show(self.upright.state)
-        free = self.collisions.footprint()
-        return Floor(self.upright.state, self.agent, self.settings.efforts, free, self._known_floor)
+    def walk(self) -> Walk | None:
+        """Where the agent can go; None if it cannot walk."""
+        if MOVE not in self.actions or self.upright is None:
+            return None
+        agent, state, axis = self.agent, self.upright.state, self.agent.profile.turn
+        bent = self._bent(self.upright, self._bends(self.actions - {TURN}))
+        self.stage.show(state)
+        floor = Floor(state, agent, self.settings.efforts, self.collisions.footprint(), self._known_floor)
+        turned_rad = float(self.state.qpos[agent.joints[axis.joint]]) if axis else 0.0
+        return Walk(bent, yaw_of(state.qpos[agent.base][3:]) + turned_rad, floor)
 
     @property
     def floor_places(self) -> tuple[Place, ...]:
         """All places that the agent can get to; none if it cannot walk."""
-        if MOVE not in self.actions or self.upright is None:
-            return ()
-        return tuple(place for batch in self.floor.batches() for place in batch)
+        return () if self.walk is None else self.walk.places
 
     def floor_after(self, moved: Array) -> dict[tuple[float, float], bool]:
         """What is known of the floor and stays so when something moved within boxes, (k, 2, 3)."""
-        if "floor" not in self.__dict__ or self.upright is None:
+        if self.__dict__.get("walk") is None or self.upright is None:
             return {}
-        cells = list(self.floor.free_at)
-        offsets = np.array([(*self.floor.offset_m(*cell), 0.0) for cell in cells]).reshape(-1, 1, 3)
-        crossed = touched(self._filled(self.upright).bounds + offsets, moved)
-        return {cell: self.floor.free_at[cell] for cell, lost in zip(cells, crossed.tolist(), strict=True) if not lost}
+        assert self.walk is not None
+        return self.walk.floor.known_after(self._filled(self.upright).bounds, moved)
 
     def _filled(self, stance: Stance) -> Region:
         """What the agent's head, torso and base fill in a stance."""
@@ -242,13 +248,11 @@ class Standpoint:
         self.collisions.add_to(region)
         return region
 
-    def _facing_rad(self, base: Array) -> float:
-        axis = self.agent.profile.turn
-        turned = float(self.state.qpos[self.agent.joints[axis.joint]]) if axis else 0.0
-        return yaw_of(base[3:]) + turned
-
     def _bends(self, actions: frozenset[str]) -> list[Bend]:
         return bends_of(self.agent, self.state, self.settings.efforts, actions)
+
+    def _bent(self, start: Stance, bends: Sequence[Bend]) -> Bent:
+        return Bent.of(self.agent, start, self._frames_of(start), bends)
 
     def _frames_of(self, stance: Stance) -> Frames:
         key = stance.actions

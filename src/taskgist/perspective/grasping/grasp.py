@@ -19,15 +19,15 @@ from taskgist.perspective.acting.stances import Stances
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.acting.virtual_actions import Stance, stretch
 from taskgist.perspective.grasping.grasps import Grasps
-from taskgist.perspective.grasping.hand import hand_centers, hand_frames
-from taskgist.perspective.grasping.samples import sample_grasps
-from taskgist.perspective.grasping.touch import TOUCH_M
-from taskgist.perspective.judge import Among, Hopeless, Miss, Outcome
+from taskgist.perspective.grasping.hand import Hands
+from taskgist.perspective.grasping.samples import grasps_in_object
+from taskgist.perspective.grasping.tries import Tries
+from taskgist.perspective.judge import Among, Hopeless, Miss, Outcome, Why
 from taskgist.perspective.reaching.by_hand import ByHand
 from taskgist.perspective.reaching.reach import ReachAmong
 from taskgist.perspective.reaching.sector import DIGITS, Cloud, grasps_in_reach
 from taskgist.perspective.target import Target
-from taskgist.world import ArmIndices, Hand
+from taskgist.world import ArmIndices, Hand, Pose
 
 Array = NDArray[np.float64]
 NEVER = -20.0
@@ -46,7 +46,6 @@ class Grasp(ByHand):
 
     def __init__(self, here: Standpoint, target: Target) -> None:
         super().__init__(here, target)
-        self._blocked_by: dict[int, str] = {}
         self._told: Miss | None = None
 
     def among(self, stances: Stances) -> Among:
@@ -56,7 +55,7 @@ class Grasp(ByHand):
             if surface.beyond(self._hand.opening_m / 2 + self._here.settings.reach.cell_m):
                 return surface  # no grasp is farther from the surface than this: spares sampling them
         if self._impossible is not None:
-            return Hopeless(self._impossible, len(stances))
+            return Hopeless(self._impossible)
         return GraspAmong(self, stances)
 
     @cached_property
@@ -73,63 +72,55 @@ class Grasp(ByHand):
         return None if len(self._grasps) else Miss(NEVER, "too narrow for both fingers to meet it")
 
     @cached_property
+    def _in_object(self) -> Grasps:
+        """Grasps in the object's frame."""
+        return grasps_in_object(self._stage, self.target.name, self._hand, self._here.settings.grasp)
+
+    @cached_property
     def _grasps(self) -> Grasps:
-        return sample_grasps(self._stage, self.target.name, self._hand, self._here.settings.grasp)
+        """The same where the object is."""
+        return self._in_object.placed(self._object_in_world)
+
+    @property
+    def _object_in_world(self) -> Pose:
+        return self._stage.body(self._stage.scene.object_body(self.target.name))
 
     @property
     def _hand(self) -> Hand:
         assert self._agent.profile.hand is not None
         return self._agent.profile.hand
 
-    def grasped(self, stance: Stance, arm: int, shoulder: Array, carrier: Array) -> Outcome | Miss:
-        """The nearest free grasp of an arm from a stance."""
+    def grasped(self, stance: Stance, arm: int, shoulder: Array) -> Outcome | Miss:
+        """The nearest free grasp of an arm from a stance, whose shoulder is at a pose, (12,)."""
         grasps, facing = self._grasps, self._here.settings.grasp.facing
-        order = grasps_in_reach(shoulder, carrier, self.arm(arm), grasps.centers, grasps.approaches, facing)
-        to_try = order[self._open[order]].tolist()
-        if to_try:
+        order = grasps_in_reach(shoulder, self.arm(arm), grasps.centers, grasps.approaches, facing)
+        to_try = order[self._tries.met[order] < 0]
+        if len(to_try):
             self._stage.show(stance.state)
-        index = next((index for index in to_try if self._free(self.arm(arm), index)), None)
-        return self._miss(order.tolist()) if index is None else self._outcome(self.arm(arm), index, shoulder)
+        index = self._tries.first_free(to_try, self.arm(arm)) if len(to_try) else None
+        return self._miss(order.tolist()) if index is None else self._outcome(self.arm(arm), index, shoulder[:3])
 
     def consult(self) -> None:
         """Note that hands were tried around the object."""
         hand_m = self._hand.opening_m + 2 * self._hand.finger_length_m + sum(self._hand.palm_m)
-        self._here.consulted.add_balls(self.target.centers, self.target.radii_m + hand_m)
-
-    @cached_property
-    def _open(self) -> NDArray[np.bool_]:
-        """Grasps of which nothing but the agent itself is known to be in the way, (n,)."""
-        return ~self._grasps.in_itself
+        self._here.consulted.target.add_balls(self.target.centers, self.target.radii_m + hand_m)
 
     @cached_property
     def cloud(self) -> Cloud:
         """Where grasps are."""
         return Cloud.of(self._grasps.centers)
 
-    def _free(self, arm: ArmIndices, index: int) -> bool:
-        """Whether the hand meets nothing; what others block stays blocked from every stance."""
-        self._put_hand(arm, index)
-        overlaps = self._stage.overlaps(arm.ghosts, self._others)
-        met = next((other for _, other, depth_m in overlaps if depth_m > TOUCH_M), None)
-        if met is not None:
-            self._blocked_by[index], self._open[index] = self._called(met), False
-            return False
-        return all(depth_m <= TOUCH_M for *_, depth_m in self._stage.overlaps(arm.ghosts, self._agent.core_geoms))
-
     @cached_property
-    def _others(self) -> NDArray[np.intp]:
-        """What is in the hand's way besides the object and the agent itself."""
-        return np.setdiff1d(self._here.collisions.obstacles, self._grasps.solids)
-
-    def _put_hand(self, arm: ArmIndices, index: int) -> None:
-        """Put the shapes of the arm's virtual hand where they are in a grasp."""
-        frames, centers = self._hand_places
-        self._stage.place(arm.ghosts, centers[index], frames[index])
-
-    @cached_property
-    def _hand_places(self) -> tuple[Array, Array]:
-        """Axes of the hand, (n, 9), and middles of its boxes, (n, k, 3), in each grasp."""
-        return hand_frames(self._grasps).reshape(-1, 9), hand_centers(self._grasps, self._hand)
+    def _tries(self) -> Tries:
+        """What is in the way of them."""
+        return Tries(
+            self._stage,
+            self._agent,
+            object_in_world=self._object_in_world,
+            grasps=self._in_object,
+            hands=Hands.of(self._in_object, self._hand),
+            obstacles=(self._here.collisions.obstacles, self._here.collisions.boxes),
+        )
 
     def _called(self, geom: int) -> str:
         """Name of an obstacle: another agent's hand is called so."""
@@ -166,8 +157,8 @@ class Grasp(ByHand):
 
     def _blocked_miss(self, tried: list[int]) -> Miss:
         """What is in the way of which grasps."""
-        itself = dict.fromkeys(np.flatnonzero(self._grasps.in_itself).tolist(), self.target.name)
-        met = Counter((itself | self._blocked_by).get(index, self._agent.name) for index in tried)
+        owners = [*map(self._called, self._tries.others.tolist()), self.target.name]
+        met = Counter(owners[row] if row >= 0 else self._agent.name for row in self._tries.met[tried].tolist())
         names = sorted(met, key=lambda name: (-met[name], name))
         telling = [name for name in names if name != self.target.name] or names  # it is always in its own way somewhere
         counted = [f"{name} ({met[name]} of {len(tried)})" for name in telling] if len(telling) > 1 else telling
@@ -182,20 +173,23 @@ class GraspAmong:
         self._grasp, self._stances = grasp, stances
         grasp.consult()
         self._reach = ReachAmong(grasp, stances, grasp.cloud)
-        self.hopeful: NDArray[np.bool_] = self._reach.hopeful
 
-    def outcomes(self, index: int) -> Iterator[Outcome | Miss]:
+    def next(self, start: int, stop: int) -> int:
+        """The first stance from which an arm reaches a grasp."""
+        return self._reach.next(start, stop)
+
+    def outcomes(self, index: int) -> Iterator[Outcome | Why]:
         """The arms that can grasp the object, the nearer grasp first; or the nearest miss."""
-        stance, placed = self._stances[index], self._stances.placed
-        results = [
-            self._grasp.grasped(stance, arm, placed.shoulders[index, arm], placed.carriers[index, arm])
-            for arm in self._reach.able(index)
-        ]
+        stance, frames = self._stances[index], self._stances.frames(index)
+        shoulders = frames[self._stances.bent.frames.first_shoulder :]
+        arms = [self._grasp.arms[column] for column in self._reach.able(index)]
+        results = [self._grasp.grasped(stance, arm, shoulders[arm]) for arm in arms]
         outcomes = [result for result in results if isinstance(result, Outcome)]
         yield from sorted(outcomes, key=lambda outcome: outcome.merit)
         if not outcomes:
-            yield min(result for result in results if isinstance(result, Miss))
+            miss = min(result for result in results if isinstance(result, Miss))
+            yield lambda: miss
 
-    def miss(self) -> Miss:
-        """Why no grasp is reached from the hopeless stances."""
+    def miss(self) -> Miss | None:
+        """Why no grasp is reached from the other stances."""
         return self._reach.miss()

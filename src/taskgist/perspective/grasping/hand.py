@@ -2,13 +2,52 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
 import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.perspective.grasping.grasps import Grasps
 from taskgist.world import Hand, Pose, hand_boxes
+from taskgist.world.geometry.boxes import COLUMNS, EXACT, HALF, RADIUS
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Hands:
+    """The boxes of a hand in each of n grasps, before it closes.
+
+    Attributes:
+        frames: How the hand is turned, (n, 9).
+        centers: Middles of its boxes, metres, (n, k, 3).
+        boxes: The boxes as rows of a table, to be put there, (k, 18); see ``geometry.boxes``.
+        middle: Middle of a ball that holds the hand in all of the grasps, metres, (3,).
+        radius_m: Its radius.
+    """
+
+    frames: Array
+    centers: Array
+    boxes: Array
+    middle: Array
+    radius_m: float
+
+    @classmethod
+    def of(cls, grasps: Grasps, hand: Hand) -> Hands:
+        """The hand in some grasps; found once for each set of grasps."""
+        if grasps not in _KNOWN:
+            half = np.array([box.half_m for box in hand_boxes(hand)])
+            boxes = np.zeros((len(half), COLUMNS))
+            boxes[:, HALF : HALF + 3], boxes[:, RADIUS], boxes[:, EXACT] = half, np.linalg.norm(half, axis=1), 1.0
+            centers = hand_centers(grasps, hand)
+            middle = centers.mean(axis=(0, 1))
+            radius_m = float((np.linalg.norm(centers - middle, axis=2) + boxes[:, RADIUS]).max())
+            _KNOWN[grasps] = cls(hand_frames(grasps).reshape(-1, 9), centers, boxes, middle, radius_m)
+        return _KNOWN[grasps]
+
+
+_KNOWN: WeakKeyDictionary[Grasps, Hands] = WeakKeyDictionary()
 
 
 def hand_frames(grasps: Grasps) -> Array:

@@ -25,12 +25,12 @@ from taskgist.errors import UnknownNameError
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.effort import NO_KNOWN_LEVEL, Ability
 from taskgist.perspective.judge import untracked_parts
+from taskgist.perspective.maps.cells import Cells
 from taskgist.perspective.maps.grid import Grid
-from taskgist.perspective.maps.reach import ReachTrials
-from taskgist.perspective.maps.scan import winners
-from taskgist.perspective.maps.see import SeeTrials
-from taskgist.perspective.maps.solid import solid_cells
-from taskgist.perspective.maps.trials import Array, Indices, Mask, Trial
+from taskgist.perspective.maps.reach import Reach
+from taskgist.perspective.maps.see import Sight
+from taskgist.perspective.maps.trials import Trials, winners
+from taskgist.perspective.maps.workspace import Workspace, workspace_of
 from taskgist.perspective.maps.zone import Zone
 from taskgist.perspective.reaching.by_hand import PARTS as HAND_PARTS
 from taskgist.perspective.seeing.see import PARTS as EYE_PARTS
@@ -89,19 +89,16 @@ class AbilityMap:
         return {int(level): int(count) for level, count in zip(levels, counts, strict=True)}
 
 
-class Trials(Protocol):
-    """Gives the trials of each effort level of one ability."""
+class Asking(Protocol):
+    """What one ability asks of the cells of a workspace."""
 
-    def of(self, level: int) -> list[Trial]:
-        """Trials of a level, 0 to 4."""
-
-    def cull(self, cells: Indices, low_m: Array, high_m: Array) -> Mask:
-        """Whether it is plain that no trial in a box wins each of some cells."""
+    def trials(self, level: int) -> Trials | None:
+        """Trials of a level, 0 to 4; None if there are none."""
 
 
-TRIALS: Mapping[str, tuple[Callable[[Standpoint, Array], Trials], tuple[tuple[str, ...], ...]]] = {
-    "see": (SeeTrials, EYE_PARTS),
-    "reach": (ReachTrials, HAND_PARTS),
+TRIALS: Mapping[str, tuple[Callable[[Standpoint, Cells], Asking], tuple[tuple[str, ...], ...]]] = {
+    "see": (Sight, EYE_PARTS),
+    "reach": (Reach, HAND_PARTS),
 }
 """Trials by ability, and the parts of an agent that must be tracked to judge each level."""
 
@@ -131,22 +128,24 @@ def ability_map(
     here = stage if isinstance(stage, Standpoint) else Standpoint(stage, agent or "", settings)
     with here.stage.showing(here.state):
         where = grid or Grid.around(here.stage, here.agent.name, settings=here.settings.maps)
-        solid = solid_cells(here.stage, where, but=here.agent.name)
-        levels = _levels(here, ability, where.centers(), solid.ravel())
-        return AbilityMap(here.agent.name, ability, where, levels, solid, here.settings.digest)
+        space = workspace_of(here, where)
+        levels = _levels(here, ability, space)
+        return AbilityMap(here.agent.name, ability, where, levels, space.solid, here.settings.digest)
 
 
-def _levels(here: Standpoint, ability: Ability, centers: Array, solid: Mask) -> Levels:
-    """Level by level, only the cells that no lower level won."""
+def _levels(here: Standpoint, ability: Ability, space: Workspace) -> Levels:
+    """Level by level, only the cells that no lower level won; (cells,)."""
     make, parts = TRIALS[ability]
-    levels = np.full(len(centers), NO_KNOWN_LEVEL, dtype=np.int8)
-    left = np.flatnonzero(~solid)
-    trials = make(here, centers)
+    index, levels = space.cells.index, np.full(space.solid.size, NO_KNOWN_LEVEL, dtype=np.int8)
+    left = np.flatnonzero(~space.solid.ravel()[index])
+    asking = make(here, space.cells)
     for level in range(NO_KNOWN_LEVEL):
         if untracked_parts(here.state, here.agent.name, parts[level]):
-            levels[left] = UNKNOWN_LEVEL
+            levels[index[left]] = UNKNOWN_LEVEL
             break
-        won = winners(trials.of(level), left, trials.cull)
-        levels[won] = level
-        left = left[levels[left] == NO_KNOWN_LEVEL]
+        trials = asking.trials(level)
+        if trials is not None:
+            won = winners(here, trials, left)
+            levels[index[left[won]]] = level
+            left = left[~won]
     return levels

@@ -28,21 +28,24 @@ def clear_places(here: Standpoint, state: State, base_m: Array, places_m: Array)
     Returns:
         False where it has to be tested, (n,).
     """
-    stage, model = here.stage.show(state), here.stage.scene.model
-    core = here.agent.core_geoms
+    stage, model, core = here.stage.show(state), here.stage.scene.model, here.agent.core_geoms
+    obstacles = here.collisions.obstacles
+    endless = model.geom_rbound[obstacles] == 0.0
+    matrices = stage.geoms(obstacles)[1].reshape(-1, 3, 3)
+    if (matrices[endless, 2, 2] < LEVEL).any():
+        return np.zeros(len(places_m), dtype=bool)
     centers, radii = stage.geom_centers(core), np.asarray(model.geom_rbound[core])
     wide = np.linalg.norm(centers[:, :2] - base_m, axis=1) + radii
-    clear = np.ones(len(places_m), dtype=bool)
-    for geom in here.collisions.obstacles.tolist():
-        pose = stage.geom(geom)
-        if stage.is_plane(geom):
-            if pose.matrix[2, 2] < LEVEL:
-                clear[:] = False
-            continue
-        middle = pose.to_world(model.geom_aabb[geom, :3])
-        half = np.abs(pose.matrix) @ model.geom_aabb[geom, 3:]
-        beside = np.abs(centers[:, 2] - middle[2]) < radii + half[2]
-        if beside.any():
-            away = np.maximum(np.abs(places_m - middle[:2]) - half[:2], 0.0)
-            clear &= np.hypot(away[:, 0], away[:, 1]) >= wide[beside].max()
-    return clear
+    middle, half = _boxes(here, obstacles[~endless])
+    beside = np.abs(centers[:, 2, None] - middle[:, 2]) < radii[:, None] + half[:, 2]
+    widest = np.where(beside, wide[:, None], 0.0).max(axis=0)
+    away = np.maximum(np.abs(places_m[:, None] - middle[:, :2]) - half[:, :2], 0.0)
+    return np.asarray((np.hypot(away[..., 0], away[..., 1]) >= widest).all(axis=1))
+
+
+def _boxes(here: Standpoint, geoms: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Middles and half sizes of the boxes around shapes along the world's axes, as the stage shows them, (n, 3)."""
+    positions, matrices = here.stage.geoms(geoms)
+    turns, bounds = matrices.reshape(-1, 3, 3), here.stage.scene.model.geom_aabb[geoms]
+    middle = positions + np.einsum("nij,nj->ni", turns, bounds[:, :3])
+    return middle, np.einsum("nij,nj->ni", np.abs(turns), bounds[:, 3:])

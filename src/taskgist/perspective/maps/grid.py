@@ -77,9 +77,12 @@ class Grid:
 
     def centers(self) -> Array:
         """Centres of all cells in the world, metres, (cells, 3), the last axis running fastest."""
-        steps = [self.cell_m * (np.arange(count) + 0.5) for count in self.shape]
-        local = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 3)
-        return np.asarray(local @ self.axes.T + self.origin_m)
+        first, second, third = (self.cell_m * (np.arange(count) + 0.5) for count in self.shape)
+        columns = np.stack(np.broadcast_arrays(first[:, None], second, 0.0), axis=-1).reshape(-1, 3)
+        centers = np.empty((*self.shape, 3))
+        centers[..., :2] = (columns @ self.axes.T + self.origin_m).reshape(*self.shape[:2], 1, 3)[..., :2]
+        centers[..., 2] = third + self.origin_m[2]
+        return centers.reshape(-1, 3)
 
     def center(self, cell: Cell) -> Array:
         """Centre of a cell in the world, metres, (3,)."""

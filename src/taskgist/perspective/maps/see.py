@@ -3,156 +3,164 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.perspective.acting.standpoint import Standpoint
+from taskgist.perspective.maps.cells import Cells
+from taskgist.perspective.maps.footing import FREE, UNKNOWN, Footing, footing_of
+from taskgist.perspective.maps.gaze import EYE_COLUMNS, PLACE, TURNED, eye_positions
 from taskgist.perspective.maps.head import Head, head_of, shapes_of_head
-from taskgist.perspective.maps.sight import (
-    COLUMNS,
-    NONE,
-    NOT_SEEN,
-    PLACE,
-    SEEN,
-    SEEN_UNLESS_MESH,
-    TURNED,
-    eye_positions,
-    hidden_from_box,
-    seen_cells,
-)
-from taskgist.perspective.maps.trials import (
-    Facing,
-    FreeFacing,
-    Indices,
-    Mask,
-    Trial,
-    always_free,
-    facings,
-    free_in,
-    stances_of,
-)
-from taskgist.world import Pose, Stage, State
+from taskgist.perspective.maps.shade import Shadows
+from taskgist.perspective.maps.shadow import BOUNDS, COLUMNS, KIND, MATRIX, NONE, POSITION, RADIUS, SIZE
+from taskgist.perspective.maps.sight import Eyes, seen_cells
+from taskgist.perspective.maps.tree import Tree, tree_of
+from taskgist.perspective.maps.trials import DOUBTFUL, FIRST, Indices, Mask, Sweep, Trials, step_of, sweep_of
+from taskgist.world import Pose, Stage
 from taskgist.world.geometry.raycast import FORMULAS
 
 Array = NDArray[np.float64]
+WORLD = Pose(np.zeros(3), np.eye(3))
 
 
-class SeeTrials:
-    """The trials of each effort level for seeing the cells of a grid.
+class Sight:
+    """What seeing asks for, whatever the effort level.
 
     Args:
         here: Whose ability, and from where.
-        centers: Centres of the cells, metres, (cells, 3).
+        cells: What is to be seen.
     """
 
-    def __init__(self, here: Standpoint, centers: Array) -> None:
-        self._here, self._centers = here, centers
-        self._head = head_of(here)
+    def __init__(self, here: Standpoint, cells: Cells) -> None:
+        self.here, self.cells = here, cells
+        self.head = head_of(here)
         eye = here.agent.profile.eye
-        across, up = eye.fov_rad
-        self._views = (math.cos(eye.gaze_cone_rad), math.tan(across / 2), math.tan(up / 2))
+        self.view = np.array((math.cos(eye.gaze_cone_rad), *(math.tan(angle / 2) for angle in eye.fov_rad)))
         seen = np.flatnonzero(here.stage.show(here.state).seen)
         mine = np.isin(seen, here.agent.geoms)
-        self._own_geoms = np.setdiff1d(seen[mine], shapes_of_head(here))
-        self._thing_geoms = seen[~mine]
-        self._things = _shapes(here.stage, self._thing_geoms, _in_world)
-        self._meshes = self._formless(seen)
-        self._hider = np.full(len(centers), NONE, dtype=np.int32)
+        self.own_geoms = np.setdiff1d(seen[mine], shapes_of_head(here))
+        self.own = shapes(here.stage, self.own_geoms, WORLD)
+        self.things = shapes(here.stage, seen[~mine], WORLD)
+        kinds = here.stage.scene.model.geom_type[seen]
+        self.meshes = np.setdiff1d(seen[~np.isin(kinds, FORMULAS)], shapes_of_head(here))
+        self.hider = np.full(len(cells.points), NONE, dtype=np.int16)
 
-    def of(self, level: int) -> list[Trial]:
-        """Trials of a level, 0 to 4."""
-        if level == 0:
-            return [self._fixed(self._here.state, self._head.stiff, always_free)]
-        if level == 4:
-            ways = facings(self._here)
-            views = [(way, self._eyes(way.state, way.local), self._own(way.state, way.local)) for way in ways]
-            return [self._turned(*view, spot) for view in views for spot in range(len(view[0].places_m))]
-        return [
-            self._fixed(stance.state, self._head, free_in(self._here, stance.state) if level > 1 else always_free)
-            for stance in stances_of(self._here, level)
-        ]
+    def trials(self, level: int) -> Trials | None:
+        """The trials of a level, 0 to 4; None if there are none."""
+        footing = footing_of(self.here, level)
+        return SeeTrials(self, footing, self.head if level else self.head.stiff) if len(footing.way) else None
 
-    def cull(self, cells: Indices, low_m: Array, high_m: Array) -> Mask:
-        """Cells that are hidden from wherever the eye may be."""
-        return hidden_from_box(self._centers, cells, self._things, self._hider, low_m, high_m)
 
-    def _fixed(self, state: State, head: Head, free: Callable[[Indices], Mask]) -> Trial:
-        eyes, own = self._eyes(state, _in_world), self._own(state, _in_world)
-        mark = eyes[[0, 1, 2, 3, 6, 9]]  # where it is, and where it looks
-        low, high = _box(head, eyes)
-        return Trial(low, high, mark, self._able(head, eyes, own, state), free)
+class SeeTrials:
+    """The trials of one effort level for seeing cells."""
 
-    def _turned(self, way: Facing, eyes: Array, own: Array, spot: int) -> Trial:
-        place = way.places_m[spot]
-        eyes = np.array(eyes)
-        eyes[PLACE:TURNED], eyes[TURNED] = place, 1.0
-        low, high = _box(self._head, eyes)
-        wide = float(np.hypot(*np.maximum(-low, high)[:2]))
-        low, high = np.array((*(place - wide), low[2])), np.array((*(place + wide), high[2]))
-        free = FreeFacing(self._here, way, place, self._centers, clear=bool(way.clear[spot]))
-        return Trial(low, high, (low + high) / 2, self._able(self._head, eyes, own, way.state), free)
+    def __init__(self, sight: Sight, footing: Footing, head: Head) -> None:
+        self.footing, self.cells = footing, sight.cells
+        self._sight, self._head = sight, head
+        self._cones = head.cones(sight.here.agent.profile.eye.gaze_cone_rad)
+        self._eyes, self._own = self._tables()
+        marks = np.column_stack((footing.places_m, self._eyes[:, 2]))
+        self._first = far_apart(marks, FIRST) if footing.turns else np.arange(len(marks))
 
-    def _able(self, head: Head, eyes: Array, own: Array, state: State) -> Callable[[Indices], Mask]:
-        limit = head.off_rad + self._here.agent.profile.eye.gaze_cone_rad
-        off = (math.cos(limit), math.sin(limit)) if limit < math.pi else (-1.0, 0.0)
-        gaze = np.array((*self._views, *off))
+    def run(self, sweep: Sweep) -> None:
+        """See ``Trials``."""
+        self._run(sweep, self._eyes, self._first, self.footing.way)
 
-        def able(cells: Indices) -> Mask:
-            found = seen_cells(self._centers, cells, head.numbers, gaze, eyes, own, self._things, self._hider)
-            doubtful = np.flatnonzero(found == SEEN_UNLESS_MESH)
-            if len(doubtful):
-                found[doubtful] = self._past_meshes(cells[doubtful], head, eyes, state)
-            return np.asarray(found == SEEN)
+    def look_closely(self, rows: Indices) -> Mask:
+        """Ask for the meshes one by one, trial by trial: they have no formula."""
+        won = np.zeros(len(rows), dtype=bool)
+        for trial in range(len(self._eyes)):
+            left = np.flatnonzero(~won)
+            if not len(left):
+                break
+            one = slice(trial, trial + 1)
+            sweep = sweep_of(self, rows[left], np.abs(self.footing.free[one]))  # as free as may be
+            self._run(sweep, self._eyes[one], np.array([0]), self.footing.way[one])
+            left = left[sweep.found == DOUBTFUL]
+            left = left[self._past_meshes(rows[left], trial)]
+            won[left] = self._free(rows[left], trial)
+        return won
 
-        return able
+    def _run(self, sweep: Sweep, eyes: Array, first: Indices, way: Indices) -> None:
+        sight, own = self._sight, self._own
+        seeing = Eyes(self._head.numbers, sight.view, self._cones, eyes, first, self._tree_of(eyes))
+        shadows = Shadows(way, own.reshape(-1, COLUMNS), own.shape[1], sight.things, sight.hider)
+        seen_cells(seeing, shadows, sweep, self.cells.starts(sweep.rows))
 
-    def _past_meshes(self, cells: Indices, head: Head, eyes: Array, state: State) -> NDArray[np.uint8]:
-        """Asks for the meshes one by one: they have no formula. An agent that turns has its own where it began."""
-        stage = self._here.stage.show(state)
-        meshes = np.setdiff1d(self._meshes, self._here.agent.geoms) if eyes[TURNED] else self._meshes
-        origins = eye_positions(self._centers, cells, head.numbers, eyes)
-        ways = self._centers[cells] - origins
+    def _free(self, rows: Indices, trial: int) -> Mask:
+        """Whether nothing is in the way when the agent turns to each of some cells."""
+        ahead = self.cells.points[rows, :2] - self.footing.places_m[trial]
+        count = self.footing.free.shape[1]
+        steps = [step_of(self.footing.facing, count, x, y) for x, y in ahead.tolist()]
+        asked = np.zeros(self.footing.free.shape, dtype=bool)
+        asked[trial, steps] = self.footing.free[trial, steps] == UNKNOWN
+        self.footing.test(self._sight.here, asked)
+        return np.asarray(self.footing.free[trial, steps] == FREE)
+
+    def _past_meshes(self, rows: Indices, trial: int) -> Mask:
+        """Whether rays get past all meshes. An agent that turns has its own where it began."""
+        sight = self._sight
+        stage = sight.here.stage.show(self.footing.states[self.footing.way[trial]])
+        meshes = np.setdiff1d(sight.meshes, sight.here.agent.geoms) if self.footing.turns else sight.meshes
+        origins = eye_positions(sight.cells.points, rows, self._head.numbers, sight.view, self._eyes, trial)
+        ways = sight.cells.points[rows] - origins
         lengths = np.linalg.norm(ways, axis=1)
-        found = np.full(len(cells), SEEN, dtype=np.uint8)
+        passed = np.ones(len(rows), dtype=bool)
         for row, (origin, way, length) in enumerate(zip(origins, ways, lengths, strict=True)):
             geoms, distances = stage.cast(origin, way[None] / length, only=meshes)
-            if geoms[0] >= 0 and distances[0] < length:
-                found[row] = NOT_SEEN
-        return found
+            passed[row] = geoms[0] < 0 or distances[0] >= length
+        return passed
 
-    def _eyes(self, state: State, local: Callable[[Pose], tuple[Array, Array]]) -> Array:
-        position, matrix = local(self._here.stage.show(state.replace(self._head.middle)).eye(self._here.agent))
-        return np.array((*position, *matrix.ravel(), 0.0, 0.0, 0.0))
+    def _tables(self) -> tuple[Array, Array]:
+        """Eyes by trial, and own shapes by way."""
+        here, footing = self._sight.here, self.footing
+        by_way = np.zeros((len(footing.states), EYE_COLUMNS))
+        own = np.repeat(self._sight.own[None], len(footing.states), axis=0)
+        for way, state in enumerate(footing.states):
+            frame = footing.frame(way)
+            eye = here.stage.show(state.replace(self._head.middle)).eye(here.agent)
+            by_way[way, :3], by_way[way, 3:PLACE] = frame.to_local(eye.position), (frame.matrix.T @ eye.matrix).ravel()
+            _place(own[way], here.stage.show(state), self._sight.own_geoms, frame)
+        eyes = by_way[footing.way]
+        eyes[:, PLACE:TURNED], eyes[:, TURNED] = footing.places_m, footing.turns
+        return eyes, own
 
-    def _own(self, state: State, local: Callable[[Pose], tuple[Array, Array]]) -> Array:
-        return _shapes(self._here.stage.show(state), self._own_geoms, local)
-
-    def _formless(self, geoms: Indices) -> Indices:
-        kinds = self._here.stage.scene.model.geom_type[geoms]
-        return np.setdiff1d(geoms[~np.isin(kinds, FORMULAS)], shapes_of_head(self._here))
-
-
-def _box(head: Head, eyes: Array) -> tuple[Array, Array]:
-    """The box in which the eye stays from a stance, in the frame of that stance."""
-    middle, half = (head.low_m + head.high_m) / 2, (head.high_m - head.low_m) / 2
-    position, matrix = eyes[:3], eyes[3:PLACE].reshape(3, 3)
-    center, around = position + matrix @ middle, np.abs(matrix) @ half
-    return center - around, center + around
+    def _tree_of(self, eyes: Array) -> Tree:
+        """The tree of the boxes in which eyes stay."""
+        middle, half = (self._head.low_m + self._head.high_m) / 2, (self._head.high_m - self._head.low_m) / 2
+        matrices = eyes[:, 3:PLACE].reshape(-1, 3, 3)
+        center, around = eyes[:, :3] + matrices @ middle, np.abs(matrices) @ half
+        low, high = center - around, center + around
+        if self.footing.turns:
+            wide = np.hypot(*np.maximum(-low, high)[:, :2].T)[:, None]
+            low[:, :2], high[:, :2] = eyes[:, PLACE:TURNED] - wide, eyes[:, PLACE:TURNED] + wide
+        return tree_of(low, high)
 
 
-def _in_world(pose: Pose) -> tuple[Array, Array]:
-    return pose.position, pose.matrix
+def far_apart(marks: Array, count: int) -> Indices:
+    """Indices of some points, (n, k), as many as asked for or all: each is the farthest from those before it."""
+    chosen = [0]
+    away = np.linalg.norm(marks - marks[0], axis=1)
+    while len(chosen) < min(count, len(marks)):
+        chosen.append(int(np.argmax(away)))
+        away = np.minimum(away, np.linalg.norm(marks - marks[chosen[-1]], axis=1))
+    return np.array(chosen)
 
 
-def _shapes(stage: Stage, geoms: Indices, local: Callable[[Pose], tuple[Array, Array]]) -> Array:
-    """A table of some shapes where the stage shows them, in the frame of ``local``; see ``maps_sight``."""
+def shapes(stage: Stage, geoms: Indices, frame: Pose) -> Array:
+    """A table of some shapes where the stage shows them, in a frame; see ``shadow``."""
     model = stage.scene.model
-    radii = np.where(model.geom_rbound[geoms] == 0.0, np.inf, model.geom_rbound[geoms])
     table = np.empty((len(geoms), COLUMNS))
-    for row, geom in enumerate(geoms.tolist()):
-        at, turn = local(stage.geom(geom))
-        kind = float(model.geom_type[geom])
-        table[row] = (kind, *model.geom_size[geom], *model.geom_aabb[geom], radii[row], *at, *turn.ravel())
+    table[:, KIND], table[:, SIZE:BOUNDS] = model.geom_type[geoms], model.geom_size[geoms]
+    table[:, BOUNDS:RADIUS] = model.geom_aabb[geoms]
+    table[:, RADIUS] = np.where(model.geom_rbound[geoms] == 0.0, np.inf, model.geom_rbound[geoms])
+    _place(table, stage, geoms, frame)
     return table
+
+
+def _place(table: Array, stage: Stage, geoms: Indices, frame: Pose) -> None:
+    """Puts shapes of a table where the stage shows them."""
+    positions, matrices = stage.geoms(geoms)
+    table[:, POSITION:MATRIX] = frame.to_local(positions)
+    table[:, MATRIX:] = (frame.matrix.T @ matrices.reshape(-1, 3, 3)).reshape(-1, 9)

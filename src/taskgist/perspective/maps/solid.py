@@ -25,19 +25,21 @@ def solid_cells(stage: Stage, grid: Grid, *, but: str | None = None) -> NDArray[
         if stage.scene.owners[geom] == but or stage.is_plane(int(geom)):
             continue
         pose = stage.geom(int(geom))
-        near = _in_ball(grid, pose.position, float(model.geom_rbound[geom]))
+        near = _around(grid, pose.to_world(model.geom_aabb[geom, :3]), pose.matrix, model.geom_aabb[geom, 3:])
         near = near[~found[near]]
         outside = distances_outside_m(model, int(geom), pose.to_local(centers[near]))
         found[near[outside <= 0.0]] = True
     return found.reshape(grid.shape)
 
 
-def _in_ball(grid: Grid, center: NDArray[np.float64], radius_m: float) -> NDArray[np.intp]:
-    """Indices of the cells of the upright box around a ball, (n,)."""
-    middle = (center - grid.origin_m) @ grid.axes / grid.cell_m
-    reach = radius_m / grid.cell_m
-    ranges = [
-        np.arange(max(0, int(np.floor(at - reach))), min(count, int(np.ceil(at + reach)) + 1))
-        for at, count in zip(middle, grid.shape, strict=True)
-    ]
-    return np.ravel_multi_index(np.meshgrid(*ranges, indexing="ij"), grid.shape).ravel()
+def _around(
+    grid: Grid, middle: NDArray[np.float64], matrix: NDArray[np.float64], half_m: NDArray[np.float64]
+) -> NDArray[np.intp]:
+    """Indices of the cells of the box along the grid's axes around a box that is turned, (n,)."""
+    at = (middle - grid.origin_m) @ grid.axes / grid.cell_m
+    reach = np.abs(grid.axes.T @ matrix) @ half_m / grid.cell_m
+    low = np.maximum(np.floor(at - reach), 0).astype(int)
+    high = np.minimum(np.ceil(at + reach).astype(int) + 1, grid.shape)
+    first, second, third = (np.arange(*ends) for ends in zip(low, high, strict=True))
+    _, across, up = grid.shape
+    return ((first[:, None, None] * across + second[:, None]) * up + third).ravel()

@@ -1,154 +1,171 @@
-"""Trials: the stances from which a map is made, each asked about many cells at once.
+"""Trials: which cells does any of many stances win?
 
-They are the stances of the search (``Standpoint.stances``), all of them. At level 4 the search turns the chest to its
-target; so does a map, to every cell by itself. Only what blocks is tested in steps there: with the chest turned to the
-next multiple of ``efforts.turn_step_rad`` from where the agent heads now, not exactly to the cell.
+Only that one of them does is asked, not which one needs least, so their order is free. What is in the way is tested as
+late as possible: first all cells are won that some trial wins that is known to be free; then, for the others, a few
+of the trials that would win each are tested, until every cell is won or lost.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.acting.floor import moved
 from taskgist.perspective.acting.standpoint import Standpoint
-from taskgist.perspective.acting.virtual_actions import Stance
-from taskgist.perspective.maps.clear import clear_places
-from taskgist.world import Pose, State
-from taskgist.world.geometry.rotations import yaw_of
+from taskgist.perspective.maps.cells import Cells
+from taskgist.perspective.maps.footing import BLOCKED, FREE, Footing
+from taskgist.world.geometry.compiled import compiled
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Mask = NDArray[np.bool_]
-AHEAD_M = 1000.0
-SAME_M = 1e-9
+Status = NDArray[np.uint8]
+LOST, WON, PENDING, DOUBTFUL = 0, 1, 2, 4
+"""What is found of a cell: a free trial wins it; one does that has to be tested; one does unless a mesh is in between.
+The latter two may hold at once."""
+FIRST = 8
+"""How many trials are tried before all others: those that fit best."""
+MOST, USED_UP = 4, -1
+"""How many trials are to be tested for one cell at a time."""
 
 
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """A stance that may give an ability towards some cells.
-
-    Attributes:
-        low_m: With ``high_m`` the box in which the eye (or the shoulders) may be, metres, (3,).
-        high_m: See ``low_m``.
-        mark: What tells it from others, for choosing different ones first: numbers, (k,).
-        able: Whether the ability holds towards each of some cells, given by index (n,), were nothing in the way.
-        free: Whether nothing is in the way then, for each of them.
-    """
-
-    low_m: Array
-    high_m: Array
-    mark: Array
-    able: Callable[[Indices], Mask]
-    free: Callable[[Indices], Mask]
+Ball = tuple[float, float, float, float]
+"""Middle and radius, metres."""
 
 
-def always_free(cells: Indices) -> Mask:
-    """For the current state: what touches now is no obstacle."""
-    return np.ones(len(cells), dtype=bool)
-
-
-def free_in(here: Standpoint, state: State) -> Callable[[Indices], Mask]:
-    """Whether an agent collides with nothing in a state, whatever the cell; found once, when first asked."""
-    found: list[bool] = []
-
-    def free(cells: Indices) -> Mask:
-        if not found:
-            found.append(here.blocked(state) is None)
-        return np.full(len(cells), found[0])
-
-    return free
-
-
-def stances_of(here: Standpoint, level: int) -> list[Stance]:
-    """The stances of a level below 4, which do not turn to what the agent sees or reaches."""
-    target = here.state.qpos[here.agent.base][:3]
-    return [batch[index] for batch in here.stances(level, target) for index in range(len(batch))]
-
-
-@dataclass(frozen=True, eq=False)
-class Facing:
-    """A way to stand that turns to its target: one lean of the torso, anywhere on the floor.
+class Sweep(NamedTuple):
+    """Cells that trials are tried on, and what they find out.
 
     Attributes:
-        state: Standing at the start, the chest turned where the agent heads now.
-        base_m: Where the base stands in that state, metres, (2,).
-        chest_rad: Where the chest points in it.
-        places_m: Places of the floor to stand on so, metres in the world, (n, 2).
-        clear: Whether nothing is near each of them, (n,).
+        points: Centres of all cells, metres in the world, (cells, 3).
+        rows: Which are asked for, block by block, (n,).
+        found: ``WON``, or what there is of ``PENDING`` and ``DOUBTFUL``, (n,); filled.
+        asks: How many trials may be tested for each, less than 0 once these are used up, (n,); or 0 if none may.
+        free: Whether trials are ``FREE`` in a step of the chest, (trials, steps).
+        asked: Which trials and steps are to be tested, (trials, steps); filled.
+        facing: Heading and step, radians.
     """
 
-    state: State
-    base_m: Array
-    chest_rad: float
-    places_m: Array
-    clear: Mask
-
-    def local(self, pose: Pose) -> tuple[Array, Array]:
-        """A pose in the state, in a frame that stands under the base and looks along the chest: (3,) and (3, 3)."""
-        cos, sin = math.cos(self.chest_rad), math.sin(self.chest_rad)
-        turn = np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        return turn @ (pose.position - (*self.base_m, 0.0)), turn @ pose.matrix
+    points: Array
+    rows: Indices
+    found: Status
+    asks: NDArray[np.int8]
+    free: NDArray[np.int8]
+    asked: Mask
+    facing: Array
 
 
-def facings(here: Standpoint) -> list[Facing]:
-    """The ways to stand of level 4."""
-    base = here.state.qpos[here.agent.base]
-    heading = yaw_of(base[3:])
-    target = base[:3] + AHEAD_M * np.array([math.cos(heading), math.sin(heading), 0.0])
-    batches = list(here.stances(4, target))
-    if not batches:
-        return []
-    offsets = np.unique(np.round(np.concatenate([batch.offsets_m for batch in batches]), 9), axis=0)
-    first = batches[0]
-    at_start = np.flatnonzero(np.abs(first.offsets_m).max(axis=1) < SAME_M)
-    return [_facing(here, first[int(index)], target, offsets) for index in at_start]
+class Trials(Protocol):
+    """The trials of one effort level and one ability."""
+
+    footing: Footing
+    cells: Cells
+
+    def run(self, sweep: Sweep) -> None:
+        """Try all trials on some cells."""
+
+    def look_closely(self, rows: Indices) -> Mask:
+        """Whether doubtful cells are won, (n,)."""
 
 
-def _facing(here: Standpoint, stance: Stance, target: Array, offsets: Array) -> Facing:
-    spot = np.array(stance.state.qpos[here.agent.base][:2])
-    ahead, places = target[:2] - spot, spot + offsets
-    clear = clear_places(here, stance.state, spot, places)
-    return Facing(stance.state, spot, math.atan2(ahead[1], ahead[0]), places, clear)
+def winners(here: Standpoint, trials: Trials, rows: Indices) -> Mask:
+    """Whether any of the trials wins each of some cells, (n,)."""
+    won, doubtful = np.zeros((2, len(rows)), dtype=bool)
+    left, most = np.arange(len(rows)), 0
+    while len(left):
+        sweep = sweep_of(trials, rows[left], trials.footing.free, most)
+        trials.run(sweep)
+        trials.footing.test(here, sweep.asked)
+        won[left], doubtful[left] = sweep.found == WON, sweep.found & DOUBTFUL
+        left, most = left[(sweep.found & PENDING) > 0], MOST
+    doubtful &= ~won
+    if doubtful.any():
+        won[doubtful] = trials.look_closely(rows[doubtful])
+    return won
 
 
-class FreeFacing:
-    """Whether an agent that turns to cells from a place collides with nothing, in steps of the chest's direction.
+def sweep_of(trials: Trials, rows: Indices, free: NDArray[np.int8], most: int = 0) -> Sweep:
+    """A sweep over some cells, of which nothing is known so far."""
+    found, asks = np.zeros(len(rows), dtype=np.uint8), np.full(len(rows), most, dtype=np.int8)
+    return Sweep(trials.cells.points, rows, found, asks, free, np.zeros(free.shape, dtype=bool), trials.footing.facing)
 
-    Args:
-        here: The agent's standpoint.
-        way: How it stands.
-        place_m: Where, metres in the world, (2,).
-        centers: Centres of all cells, metres, (cells, 3).
-        clear: Whether nothing is near, so that no test is needed.
+
+@compiled
+def judge_all(
+    points: Array,
+    rows: Indices,
+    found: Status,
+    asks: NDArray[np.int8],
+    free: NDArray[np.int8],
+    asked: Mask,
+    facing: Array,
+    lanes: Indices,
+    which: int,
+    work: Array,
+    able: int,
+    count: int,
+    trial: int,
+    base_x: float,
+    base_y: float,
+) -> None:
+    """Note what a trial finds out about some cells, if nothing is in the way.
+
+    The first seven are those of a ``Sweep``: compiled code passes arrays on for nothing, but not tuples of them.
+    ``lanes[which]`` tells which cells; ``able`` is the row of the workspace that tells of each whether the trial is
+    able: ``WON``, ``DOUBTFUL`` or ``LOST``; the base stands at ``base_x`` and ``base_y``, metres.
     """
+    for lane in range(count):
+        if work[able + lane] == LOST:
+            continue
+        place = lanes[which, lane]
+        step = step_of(facing, free.shape[1], points[rows[place], 0] - base_x, points[rows[place], 1] - base_y)
+        if free[trial, step] == BLOCKED:
+            continue
+        if work[able + lane] == DOUBTFUL:
+            found[place] |= DOUBTFUL
+        elif free[trial, step] == FREE:
+            found[place] = WON
+        else:
+            found[place] |= PENDING
+            if asks[place] > 0:
+                asked[trial, step] = True
+                asks[place] = asks[place] - 1 if asks[place] > 1 else USED_UP
 
-    def __init__(self, here: Standpoint, way: Facing, place_m: Array, centers: Array, *, clear: bool) -> None:
-        self._here, self._way, self._place, self._centers, self._clear = here, way, place_m, centers, clear
-        self._step_rad = here.settings.efforts.turn_step_rad
-        self._heading_rad = yaw_of(here.state.qpos[here.agent.base][3:])
-        self._known: dict[int, bool] = {}
 
-    def __call__(self, cells: Indices) -> Mask:
-        """Whether the agent may turn to each of some cells, (n,)."""
-        if self._clear:
-            return always_free(cells)
-        ahead = self._centers[cells, :2] - self._place
-        away = np.arctan2(ahead[:, 1], ahead[:, 0]) - self._heading_rad
-        around = round(2 * math.pi / self._step_rad)
-        steps = np.round(np.round(away / self._step_rad, 9)).astype(int) % around
-        found = {int(step): self._free(int(step)) for step in np.unique(steps)}
-        return np.array([found[step] for step in steps.tolist()], dtype=bool)
+@compiled
+def step_of(facing: Array, steps: int, x: float, y: float) -> int:
+    """The step of the chest nearest to a direction over the floor; 0 if there is only one."""
+    if steps == 1:
+        return 0
+    away = (np.arctan2(y, x) - facing[0]) / facing[1]
+    return int(np.rint(np.rint(away * 1e9) / 1e9)) % steps
 
-    def _free(self, step: int) -> bool:
-        if step not in self._known:
-            turn_rad = self._heading_rad + step * self._step_rad - self._way.chest_rad
-            agent, state = self._here.agent, self._way.state
-            offset = self._place - self._way.base_m
-            moved_there = moved(state, agent, (float(offset[0]), float(offset[1])), turn_rad)
-            self._known[step] = self._here.blocked(moved_there) is None
-        return self._known[step]
+
+@compiled
+def best_of(scores: Array, among: Indices, best: Indices) -> int:
+    """Lists those of some trials with the greatest scores, greatest first, at most ``FIRST``; how many these are."""
+    count = 0
+    for trial in among:
+        score = scores[trial]
+        if score == -np.inf or (count == FIRST and score <= scores[best[FIRST - 1]]):
+            continue
+        count = min(count + 1, FIRST)
+        place = count - 1
+        while place > 0 and scores[best[place - 1]] < score:
+            best[place] = best[place - 1]
+            place -= 1
+        best[place] = trial
+    return count
+
+
+@compiled
+def ball_around(points: Array, rows: Indices, start: int, end: int) -> Ball:
+    """A ball around some points."""
+    lx, ly, lz = points[rows[start], 0], points[rows[start], 1], points[rows[start], 2]
+    hx, hy, hz = lx, ly, lz
+    for place in range(start + 1, end):
+        x, y, z = points[rows[place], 0], points[rows[place], 1], points[rows[place], 2]
+        lx, ly, lz, hx, hy, hz = min(lx, x), min(ly, y), min(lz, z), max(hx, x), max(hy, y), max(hz, z)
+    radius = np.sqrt((hx - lx) ** 2 + (hy - ly) ** 2 + (hz - lz) ** 2) / 2
+    return (lx + hx) / 2, (ly + hy) / 2, (lz + hz) / 2, radius + 1e-9

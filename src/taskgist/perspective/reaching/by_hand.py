@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 
-from taskgist.perspective.acting.stances import Stances
+import numpy as np
+from numpy.typing import NDArray
+
 from taskgist.perspective.acting.standpoint import Standpoint
-from taskgist.perspective.judge import Miss, Outcome, untracked_parts
+from taskgist.perspective.judge import Outcome, Why, untracked_parts
 from taskgist.perspective.reaching.hold import Hold
 from taskgist.perspective.reaching.sector import Cloud, arms_of
 from taskgist.perspective.target import Target
 from taskgist.world import ArmIndices
 
+Array = NDArray[np.float64]
 PARTS: tuple[tuple[str, ...], ...] = ((), ("torso",), ("torso",), ("torso", "legs"), ("torso", "legs"))
 """Parts that must be tracked to judge each level."""
 
@@ -38,6 +40,16 @@ class ByHand:
         """The object's cells."""
         return Cloud.of(self.target.points)
 
+    @cached_property
+    def sectors(self) -> Array:
+        """Lengths and sectors of these arms for compiled functions, (a, 6)."""
+        return np.array([self.arm(index).sector for index in self.arms]).reshape(-1, 6)
+
+    @cached_property
+    def shoulders(self) -> NDArray[np.intp]:
+        """Which of the agent's frames their shoulders are, (a,)."""
+        return self._here.first_shoulder + np.array(self.arms, dtype=np.intp)
+
     def arm(self, index: int) -> ArmIndices:
         """An arm of the agent by its index."""
         return self._agent.arms[index]
@@ -48,10 +60,6 @@ class ByHand:
             return self._hold.unknown
         return untracked_parts(self._here.state, self._agent.name, PARTS[level])
 
-    def parts(self, stances: Stances) -> Sequence[Stances]:
-        """All at once: distances are quickly told."""
-        return (stances,)
-
-    def without_effort(self) -> Outcome | Miss:
+    def without_effort(self) -> Outcome | Why:
         """Level 0: held."""
         return self._hold.outcome()

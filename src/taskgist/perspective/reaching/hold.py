@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from taskgist.perspective.acting.standpoint import Standpoint
-from taskgist.perspective.judge import Miss, Outcome
+from taskgist.perspective.judge import Miss, Outcome, Why
 from taskgist.perspective.target import Target
 from taskgist.world import ArmIndices, hand_known, holding_of
 
@@ -47,10 +47,10 @@ class Hold:
                 return f"{agent.name}'s {arm.profile.side} hand not tracked, and it might hold the object"
         return None
 
-    def outcome(self) -> Outcome | Miss:
+    def outcome(self) -> Outcome | Why:
         """Held, or not."""
         if self.side is None:
-            return Miss(math.inf, "not held")
+            return lambda: Miss(math.inf, "not held")
         return Outcome(evidence=lambda: {"arm": self.side, "held": True})
 
     def _could_hold(self, arm: ArmIndices) -> bool:
@@ -60,6 +60,6 @@ class Hold:
 
     def _at_rest(self) -> bool:
         contact, target = self._here.settings.contact, self._target
-        self._here.consulted.add_balls(target.centers, target.radii_m + contact.container_m)
+        self._here.consulted.target.add_balls(target.centers, target.radii_m + contact.container_m)
         holding = holding_of(self._here.stage, target.name, contact)
         return holding is not None and bool(holding.support or holding.container)

@@ -8,6 +8,7 @@ whole arm.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -17,7 +18,7 @@ from taskgist.perspective.acting.stances import Stances
 from taskgist.perspective.acting.virtual_actions import stretch
 from taskgist.perspective.judge import NO_ARM, Among, Miss, Outcome
 from taskgist.perspective.reaching.by_hand import ByHand
-from taskgist.perspective.reaching.sector import DIGITS, NOWHERE, Cloud, reaching
+from taskgist.perspective.reaching.sector import DIGITS, NOWHERE, Cloud, beyond, first_in_reach, out_of_reach
 
 Array = NDArray[np.float64]
 
@@ -40,40 +41,48 @@ class ReachAmong:
     """
 
     def __init__(self, judge: ByHand, stances: Stances, cloud: Cloud) -> None:
-        self._judge, self._stances, self._points, placed = judge, stances, cloud.points, stances.placed
-        self._by_arm = {
-            arm: reaching(placed.shoulders[:, arm], placed.carriers[:, arm], judge.arm(arm), cloud)
-            for arm in judge.arms
-        }
-        self.hopeful: NDArray[np.bool_] = np.zeros(len(stances), dtype=np.bool_)
-        for reached in self._by_arm.values():
-            self.hopeful |= reached.nearest != NOWHERE
+        self._judge, self._stances, self._cloud = judge, stances, cloud
+        self._where = (stances.table, judge.shoulders, judge.sectors, cloud.points, cloud.middle, cloud.radius_m)
+        shape = (len(stances), len(judge.arms))
+        self._nearest, self._reach_m, self._gap_m = np.empty(shape, dtype=np.intp), np.empty(shape), np.empty(shape)
+
+    def next(self, start: int, stop: int) -> int:
+        """The first stance from which an arm reaches one of the points."""
+        if not len(self._cloud.points):
+            return stop
+        return first_in_reach(*self._where, start, stop, self._nearest, self._reach_m, self._gap_m)
 
     def beyond(self, margin_m: float) -> bool:
         """Whether all points are farther than this beyond every arm, from every stance."""
-        lengths_m = {arm: self._judge.arm(arm).profile.length_m + margin_m for arm in self._by_arm}
-        return all(bool((reached.gap_m > lengths_m[arm]).all()) for arm, reached in self._by_arm.items())
+        return beyond(*self._where, margin_m)
 
     def able(self, index: int) -> list[int]:
-        """The arms that reach some point from a stance, the nearer shoulder's first."""
-        able = [arm for arm, reached in self._by_arm.items() if reached.nearest[index] != NOWHERE]
-        return sorted(able, key=lambda arm: round(float(self._by_arm[arm].reach_m[index]), DIGITS))
+        """Which of the judge's arms reach some point from a stance, the nearer shoulder's first."""
+        columns = np.flatnonzero(self._nearest[index] != NOWHERE).tolist()
+        return sorted(columns, key=lambda column: round(float(self._reach_m[index, column]), DIGITS))
 
-    def outcomes(self, index: int) -> Iterator[Outcome | Miss]:
+    def outcomes(self, index: int) -> Iterator[Outcome]:
         """How those arms reach the object."""
-        return (self._stretched(arm, index) for arm in self.able(index))
+        return (self._stretched(column, index) for column in self.able(index))
 
-    def miss(self) -> Miss:
+    def miss(self) -> Miss | None:
         """Why the hopeless stances reach nothing: the arm that misses the object least."""
-        if not self._by_arm:
+        if not self._judge.arms:
             return NO_ARM
-        arm = min(self._by_arm, key=lambda arm: float(self._by_arm[arm].gap_m[~self.hopeful].min()))
-        shoulders = self._stances.placed.shoulders[:, arm]
-        return self._by_arm[arm].miss(shoulders, self._judge.arm(arm).profile, self._points, ~self.hopeful)
+        if not len(self._cloud.points):
+            return Miss(math.inf, "has no surface")
+        hopeless = np.flatnonzero((self._nearest == NOWHERE).all(axis=1))
+        if not len(hopeless):
+            return None
+        column = int(np.argmin(self._gap_m[hopeless].min(axis=0)))
+        index = int(hopeless[np.argmin(self._gap_m[hopeless, column])])
+        arm = self._judge.arms[column]
+        shoulder = self._stances.shoulder(index, arm)
+        return out_of_reach(self._judge.arm(arm).profile, shoulder.position, self._cloud.points)
 
-    def _stretched(self, arm: int, index: int) -> Outcome:
-        reached, side = self._by_arm[arm], self._judge.arm(arm).profile.side
-        point, distance_m = self._points[reached.nearest[index]], float(reached.reach_m[index])
+    def _stretched(self, column: int, index: int) -> Outcome:
+        side, distance_m = self._judge.arm(self._judge.arms[column]).profile.side, float(self._reach_m[index, column])
+        point = self._cloud.points[self._nearest[index, column]]
         return Outcome(
             actions=(stretch(side),),
             merit=round(distance_m, DIGITS),

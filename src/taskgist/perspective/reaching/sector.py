@@ -11,52 +11,37 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.perspective.acting.stances import Table
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.acting.virtual_actions import stretch
 from taskgist.perspective.judge import Miss
 from taskgist.world import Arm, ArmIndices
 from taskgist.world.geometry.compiled import compiled
+from taskgist.world.geometry.linkage import POSE, carry_pose
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 ROUNDING = 1e-9
 DIGITS = 6
 """Distances that agree to so many digits are equal, wherever the scene stands."""
 NOWHERE = -1
 
 
+def out_of_reach(arm: Arm, shoulder: Array, points: Array) -> Miss:
+    """Why an arm reaches none of some points, (k, 3), from a shoulder, (3,)."""
+    gap_m = float(np.linalg.norm(points - shoulder, axis=1).min())
+    if gap_m <= arm.length_m:
+        return Miss(0.0, f"outside the sector of the {arm.side} arm", lambda: {"arm": arm.side})
+    beyond_m = gap_m - arm.length_m
+    far = f"{beyond_m:.2f} m" if beyond_m >= 0.005 else f"{1000 * beyond_m:.1f} mm"
+    why = f"{gap_m:.2f} m from the {arm.side} shoulder, {far} beyond the arm"
+    return Miss(beyond_m, why, lambda: {"arm": arm.side, "beyond_m": beyond_m})
+
+
 def arms_of(here: Standpoint) -> tuple[int, ...]:
     """Indices of the agent's arms that may be stretched out."""
     arms = here.agent.arms
     return tuple(index for index, arm in enumerate(arms) if stretch(arm.profile.side) in here.actions)
-
-
-@dataclass(frozen=True, eq=False)
-class Reaching:
-    """What n shoulders of one arm reach of some points.
-
-    Attributes:
-        nearest: The nearest point that each reaches, −1 for none, (n,); of equally near ones the first.
-        reach_m: How far it is, infinite for none, (n,).
-        gap_m: How far the nearest point of all is from each, whether in the sector or not, (n,); where that is beyond
-            the arm, a lower bound.
-    """
-
-    nearest: NDArray[np.intp]
-    reach_m: Array
-    gap_m: Array
-
-    def miss(self, shoulders: Array, arm: Arm, points: Array, asked: NDArray[np.bool_]) -> Miss:
-        """Why no shoulder of those asked, (n,), reaches any of the points: the one that is nearest to one."""
-        if not len(points):
-            return Miss(math.inf, "has no surface")
-        index = int(np.argmin(np.where(asked, self.gap_m, np.inf)))
-        gap_m = float(np.linalg.norm(points - shoulders[index], axis=1).min())
-        if gap_m > arm.length_m:
-            beyond_m = gap_m - arm.length_m
-            far = f"{beyond_m:.2f} m" if beyond_m >= 0.005 else f"{1000 * beyond_m:.1f} mm"
-            why = f"{gap_m:.2f} m from the {arm.side} shoulder, {far} beyond the arm"
-            return Miss(beyond_m, why, lambda: {"arm": arm.side, "beyond_m": beyond_m})
-        return Miss(0.0, f"outside the sector of the {arm.side} arm", lambda: {"arm": arm.side})
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,131 +61,150 @@ class Cloud:
     @classmethod
     def of(cls, points: Array) -> Cloud:
         """The cloud of some points, (k, 3)."""
-        if not len(points):
-            return cls(points, np.zeros(3), 0.0)
-        middle = (points.min(axis=0) + points.max(axis=0)) / 2
-        offset = points - middle
-        return cls(points, middle, float(np.sqrt(np.einsum("ij,ij->i", offset, offset).max())))
+        return cls(points, *_ball(points))
 
 
-def reaching(shoulders: Array, carriers: Array, arm: ArmIndices, cloud: Cloud) -> Reaching:
-    """What shoulders reach.
+@compiled
+def _ball(points: Array) -> tuple[Array, float]:
+    """Middle of the box around some points, and how far the farthest is from it."""
+    low, high, squared = np.full(3, np.inf), np.full(3, -np.inf), 0.0
+    if not len(points):
+        return np.zeros(3), 0.0
+    for k in range(len(points)):
+        for axis in range(3):
+            low[axis], high[axis] = min(low[axis], points[k, axis]), max(high[axis], points[k, axis])
+    middle = (low + high) / 2
+    for k in range(len(points)):
+        x, y, z = points[k, 0] - middle[0], points[k, 1] - middle[1], points[k, 2] - middle[2]
+        squared = max(squared, x * x + y * y + z * z)
+    return middle, math.sqrt(squared)
 
-    Args:
-        shoulders: Their positions in metres, (n, 3).
-        carriers: Orientation of what carries them, (n, 3, 3).
-        arm: Length and sector.
-        cloud: The points.
-    """
-    sector = _sector(arm.profile)
-    return Reaching(*_reaching(shoulders, carriers, *sector, cloud.points, cloud.middle, cloud.radius_m))
 
-
-def grasps_in_reach(
-    shoulder: Array, carrier: Array, arm: ArmIndices, centers: Array, approaches: Array, facing: float
-) -> NDArray[np.intp]:
+def grasps_in_reach(shoulder: Array, arm: ArmIndices, centers: Array, approaches: Array, facing: float) -> Indices:
     """Indices of the grasps that one shoulder reaches, but for those from behind: nearest first, ties in their order.
 
     Args:
-        shoulder: Its position, metres, (3,).
-        carrier: Orientation of what carries it, (3, 3).
+        shoulder: Its position in metres and the orientation of what carries it, a row of 12.
         arm: Length and sector.
         centers: Where the grasps are, metres, (k, 3).
         approaches: Unit directions in which the palm comes, (k, 3).
         facing: Least cosine between the approach and the direction from the shoulder to the grasp.
     """
-    distances = _distances(shoulder, carrier, *_sector(arm.profile), centers, approaches, facing)
-    indices = np.flatnonzero(np.isfinite(distances))
-    return indices[np.argsort(np.round(distances[indices], DIGITS), kind="stable")]
-
-
-def _sector(arm: Arm) -> tuple[float, bool, tuple[float, float], tuple[float, float]]:
-    return arm.length_m, arm.side == "right", arm.azimuth_rad, arm.elevation_rad
+    return _nearest_first(shoulder, arm.sector, centers, approaches, facing)
 
 
 @compiled
-def _reaching(
-    shoulders: Array,
-    carriers: Array,
-    length_m: float,
-    mirrored: bool,
-    azimuth_rad: tuple[float, float],
-    elevation_rad: tuple[float, float],
+def first_in_reach(
+    table: Table,
+    shoulders: Indices,
+    sectors: Array,
     points: Array,
     middle: Array,
     radius_m: float,
-) -> tuple[NDArray[np.intp], Array, Array]:
-    count = len(shoulders)
-    nearest, reach, gap = np.full(count, NOWHERE), np.full(count, np.inf), np.full(count, np.inf)
-    for i in range(count):
-        if not len(points):
-            continue
-        gap[i] = max(distance_m(shoulders[i], middle) - radius_m, 0.0)
-        if gap[i] > length_m + ROUNDING:
-            continue
-        gap[i], least = np.inf, np.inf
-        for k in range(len(points)):
-            at_m = distance_m(shoulders[i], points[k])
-            gap[i] = min(gap[i], at_m)
-            rounded = round(at_m, DIGITS)
-            nearer = at_m <= length_m + ROUNDING and rounded < least
-            if nearer and _inside(shoulders[i], carriers[i], mirrored, azimuth_rad, elevation_rad, points[k]):
-                nearest[i], reach[i], least = k, at_m, rounded
-    return nearest, reach, gap
+    start: int,
+    stop: int,
+    nearest: Indices,
+    reach_m: Array,
+    gap_m: Array,
+) -> int:
+    """The first of some stances from which an arm reaches one of some points; ``stop`` if there is none.
+
+    Args:
+        table: The stances.
+        shoulders: Which frame each arm's shoulder is, (a,).
+        sectors: Of these arms, (a, 6).
+        points: Metres, (k, 3).
+        middle: Centre of a ball that holds the points, (3,).
+        radius_m: Its radius.
+        start: From which stance on,
+        stop: and before which.
+        nearest: Written for all stances looked at: the nearest point that each arm reaches, −1 for none, (n, a); of
+            equally near ones the first.
+        reach_m: Written: how far it is, (n, a).
+        gap_m: Written: how far the nearest point of all is, whether in the sector or not, (n, a); where that is beyond
+            the arm, a lower bound.
+    """
+    rows, base, pose = table.rows, table.base, np.empty(POSE)
+    for i in range(start, stop):
+        spot, able = table.spot[i], False
+        sine, cosine = table.turns[spot, 0], table.turns[spot, 1]
+        ahead, aside = base[0] + table.offsets_m[spot, 0], base[1] + table.offsets_m[spot, 1]
+        for arm in range(len(shoulders)):
+            row, length_m = rows[table.bend[i], shoulders[arm]], sectors[arm, 0]
+            x, y = row[0] - base[0], row[1] - base[1]
+            sx, sy, sz = ahead + cosine * x - sine * y, aside + sine * x + cosine * y, row[2]
+            x, y, z = middle[0] - sx, middle[1] - sy, middle[2] - sz
+            nearest[i, arm], gap_m[i, arm] = NOWHERE, max(math.sqrt(x * x + y * y + z * z) - radius_m, 0.0)
+            if gap_m[i, arm] > length_m + ROUNDING:
+                continue
+            carry_pose(row, base, table.offsets_m[spot], sine, cosine, pose)
+            least_m, gap = np.inf, np.inf
+            for k in range(len(points)):
+                x, y, z = points[k, 0] - sx, points[k, 1] - sy, points[k, 2] - sz
+                at_m = math.sqrt(x * x + y * y + z * z)
+                gap = min(gap, at_m)
+                if at_m > length_m + ROUNDING or round(at_m, DIGITS) >= least_m:
+                    continue
+                if _inside(pose, sectors[arm], x, y, z):
+                    nearest[i, arm], reach_m[i, arm], least_m = k, at_m, round(at_m, DIGITS)
+            gap_m[i, arm] = gap
+            able |= nearest[i, arm] != NOWHERE
+        if able:
+            return i
+    return stop
 
 
 @compiled
-def _distances(
-    shoulder: Array,
-    carrier: Array,
-    length_m: float,
-    mirrored: bool,
-    azimuth_rad: tuple[float, float],
-    elevation_rad: tuple[float, float],
-    centers: Array,
-    approaches: Array,
-    facing: float,
-) -> Array:
-    """Distance of each grasp from a shoulder that reaches it from the front, infinite where it does not, (k,)."""
-    distances = np.full(len(centers), np.inf)
-    for k in range(len(centers)):
-        at_m, center, approach = distance_m(shoulder, centers[k]), centers[k], approaches[k]
-        if at_m > length_m + ROUNDING:
-            continue
-        along = 0.0
-        for axis in range(3):
-            along += approach[axis] * (center[axis] - shoulder[axis])
-        if along >= facing * at_m - ROUNDING and _inside(
-            shoulder, carrier, mirrored, azimuth_rad, elevation_rad, center
-        ):
-            distances[k] = at_m
-    return distances
-
-
-@compiled
-def distance_m(a: Array, b: Array) -> float:
-    """Distance between two points (3,)."""
-    x, y, z = a[0] - b[0], a[1] - b[1], a[2] - b[2]
-    return math.sqrt(x * x + y * y + z * z)
-
-
-@compiled
-def _inside(
-    shoulder: Array,
-    carrier: Array,
-    mirrored: bool,
-    azimuth_rad: tuple[float, float],
-    elevation_rad: tuple[float, float],
-    point: Array,
+def beyond(
+    table: Table, shoulders: Indices, sectors: Array, points: Array, middle: Array, radius_m: float, margin_m: float
 ) -> bool:
-    """Whether a point lies in the direction of a sector."""
-    dx, dy, dz = point[0] - shoulder[0], point[1] - shoulder[1], point[2] - shoulder[2]
-    x = dx * carrier[0, 0] + dy * carrier[1, 0] + dz * carrier[2, 0]
-    y = dx * carrier[0, 1] + dy * carrier[1, 1] + dz * carrier[2, 1]
-    z = dx * carrier[0, 2] + dy * carrier[1, 2] + dz * carrier[2, 2]
-    azimuth = math.atan2(-y if mirrored else y, x)
+    """Whether all points are farther than a margin beyond every arm, from every stance; for what is given see above."""
+    rows, base = table.rows, table.base
+    for i in range(len(table.spot)):
+        spot = table.spot[i]
+        sine, cosine = table.turns[spot, 0], table.turns[spot, 1]
+        ahead, aside = base[0] + table.offsets_m[spot, 0], base[1] + table.offsets_m[spot, 1]
+        for arm in range(len(shoulders)):
+            row, far_m = rows[table.bend[i], shoulders[arm]], sectors[arm, 0] + margin_m
+            x, y = row[0] - base[0], row[1] - base[1]
+            sx, sy, sz = ahead + cosine * x - sine * y, aside + sine * x + cosine * y, row[2]
+            x, y, z = middle[0] - sx, middle[1] - sy, middle[2] - sz
+            ball_m = math.sqrt(x * x + y * y + z * z) - radius_m
+            if ball_m > far_m:
+                continue
+            if ball_m > sectors[arm, 0] + ROUNDING:
+                return False
+            for k in range(len(points)):
+                x, y, z = points[k, 0] - sx, points[k, 1] - sy, points[k, 2] - sz
+                if x * x + y * y + z * z <= far_m * far_m:
+                    return False
+    return True
+
+
+@compiled
+def _nearest_first(pose: Array, sector: Array, centers: Array, approaches: Array, facing: float) -> Indices:
+    found, distances, count = np.empty(len(centers), dtype=np.intp), np.empty(len(centers)), 0
+    for k in range(len(centers)):
+        x, y, z = centers[k, 0] - pose[0], centers[k, 1] - pose[1], centers[k, 2] - pose[2]
+        at_m = math.sqrt(x * x + y * y + z * z)
+        if at_m > sector[0] + ROUNDING:
+            continue
+        along = approaches[k, 0] * x + approaches[k, 1] * y + approaches[k, 2] * z
+        if along >= facing * at_m - ROUNDING and _inside(pose, sector, x, y, z):
+            found[count], distances[count] = k, np.rint(at_m * 10.0**DIGITS)
+            count += 1
+    return found[np.argsort(distances[:count], kind="mergesort")]
+
+
+@compiled
+def _inside(pose: Array, sector: Array, dx: float, dy: float, dz: float) -> bool:
+    """Whether a direction from a shoulder, whose carrier is turned as in a pose, is that of a sector."""
+    x = dx * pose[3] + dy * pose[6] + dz * pose[9]
+    y = dx * pose[4] + dy * pose[7] + dz * pose[10]
+    z = dx * pose[5] + dy * pose[8] + dz * pose[11]
+    azimuth = math.atan2(-y if sector[1] else y, x)
     elevation = math.atan2(z, math.hypot(x, y))
-    return (
-        azimuth_rad[0] - ROUNDING <= azimuth <= azimuth_rad[1] + ROUNDING
-        and elevation_rad[0] - ROUNDING <= elevation <= elevation_rad[1] + ROUNDING
+    return bool(
+        sector[2] - ROUNDING <= azimuth <= sector[3] + ROUNDING
+        and sector[4] - ROUNDING <= elevation <= sector[5] + ROUNDING
     )

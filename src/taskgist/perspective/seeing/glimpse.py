@@ -11,245 +11,146 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.seeing.image import pixel_rays, window
-from taskgist.perspective.target import Target
-from taskgist.world import Agent, Shapes, Stage
+from taskgist.perspective.acting.frames import EYE, Neck
+from taskgist.perspective.acting.stances import Table
+from taskgist.perspective.seeing.aim import aim
+from taskgist.perspective.seeing.from_eye import GRAZE_M, away_m, from_eye, in_shadow
+from taskgist.perspective.seeing.image import Lens, window
+from taskgist.perspective.target import Sought
+from taskgist.world import Shapes
+from taskgist.world.geometry.between import stand_between
 from taskgist.world.geometry.compiled import compiled
-from taskgist.world.geometry.raycast import BOX, INF, box, local, surface
-from taskgist.world.geometry.rays import stand_between
+from taskgist.world.geometry.linkage import POSE, carry_pose
+from taskgist.world.geometry.raycast import INF, NO_GEOM
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-GRAZE_M = 1e-9
-"""What hides a surface is nearer to the eye than the surface, by more than rounding."""
-
-
-def off_gaze(eyes: Array, gazes: Array, centers: Array, radii_m: Array | None = None) -> Array:
-    """Angles between gazes and the nearest of some balls, (n,): 0 or less for what is right ahead.
-
-    Args:
-        eyes: Positions, metres, (n, 3).
-        gazes: Unit directions, (n, 3).
-        centers: Centres of the balls, metres, (k, 3) or (3,).
-        radii_m: Their radii; points if left out.
-    """
-    middles = np.atleast_2d(centers)
-    return _off_gaze(eyes, gazes, middles, np.zeros(len(middles)) if radii_m is None else radii_m)
-
-
-def glimpsed(
-    stage: Stage, agent: Agent, target: Target, eyes: tuple[Array, Array], asked: NDArray[np.bool_]
-) -> NDArray[np.bool_]:
-    """Whether an object may be seen in the gaze cone.
-
-    Args:
-        stage: The scene; where the agent is in it does not matter.
-        agent: Whose eyes: field of view, image and gaze cone.
-        target: The object.
-        eyes: Positions, metres, (n, 3), and orientations, (n, 3, 3).
-        asked: From which of them, (n,); the others do not count.
-    """
-    lens = agent.profile.eye
-    counted = stage.seen.copy()
-    counted[agent.geoms] = False
-    counted[target.shapes] = False
-    return _glimpsed(
-        stage.shapes,
-        _near_lines(stage.shapes, counted, eyes[0], asked, target.centers, target.radii_m),
-        target.shapes,
-        target.centers,
-        target.radii_m,
-        target.corners,
-        *eyes,
-        asked,
-        pixel_rays(lens),
-        lens.fov_rad,
-        lens.image_px,
-        math.cos(lens.gaze_cone_rad),
-    )
+BESIDE, HIDDEN, GLIMPSED = 0, 1, 2
+"""What is known of a stance: the head cannot turn to the object; it can, but something hides it; neither."""
+MARGIN_RAD = 1e-6
+"""How much farther than its cone the gaze counts as hopeful."""
 
 
 @compiled
-def _near_lines(
-    shapes: Shapes, counted: NDArray[np.bool_], eyes: Array, asked: NDArray[np.bool_], centers: Array, radii_m: Array
-) -> Indices:
-    """Counted shapes that come near to the box that holds the eyes asked and some balls, (n,); planes do."""
-    low, high = np.full(3, INF), np.full(3, -INF)
-    for axis in range(3):
-        for k in range(len(centers)):
-            low[axis] = min(low[axis], centers[k, axis] - radii_m[k])
-            high[axis] = max(high[axis], centers[k, axis] + radii_m[k])
-        for i in range(len(eyes)):
-            if asked[i]:
-                low[axis], high[axis] = min(low[axis], eyes[i, axis]), max(high[axis], eyes[i, axis])
-    near, count = np.empty(len(counted), dtype=np.intp), 0
-    for shape in range(len(counted)):
-        if not counted[shape]:
+def first_glimpse(
+    table: Table,
+    neck: Neck,
+    shapes: Shapes,
+    others: Indices,
+    sought: Sought,
+    lens: Lens,
+    start: int,
+    stop: int,
+    angles: Array,
+    off_rad: Array,
+    found: NDArray[np.uint8],
+    eyes: Array,
+) -> int:
+    """The first of some stances from which the aimed head may see an object in its gaze cone; ``stop`` if none.
+
+    Args:
+        table: The stances.
+        neck: The head's joints that may be used.
+        shapes: All shapes; where the agent's are does not matter.
+        others: Indices of those that may hide something: neither the agent's nor the object's.
+        sought: The object.
+        lens: Of the agent's eye.
+        start: From which stance on,
+        stop: and before which.
+        angles: Written for all stances looked at: angles of the aimed head, radians, (n, h).
+        off_rad: Written: the angle between the gaze and the object's middle, (n,).
+        found: Written: ``BESIDE``, ``HIDDEN`` or ``GLIMPSED``, (n,).
+        eyes: Lowest and highest corner of a box that is made to hold all eyes that look at the object, (2, 3).
+    """
+    frames, eye, middle = np.empty((EYE + 1 + table.joints, POSE)), np.empty(POSE), sought.middle
+    hider = np.full(1, NO_GEOM, dtype=np.intp)
+    for i in range(start, stop):
+        spot, rows = table.spot[i], table.rows[table.bend[i]]
+        for frame in range(len(frames)):
+            turn = table.turns[spot]
+            carry_pose(rows[frame], table.base, table.offsets_m[spot], turn[0], turn[1], frames[frame])
+        aim(frames, neck, middle, angles[i], eye)
+        off_rad[i] = off_gaze(eye, middle, 0.0)
+        if _nearest_rad(eye, sought) > lens.cone_rad + MARGIN_RAD:
+            found[i] = BESIDE
             continue
-        squared = 0.0
         for axis in range(3):
-            at = shapes.positions[shape, axis]
-            outside = max(low[axis] - at, at - high[axis], 0.0)
-            squared += outside * outside
-        if squared <= shapes.radii[shape] ** 2:
-            near[count] = shape
-            count += 1
-    return near[:count]
+            eyes[0, axis], eyes[1, axis] = min(eyes[0, axis], eye[axis]), max(eyes[1, axis], eye[axis])
+        found[i] = HIDDEN
+        if hider[0] != NO_GEOM and in_shadow(from_eye(shapes, hider, eye, False), sought.corners, eye) != NO_GEOM:
+            continue  # what hides it from one eye mostly hides it from the next as well
+        glimpsed, hider[0] = _glimpsed(shapes, others, sought, lens, eye)
+        if glimpsed:
+            found[i] = GLIMPSED
+            return i
+    return stop
 
 
 @compiled
-def _off_gaze(eyes: Array, gazes: Array, centers: Array, radii_m: Array) -> Array:
-    least = np.full(len(eyes), math.pi)
-    for i in range(len(eyes)):
-        for k in range(len(centers)):
-            x, y, z = centers[k, 0] - eyes[i, 0], centers[k, 1] - eyes[i, 1], centers[k, 2] - eyes[i, 2]
-            gx, gy, gz = gazes[i, 0], gazes[i, 1], gazes[i, 2]
-            distance = math.sqrt(x * x + y * y + z * z)
-            if distance <= radii_m[k]:
-                least[i] = 0.0
-                continue
-            ahead = x * gx + y * gy + z * gz
-            aside = math.sqrt((y * gz - z * gy) ** 2 + (z * gx - x * gz) ** 2 + (x * gy - y * gx) ** 2)
-            least[i] = min(least[i], math.atan2(aside, ahead) - math.asin(radii_m[k] / distance))
+def next_glimpse(shapes: Shapes, others: Indices, sought: Sought, lens: Lens, eyes: Array, start: int) -> int:
+    """The first of some eyes, poses (n, 12), from ``start`` on, that glimpses the object; n if none does."""
+    for i in range(start, len(eyes)):
+        if _glimpsed(shapes, others, sought, lens, eyes[i])[0]:
+            return i
+    return len(eyes)
+
+
+@compiled
+def _glimpsed(shapes: Shapes, others: Indices, sought: Sought, lens: Lens, eye: Array) -> tuple[bool, int]:
+    """Whether an eye, pose (12,), may see an object in its gaze cone; if not, a shape that alone hides it, or −1."""
+    between = stand_between(shapes, others, -1, eye[:3], sought.centers, sought.radii_m)
+    hiders = from_eye(shapes, between, eye, False)
+    hider = in_shadow(hiders, sought.corners, eye)
+    if hider != NO_GEOM:
+        return False, hider
+    return _shows(from_eye(shapes, sought.shapes, eye, True), hiders, sought, lens, eye), NO_GEOM
+
+
+@compiled
+def off_gaze(eye: Array, center: Array, radius_m: float) -> float:
+    """Angle between the gaze of an eye, pose (12,), and a ball about a point (3,): 0 or less for what is ahead."""
+    x, y, z = center[0] - eye[0], center[1] - eye[1], center[2] - eye[2]
+    gx, gy, gz = eye[3], eye[6], eye[9]
+    distance = math.sqrt(x * x + y * y + z * z)
+    if distance <= radius_m:
+        return 0.0
+    ahead = x * gx + y * gy + z * gz
+    aside = math.sqrt((y * gz - z * gy) ** 2 + (z * gx - x * gz) ** 2 + (x * gy - y * gx) ** 2)
+    return math.atan2(aside, ahead) - math.asin(radius_m / distance)
+
+
+@compiled
+def _nearest_rad(eye: Array, sought: Sought) -> float:
+    """Angle between the gaze and the nearest of an object's balls."""
+    least, centers = math.pi, sought.centers
+    for k in range(len(centers)):
+        least = min(least, off_gaze(eye, centers[k], sought.radii_m[k]))
     return least
 
 
 @compiled
-def _glimpsed(
-    shapes: Shapes,
-    near: Indices,
-    wanted: Indices,
-    centers: Array,
-    radii_m: Array,
-    corners: Array,
-    eyes: Array,
-    turned: Array,
-    asked: NDArray[np.bool_],
-    rays: Array,
-    fov_rad: tuple[float, float],
-    image_px: tuple[int, int],
-    least_cosine: float,
-) -> NDArray[np.bool_]:
-    found = np.zeros(len(eyes), dtype=np.bool_)
-    in_eye = np.empty_like(centers)
-    for i in range(len(eyes)):
-        if not asked[i]:
-            continue
-        frame = turned[i].copy().reshape(9)
-        others = _rows(shapes, stand_between(shapes, near, -1, eyes[i], centers, radii_m), eyes[i], False)
-        if _in_shadow(others, corners, eyes[i]):
-            continue
-        for k in range(len(centers)):
-            in_eye[k, 0], in_eye[k, 1], in_eye[k, 2] = local(frame, centers[k] - eyes[i])
-        rows, columns = window(fov_rad, image_px, in_eye, radii_m)
-        found[i] = _shows(_rows(shapes, wanted, eyes[i], True), others, frame, rays, rows, columns, least_cosine)
-    return found
-
-
-HERE = -1.0
-"""Type of what stands for a mesh around the eye."""
-KIND, SIZE, START, MATRIX, COLUMNS = 0, 1, 4, 7, 16
-"""Columns of a table of shapes seen from one eye: type; half sizes; the eye in the shape's frame; rotation, row by row.
-One array, as compiled functions pass it on for nothing."""
-
-
-@compiled
-def _rows(shapes: Shapes, which: Indices, eye: Array, boxed: bool) -> Array:
-    """Shapes seen from an eye, (k, COLUMNS); what has no formula counts as its box, or not at all."""
-    rows, count = np.empty((len(which), COLUMNS)), 0
-    for shape in which:
-        if shapes.formless[shape] and not boxed:
-            continue
-        matrix, bounds = shapes.matrices[shape], shapes.bounds[shape]
-        start = local(matrix, eye - shapes.positions[shape])
-        for axis in range(3):
-            rows[count, SIZE + axis] = bounds[3 + axis] if shapes.formless[shape] else shapes.sizes[shape, axis]
-            rows[count, START + axis] = start[axis] - (bounds[axis] if shapes.formless[shape] else 0.0)
-        rows[count, KIND] = BOX if shapes.formless[shape] else shapes.kinds[shape]
-        if shapes.formless[shape] and _inside(rows, count):
-            rows[count, KIND] = HERE
-        rows[count, MATRIX:] = matrix
-        count += 1
-    return rows[:count]
-
-
-@compiled
-def _inside(rows: Array, k: int) -> bool:
-    """Whether the eye is inside of a shape's box."""
-    x, y, z = abs(rows[k, START]), abs(rows[k, START + 1]), abs(rows[k, START + 2])
-    return bool(x <= rows[k, SIZE] and y <= rows[k, SIZE + 1] and z <= rows[k, SIZE + 2])
-
-
-@compiled
-def _in_shadow(others: Array, corners: Array, eye: Array) -> bool:
-    """Whether one box alone hides all that lies between some corners.
-
-    The shadow that a convex thing throws from an eye outside of it is convex, too.
-    """
-    for k in range(len(others)):
-        x, y, z = others[k, START], others[k, START + 1], others[k, START + 2]
-        sx, sy, sz = others[k, SIZE] - GRAZE_M, others[k, SIZE + 1] - GRAZE_M, others[k, SIZE + 2] - GRAZE_M
-        hides = others[k, KIND] == BOX and (abs(x) > sx or abs(y) > sy or abs(z) > sz)
-        for c in range(len(corners)):
-            if not hides:
-                break
-            dx, dy, dz = _turned(others, k, corners[c, 0] - eye[0], corners[c, 1] - eye[1], corners[c, 2] - eye[2])
-            hides = box(sx, sy, sz, x, y, z, dx, dy, dz) <= 1.0
-        if hides:
-            return True
-    return False
-
-
-@compiled
-def _shows(
-    wanted: Array,
-    others: Array,
-    frame: Array,
-    rays: Array,
-    rows: tuple[int, int],
-    columns: tuple[int, int],
-    least_cosine: float,
-) -> bool:
+def _shows(wanted: Array, others: Array, sought: Sought, lens: Lens, eye: Array) -> bool:
     """Whether the ray of some pixel meets a wanted shape, and none of the others before."""
-    hider = 0
-    for row in range(rows[0], rows[1]):
-        for column in range(columns[0], columns[1]):
+    hider, rays, frame = 0, lens.rays, eye[3:]
+    first_row, last_row, first_column, last_column = window(lens, eye, sought.centers, sought.radii_m)
+    for row in range(first_row, last_row):
+        for column in range(first_column, last_column):
             x, y, z = rays[row, column, 0], rays[row, column, 1], rays[row, column, 2]
-            if x < least_cosine:
+            if x < lens.cone_cos:
                 continue
             dx = frame[0] * x + frame[1] * y + frame[2] * z
             dy = frame[3] * x + frame[4] * y + frame[5] * z
             dz = frame[6] * x + frame[7] * y + frame[8] * z
             nearest = INF
             for k in range(len(wanted)):
-                nearest = min(nearest, _distance_m(wanted, k, dx, dy, dz))
+                nearest = min(nearest, away_m(wanted, k, dx, dy, dz))
             if nearest == INF:
                 continue
-            if hider < len(others) and _distance_m(others, hider, dx, dy, dz) < nearest - GRAZE_M:
+            if hider < len(others) and away_m(others, hider, dx, dy, dz) < nearest - GRAZE_M:
                 continue  # what hid one pixel mostly hides the next as well
             hider = 0
-            while hider < len(others) and _distance_m(others, hider, dx, dy, dz) >= nearest - GRAZE_M:
+            while hider < len(others) and away_m(others, hider, dx, dy, dz) >= nearest - GRAZE_M:
                 hider += 1
             if hider == len(others):
                 return True
     return False
-
-
-@compiled
-def _turned(rows: Array, k: int, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """A direction of the world in the frame of a shape."""
-    return (
-        x * rows[k, MATRIX] + y * rows[k, MATRIX + 3] + z * rows[k, MATRIX + 6],
-        x * rows[k, MATRIX + 1] + y * rows[k, MATRIX + 4] + z * rows[k, MATRIX + 7],
-        x * rows[k, MATRIX + 2] + y * rows[k, MATRIX + 5] + z * rows[k, MATRIX + 8],
-    )
-
-
-@compiled
-def _distance_m(rows: Array, k: int, x: float, y: float, z: float) -> float:
-    """How far along a direction from the eye a shape is."""
-    if rows[k, KIND] == HERE:
-        return 0.0
-    dx, dy, dz = _turned(rows, k, x, y, z)
-    px, py, pz = rows[k, START], rows[k, START + 1], rows[k, START + 2]
-    return surface(int(rows[k, KIND]), rows[k, SIZE], rows[k, SIZE + 1], rows[k, SIZE + 2], px, py, pz, dx, dy, dz)

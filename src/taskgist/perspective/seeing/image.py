@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,67 +79,84 @@ def pixel_rays(eye: Eye) -> Array:
     return rays
 
 
-def rays_towards(eye: Eye, centers_in_eye: Array, radii_m: Array, cone_rad: float = math.inf) -> Array:
-    """Rays through all the pixels that might show what lies in some spheres.
+class Lens(NamedTuple):
+    """An eye as compiled functions take it.
 
-    Args:
-        eye: Field of view and size of the image.
-        centers_in_eye: Centres of the spheres in the eye's frame, metres, (n, 3).
-        radii_m: Their radii, (n,).
-        cone_rad: Half-angle of a cone about the gaze; no pixel outside of it.
-
-    Returns:
-        Unit directions in the eye's frame, (k, 3), row by row.
+    Attributes:
+        rays: Unit directions through the pixels' centres in the eye's frame, (height, width, 3).
+        fov_rad: Field of view, across and up.
+        image_px: Width and height of the image.
+        cone_rad: Half-angle of the gaze cone.
+        cone_cos: Its cosine.
     """
-    rows, columns = window(eye.fov_rad, eye.image_px, centers_in_eye, radii_m)
-    least = math.cos(cone_rad) if cone_rad < math.pi else -1.0
-    return _within(pixel_rays(eye), rows, columns, least)
+
+    rays: Array
+    fov_rad: tuple[float, float]
+    image_px: tuple[int, int]
+    cone_rad: float
+    cone_cos: float
+
+
+@lru_cache(maxsize=32)
+def lens_of(eye: Eye) -> Lens:
+    """The lens of a profile's eye."""
+    cone_rad = eye.gaze_cone_rad
+    return Lens(pixel_rays(eye), eye.fov_rad, eye.image_px, cone_rad, math.cos(cone_rad))
 
 
 @compiled
-def _within(rays: Array, rows: tuple[int, int], columns: tuple[int, int], least_cosine: float) -> Array:
-    """The rays of a window that are near enough to the gaze, (k, 3)."""
-    found = np.empty(((rows[1] - rows[0]) * (columns[1] - columns[0]), 3))
-    count = 0
-    for row in range(rows[0], rows[1]):
-        for column in range(columns[0], columns[1]):
-            if rays[row, column, 0] >= least_cosine:
-                found[count] = rays[row, column]
-                count += 1
-    return found[:count]
-
-
-@compiled
-def window(
-    fov_rad: tuple[float, float], image_px: tuple[int, int], centers_in_eye: Array, radii_m: Array
-) -> tuple[tuple[int, int], tuple[int, int]]:
-    """The part of an image that holds everything inside some spheres: first and last-but-one of rows and columns.
+def window(lens: Lens, eye: Array, centers: Array, radii_m: Array) -> tuple[int, int, int, int]:
+    """The part of an image that holds everything inside some spheres.
 
     Seen from above (or from the side), the tangents from the eye to a sphere enclose its bounding cone, so the pixels
     of the cone lie between the two columns (rows) that the tangents meet.
+
+    Args:
+        lens: Field of view and size of the image.
+        eye: Pose, (12,).
+        centers: Centres of the spheres, metres, (n, 3).
+        radii_m: Their radii, (n,).
+
+    Returns:
+        First row, and the first one after the last; first column, and the first one after the last.
     """
-    columns = _span(centers_in_eye[:, 0], centers_in_eye[:, 1], radii_m, fov_rad[0], image_px[0])
-    rows = _span(centers_in_eye[:, 0], centers_in_eye[:, 2], radii_m, fov_rad[1], image_px[1])
-    return rows, columns
+    across, up = lens.fov_rad[0] / 2, lens.fov_rad[1] / 2
+    left, right, top, bottom = -across, across, -up, up  # angles; they grow towards pixel 0
+    for k in range(len(radii_m)):
+        dx, dy, dz = centers[k, 0] - eye[0], centers[k, 1] - eye[1], centers[k, 2] - eye[2]
+        x = dx * eye[3] + dy * eye[6] + dz * eye[9]
+        y = dx * eye[4] + dy * eye[7] + dz * eye[10]
+        z = dx * eye[5] + dy * eye[8] + dz * eye[11]
+        right, left = _widened(right, left, x, y, radii_m[k], across)
+        bottom, top = _widened(bottom, top, x, z, radii_m[k], up)
+    first_column, last_column = _span(right, left, across, lens.image_px[0])
+    first_row, last_row = _span(bottom, top, up, lens.image_px[1])
+    return first_row, last_row, first_column, last_column
 
 
 @compiled
-def _span(ahead: Array, aside: Array, radii_m: Array, fov_rad: float, pixels: int) -> tuple[int, int]:
-    """Pixels between the outermost tangents, the last not included; ``aside`` grows towards pixel 0."""
-    lowest, highest = fov_rad / 2, -fov_rad / 2
-    for x, y, radius in zip(ahead, aside, radii_m):  # noqa: B905 - numba knows no strict
-        middle, distance = math.atan2(y, x), math.hypot(x, y)
-        half = math.asin(radius / distance) if radius < distance else 2 * math.pi  # the eye is inside: all round
-        if middle + half > -fov_rad / 2 and middle - half < fov_rad / 2:
-            lowest, highest = min(lowest, middle - half), max(highest, middle + half)
-    if lowest > highest:
+def _widened(
+    low: float, high: float, ahead: float, aside: float, radius_m: float, half_rad: float
+) -> tuple[float, float]:
+    """Lowest and highest angle, with those of the tangents to a sphere that lies in the field of view."""
+    middle, distance = math.atan2(aside, ahead), math.hypot(ahead, aside)
+    half = math.asin(radius_m / distance) if radius_m < distance else 2 * math.pi  # the eye is inside: all round
+    if middle + half > -half_rad and middle - half < half_rad:
+        return min(low, middle - half), max(high, middle + half)
+    return low, high
+
+
+@compiled
+def _span(low: float, high: float, half_rad: float, pixels: int) -> tuple[int, int]:
+    """Pixels between two angles, the last not included."""
+    if low > high:
         return 0, 0
-    first = _pixel(min(highest, fov_rad / 2), fov_rad, pixels)
-    last = _pixel(max(lowest, -fov_rad / 2), fov_rad, pixels)
+    first = _pixel(min(high, half_rad), half_rad, pixels)
+    last = _pixel(max(low, -half_rad), half_rad, pixels)
     return max(0, math.ceil(first - EDGE_PX)), min(pixels, math.floor(last + EDGE_PX) + 1)
 
 
 @compiled
-def _pixel(angle_rad: float, fov_rad: float, pixels: int) -> float:
+def _pixel(angle_rad: float, half_rad: float, pixels: int) -> float:
     """Where a direction meets the row of pixel centres."""
-    return (1 - math.tan(angle_rad) / math.tan(fov_rad / 2)) * pixels / 2 - 0.5
+    return (1 - math.tan(angle_rad) / math.tan(half_rad)) * pixels / 2 - 0.5

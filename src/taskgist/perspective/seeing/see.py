@@ -8,7 +8,8 @@ turn far enough, or does not even glimpse the object, are passed over without sh
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +17,12 @@ from numpy.typing import NDArray
 from taskgist.perspective.acting.stances import Stances
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.acting.virtual_actions import STILL_RAD
-from taskgist.perspective.judge import Miss, Outcome, untracked_parts
-from taskgist.perspective.seeing.aim import Aims, aimed, on_the_way
-from taskgist.perspective.seeing.glimpse import glimpsed, off_gaze
-from taskgist.perspective.seeing.visibility import Sight, look, measure
+from taskgist.perspective.judge import Miss, Outcome, Why, untracked_parts
+from taskgist.perspective.seeing.aim import turned_heads
+from taskgist.perspective.seeing.glimpse import BESIDE, HIDDEN, first_glimpse, next_glimpse, off_gaze
+from taskgist.perspective.seeing.image import lens_of
+from taskgist.perspective.seeing.sight import Sight, look, sight_now
+from taskgist.perspective.seeing.visibility import measured
 from taskgist.perspective.target import Target
 from taskgist.world import State
 
@@ -32,8 +35,6 @@ PARTS: tuple[tuple[str, ...], ...] = (
     ("head", "torso", "legs"),
 )
 """Parts that must be tracked to judge each level."""
-MARGIN_RAD = 1e-6
-"""How much farther than its cone the gaze counts as hopeful."""
 
 
 class See:
@@ -48,34 +49,31 @@ class See:
         self._here, self.target = here, target
         self._stage, self._agent = here.stage, here.agent
         self._cone_rad = here.agent.profile.eye.gaze_cone_rad
+        self.lens = lens_of(here.agent.profile.eye)
 
     def unknown(self, level: int) -> str | None:
         """The eye is where the head is; torso and legs matter from their levels on."""
         return untracked_parts(self._here.state, self._agent.name, PARTS[level])
 
-    def without_effort(self) -> Outcome | Miss:
+    def without_effort(self) -> Outcome | Why:
         """Level 0: in the gaze cone of the current state."""
+        sight = sight_now(self._here, self.target)
+        self._here.consulted.target.add_balls(self.target.centers, self.target.radii_m)
+        self._here.consulted.eyes.add_points(sight.eye[None, :3])
         state = self._here.state
-        self.consult(self._stage.show(state).eye(self._agent).position[None])
-        sight = look(self._stage, self._agent, self.target)
-        in_cone = sight.rays_in_eye[:, 0] >= math.cos(self._cone_rad)
-        if (sight.visible & in_cone).any():
+        if (sight.visible & (sight.rays_in_eye[:, 0] >= self.lens.cone_cos)).any():
             return self.outcome(state, {}, {}, sight)
-        return self._miss_now(state, sight)
-
-    def parts(self, stances: Stances) -> Sequence[Stances]:
-        """Few at first: a glimpse takes its time, and mostly succeeds early."""
-        return stances.parts
+        return partial(self._miss_now, state, sight)
 
     def among(self, stances: Stances) -> SeeAmong:
         """Where the head can turn to the object, and nothing hides all of it."""
         return SeeAmong(self, self._here, stances)
 
-    def consult(self, eyes: Array) -> None:
-        """Note that something was looked for between eyes, (n, 3), and the object."""
-        region = self._here.consulted
-        region.add_points(eyes)
-        region.add_balls(self.target.centers, self.target.radii_m)
+    @cached_property
+    def others(self) -> NDArray[np.intp]:
+        """Shapes that may hide the object from stances, wherever the agent's own are then, (n,)."""
+        others = self.target.others
+        return others[~self._here.is_own[others]]
 
     def gaze(self, state: State) -> Sight:
         """What is seen of the object in the gaze cone of a state."""
@@ -88,8 +86,14 @@ class See:
             tuple(action for action, turn in turned.items() if turn > STILL_RAD),
             head_rad=sum(turned.values()),
             merit=-float(sight.visible.sum()),
-            evidence=lambda: measure(self._stage.show(state), self._agent, self.target).evidence,
+            evidence=partial(self._evidence, state),
         )
+
+    def _evidence(self, state: State) -> dict[str, object]:
+        here, target = self._here, self.target
+        now = state is here.state
+        sight = sight_now(here, target) if now else look(self._stage.show(state), self._agent, target)
+        return measured(self._stage, self._agent, target, sight).evidence
 
     def miss(self, state: State, sight: Sight) -> Miss:
         """Why the object is not seen in a state, when looked at."""
@@ -137,63 +141,78 @@ class See:
         return bool(x > 0 and abs(y) <= x * math.tan(across / 2) and abs(z) <= x * math.tan(up / 2))
 
     def _off_rad(self, state: State) -> float:
-        eye = self._stage.show(state).eye(self._agent)
-        return float(off_gaze(eye.position[None], eye.matrix[None, :, 0], self.target.middle)[0])
+        eye = self._stage.show(state).eye_row(self._agent)
+        return off_gaze(eye, self.target.middle, 0.0)
 
 
 class SeeAmong:
-    """The head aimed at the object from n stances."""
+    """The head aimed at the object from n stances.
+
+    Args:
+        see: Whose eye, and at what.
+        here: From where.
+        stances: The stances.
+    """
 
     def __init__(self, see: See, here: Standpoint, stances: Stances) -> None:
         self._see, self._here, self._stances = see, here, stances
-        target = see.target
-        self._aims: Aims = aimed(stances.placed, stances.frames, target.middle, here.actions)
-        self._off_rad = off_gaze(self._aims.eyes, self._aims.gazes, target.middle)
-        cone_rad = here.agent.profile.eye.gaze_cone_rad + MARGIN_RAD
-        self._in_cone = off_gaze(self._aims.eyes, self._aims.gazes, target.centers, target.radii_m) <= cone_rad
-        see.consult(self._aims.eyes[self._in_cone])
-        self.hopeful = glimpsed(here.stage, here.agent, target, (self._aims.eyes, self._aims.turned), self._in_cone)
+        self._head = stances.bent.frames.usable(here.actions)
+        count = len(stances)
+        self._angles, self._off_rad = np.empty((count, len(self._head.joints))), np.empty(count)
+        self._found = np.empty(count, dtype=np.uint8)
+        self._sought = (here.stage.shapes, see.others, see.target.sought, see.lens)
 
-    def outcomes(self, index: int) -> Iterator[Outcome | Miss]:
+    def next(self, start: int, stop: int) -> int:
+        """The first stance from which the aimed head glimpses the object."""
+        known = (self._angles, self._off_rad, self._found, self._here.consulted.eyes.bounds)
+        return first_glimpse(self._stances.table, self._head.neck, *self._sought, start, stop, *known)
+
+    def outcomes(self, index: int) -> Iterator[Outcome | Why]:
         """The least turn of the head on the way that sees the object comes first."""
-        start, steps = self._stances[index].state, self._on_the_way(index)
-        last = len(steps.eyes) - 1
-        aimed_at = start.replace(steps.changes(last))
+        start, angles = self._stances[index].state, self._on_the_way(index)
+        aimed_at = start.replace(self._head.changes(angles[-1]))
         sight = self._see.gaze(aimed_at)
         if not sight.visible.any():
-            yield self._see.miss(aimed_at, sight)
+            yield partial(self._see.miss, aimed_at, sight)
             return
-        for step in np.flatnonzero(self._glimpsed(steps)).tolist():
-            angles = steps.changes(step) if step else {}
-            state = start.replace(angles)
+        for step in self._glimpsed(index, angles):
+            changes = self._head.changes(angles[step]) if step else {}
+            state = start.replace(changes)
             sight = self._see.gaze(state)
             if sight.visible.any():
-                yield self._see.outcome(state, angles, self._turned(angles), sight)
+                yield self._see.outcome(state, changes, self._turned(changes), sight)
 
-    def _on_the_way(self, index: int) -> Aims:
-        stances, steps = self._stances, self._here.settings.efforts.head_steps
-        way = on_the_way(stances.placed, stances.frames, self._aims, index, steps, self._here.actions)
-        self._see.consult(way.eyes)
-        return way
+    def _on_the_way(self, index: int) -> Array:
+        """Angles of the head at equal steps from where it is to where it is aimed, both included, (k, h)."""
+        steps, now, aimed = self._here.settings.efforts.head_steps, self._head.neck.now, self._angles[index]
+        angles = now + (aimed - now) * (np.arange(steps + 1) / steps)[:, None]
+        angles[-1] = aimed
+        return np.asarray(angles)
 
-    def _glimpsed(self, aims: Aims) -> NDArray[np.bool_]:
-        here, everywhere = self._here, np.ones(len(aims.eyes), dtype=np.bool_)
-        return glimpsed(here.stage, here.agent, self._see.target, (aims.eyes, aims.turned), everywhere)
+    def _glimpsed(self, index: int, angles: Array) -> Iterator[int]:
+        """Those of some angles of the head, from a stance, with which it glimpses the object."""
+        eyes = turned_heads(self._stances.frames(index), self._head.neck, angles)
+        self._here.consulted.eyes.add_points(eyes[:, :3])
+        step = next_glimpse(*self._sought, eyes, 0)
+        while step < len(eyes):
+            yield step
+            step = next_glimpse(*self._sought, eyes, step + 1)
 
-    def miss(self) -> Miss:
-        """Why the hopeless stances do not see it."""
-        hidden = np.where(self._in_cone & ~self.hopeful, self._off_rad, np.inf)
-        nearest = int(np.argmin(hidden))
-        if np.isinf(hidden[nearest]):
-            return beside_gaze(float(np.where(self.hopeful, np.inf, self._off_rad).min()))
-        state = self._stances[nearest].state.replace(self._aims.changes(nearest))
-        return self._see.miss(state, self._see.gaze(state))
+    def miss(self) -> Miss | None:
+        """Why the other stances do not see it."""
+        hidden, beside = self._found == HIDDEN, self._found == BESIDE
+        if hidden.any():
+            nearest = int(np.argmin(np.where(hidden, self._off_rad, np.inf)))
+            state = self._stances[nearest].state.replace(self._head.changes(self._angles[nearest]))
+            return self._see.miss(state, self._see.gaze(state))
+        return beside_gaze(float(self._off_rad[beside].min())) if beside.any() else None
 
-    def _turned(self, angles: dict[int, float]) -> dict[str, float]:
+    def _turned(self, changes: dict[int, float]) -> dict[str, float]:
+        """How far each action turns the head, radians."""
         return {
-            joint.action: abs(angles[joint.index] - joint.now_rad)
-            for joint in self._stances.frames.head
-            if joint.index in angles
+            joint.action: abs(changes[joint.index] - joint.now_rad)
+            for joint in self._head.joints
+            if joint.index in changes
         }
 
 

@@ -1,25 +1,18 @@
-"""Visibility: how much of an object an agent sees from its current state, and what stands in the way (5.1.1).
-
-Only the pixels in which the object alone would be seen are worth a ray into the whole scene, and only those of its
-bounding window are worth a ray at the object alone. The counts are those of the whole image.
-"""
+"""Visibility: how much of an object an agent sees from its current state, and what stands in the way (5.1.1)."""
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.seeing.glimpse import off_gaze
-from taskgist.perspective.seeing.image import rays_towards
+from taskgist.perspective.seeing.sight import Sight, look, sight_now
 from taskgist.perspective.target import Target
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Agent, Stage
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -98,14 +91,23 @@ def visibility(
     stage.scene.object_body(name)
     if not stage.state.known([name, f"{agent}/head"]):
         return None
-    return measure(stage, body, Target(stage, name, settings))
+    target = Target(stage, name, settings)
+    return measured(stage, body, target, look(stage, body, target))
 
 
-def measure(stage: Stage, agent: Agent, target: Target) -> Visibility:
-    """As ``visibility``, taking all for tracked."""
-    sight = look(stage, agent, target)
-    owners, eye = stage.scene.owners, stage.eye(agent)
-    others = Counter(owners[geom] for geom in sight.geoms[~sight.visible])
+def visibility_from(here: Standpoint, name: str) -> Visibility | None:
+    """As ``visibility``, from a standpoint."""
+    here.stage.scene.object_body(name)
+    if not here.state.known([name, f"{here.agent.name}/head"]):
+        return None
+    target = here.target(name)
+    return measured(here.stage, here.agent, target, sight_now(here, target))
+
+
+def measured(stage: Stage, agent: Agent, target: Target, sight: Sight) -> Visibility:
+    """What a sight of an object comes to."""
+    owners = stage.scene.owners
+    others = Counter(owners[geom] for geom in sight.geoms[~sight.visible].tolist())
     width, height = agent.profile.eye.image_px
     in_cone = sight.rays_in_eye[:, 0] >= np.cos(agent.profile.eye.gaze_cone_rad)
     near = sight.distances_m[sight.visible]
@@ -116,45 +118,5 @@ def measure(stage: Stage, agent: Agent, target: Target) -> Visibility:
         gaze_px=int((sight.visible & in_cone).sum()),
         occluders=tuple(sorted(others.items(), key=lambda item: (-item[1], item[0]))),
         nearest_m=float(near.min()) if len(near) else None,
-        off_gaze_rad=float(off_gaze(eye.position[None], eye.matrix[None, :, 0], target.middle)[0]),
+        off_gaze_rad=off_gaze(sight.eye, target.middle, 0.0),
     )
-
-
-@dataclass(frozen=True, eq=False)
-class Sight:
-    """The pixels in which an object would be seen if it were alone, and what is seen there.
-
-    Attributes:
-        rays_in_eye: Unit directions of those pixels, (n, 3).
-        geoms: Shapes that they show, (n,).
-        distances_m: How far these are, (n,).
-        visible: Whether the shape is the object's, (n,).
-    """
-
-    rays_in_eye: Array
-    geoms: NDArray[np.intp]
-    distances_m: Array
-    visible: NDArray[np.bool_]
-
-
-def look(stage: Stage, agent: Agent, target: Target, *, cone_rad: float = math.inf) -> Sight:
-    """Look at an object.
-
-    Args:
-        stage: The scene in a state.
-        agent: Whose eye.
-        target: The object.
-        cone_rad: Half-angle of a cone about the gaze outside of which nothing is looked at.
-    """
-    eye, shapes = stage.eye(agent), target.shapes
-    rays = rays_towards(agent.profile.eye, eye.to_local(target.centers), target.radii_m, cone_rad)
-    directions = rays @ eye.matrix.T
-    own, own_m = stage.cast_at(shapes, eye.position, directions)
-    alone = own >= 0
-    own, own_m = own[alone], own_m[alone]
-    others = stage.between(
-        eye.position, target.centers, target.radii_m, without=shapes, but_body=agent.eye_exclude_body
-    )
-    other, other_m = stage.cast_at(others, eye.position, directions[alone])
-    visible = own_m <= other_m
-    return Sight(rays[alone], np.where(visible, own, other), np.minimum(own_m, other_m), visible)

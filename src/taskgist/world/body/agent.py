@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -37,6 +38,12 @@ class ArmIndices:
     geoms: Indices
     hand_geoms: Indices
     ghosts: Indices
+
+    @cached_property
+    def sector(self) -> NDArray[np.float64]:
+        """Length in metres, whether mirrored, azimuths and elevations in radians: for compiled functions, (6,)."""
+        arm = self.profile
+        return np.array((arm.length_m, arm.side == "right", *arm.azimuth_rad, *arm.elevation_rad), dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)

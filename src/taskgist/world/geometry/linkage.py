@@ -22,6 +22,8 @@ from taskgist.world.stage import Stage
 
 Array = NDArray[np.float64]
 SLIDE = int(mujoco.mjtJoint.mjJNT_SLIDE)
+POSE = 12
+"""Numbers of a pose as a row: position, then matrix row by row."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,33 +75,17 @@ class Linkage:
             base=stage.body_position(agent.root_body),
         )
 
-    def moved(self, by: Array) -> tuple[Array, Array]:
+    def moved(self, by: Array) -> Array:
         """Where the joints bring the frames.
 
         Args:
             by: How far each joint moves, radians or metres, (n, j).
 
         Returns:
-            Positions, (n, f, 3), and matrices, (n, f, 3, 3).
+            Poses, as rows: positions in metres, then matrices row by row, (n, f, 12).
         """
         joints = (self.anchors, self.axes, self.slides, self.carried)
-        return _moved(*joints, self.positions, self.matrices, by)
-
-    def displaced(
-        self, frames: tuple[Array, Array], which: NDArray[np.intp], offsets_m: Array, turns_rad: Array
-    ) -> tuple[Array, Array]:
-        """Where moves of the base bring frames afterwards.
-
-        Args:
-            frames: Positions and matrices of some states, as from ``moved``.
-            which: From which of these each of the new ones starts, (n,).
-            offsets_m: How far the base moves, metres along the world's x and y, (n, 2).
-            turns_rad: How far the agent turns about the vertical through its base before that, (n,).
-
-        Returns:
-            As ``moved``.
-        """
-        return _displaced(*frames, which, self.base, offsets_m, turns_rad)
+        return _moved(*joints, self.positions, self.matrices.reshape(-1, 9), by)
 
 
 def _carried(model: mujoco.MjModel, carriers: list[int], bodies: list[int]) -> NDArray[np.bool_]:
@@ -127,68 +113,67 @@ def _moved(
     positions: Array,
     matrices: Array,
     by: Array,
-) -> tuple[Array, Array]:
+) -> Array:
     count, frames = len(by), len(positions)
-    places, turned = np.empty((count, frames, 3)), np.empty((count, frames, 3, 3))
+    rows = np.empty((count, frames, POSE))
     for i in range(count):
         for f in range(frames):
-            places[i, f], turned[i, f] = positions[f], matrices[f]
+            rows[i, f, :3], rows[i, f, 3:] = positions[f], matrices[f]
             for j in range(len(anchors) - 1, -1, -1):
                 if not carried[j, f]:
                     continue
                 if slides[j]:
-                    places[i, f] += axes[j] * by[i, j]
+                    rows[i, f, :3] += axes[j] * by[i, j]
                 else:
-                    turn_about(anchors[j], axes[j], by[i, j], places[i, f], turned[i, f])
-    return places, turned
+                    turn_pose(rows[i, f], anchors[j], axes[j], by[i, j])
+    return rows
 
 
 @compiled
-def _displaced(
-    positions: Array,
-    matrices: Array,
-    which: NDArray[np.intp],
-    base: Array,
-    offsets_m: Array,
-    turns_rad: Array,
-) -> tuple[Array, Array]:
-    count, frames = len(which), positions.shape[1]
-    places, turned = np.empty((count, frames, 3)), np.empty((count, frames, 3, 3))
-    for i in range(count):
-        sine, cosine = math.sin(turns_rad[i]), math.cos(turns_rad[i])
-        for f in range(frames):
-            place, matrix = positions[which[i], f], matrices[which[i], f]
-            x, y = place[0] - base[0], place[1] - base[1]
-            places[i, f, 0] = base[0] + offsets_m[i, 0] + cosine * x - sine * y
-            places[i, f, 1] = base[1] + offsets_m[i, 1] + sine * x + cosine * y
-            places[i, f, 2] = place[2]
-            for k in range(3):
-                turned[i, f, 0, k] = cosine * matrix[0, k] - sine * matrix[1, k]
-                turned[i, f, 1, k] = sine * matrix[0, k] + cosine * matrix[1, k]
-                turned[i, f, 2, k] = matrix[2, k]
-    return places, turned
-
-
-@compiled
-def turn_about(anchor: Array, axis: Array, angle_rad: float, place: Array, matrix: Array) -> None:
-    """Turn a place (3,) and a frame (3, 3), both written to, about an axis through a point [Rodrigues]."""
+def turn_pose(pose: Array, anchor: Array, axis: Array, angle_rad: float) -> None:
+    """Turn a pose, a row of 12 that is written to, about an axis through a point; vectors (3,)."""
     if angle_rad == 0.0:
         return
     sine, cosine = math.sin(angle_rad), math.cos(angle_rad)
-    x, y, z = rotated(axis, sine, cosine, place[0] - anchor[0], place[1] - anchor[1], place[2] - anchor[2])
-    place[0], place[1], place[2] = x + anchor[0], y + anchor[1], z + anchor[2]
-    for k in range(3):
-        x, y, z = rotated(axis, sine, cosine, matrix[0, k], matrix[1, k], matrix[2, k])
-        matrix[0, k], matrix[1, k], matrix[2, k] = x, y, z
+    ax, ay, az = axis[0], axis[1], axis[2]
+    dx, dy, dz = pose[0] - anchor[0], pose[1] - anchor[1], pose[2] - anchor[2]
+    x, y, z = rotated(ax, ay, az, sine, cosine, dx, dy, dz)
+    pose[0], pose[1], pose[2] = x + anchor[0], y + anchor[1], z + anchor[2]
+    for k in range(3, 6):
+        x, y, z = rotated(ax, ay, az, sine, cosine, pose[k], pose[k + 3], pose[k + 6])
+        pose[k], pose[k + 3], pose[k + 6] = x, y, z
 
 
 @compiled
-def rotated(axis: Array, sine: float, cosine: float, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """A vector turned about a unit axis (3,)."""
-    ax, ay, az = axis[0], axis[1], axis[2]
+def rotated(
+    ax: float, ay: float, az: float, sine: float, cosine: float, x: float, y: float, z: float
+) -> tuple[float, float, float]:
+    """A vector turned about a unit axis [Rodrigues]."""
     along = (ax * x + ay * y + az * z) * (1.0 - cosine)
     return (
         x * cosine + (ay * z - az * y) * sine + ax * along,
         y * cosine + (az * x - ax * z) * sine + ay * along,
         z * cosine + (ax * y - ay * x) * sine + az * along,
     )
+
+
+@compiled
+def carry_pose(pose: Array, base: Array, offset_m: Array, sine: float, cosine: float, out: Array) -> None:
+    """Write a pose after a move of the base that it belongs to: turned about the vertical, then moved.
+
+    Args:
+        pose: Row of 12.
+        base: Where the base is before, metres, at least (2,).
+        offset_m: How far it moves along the world's x and y, (2,).
+        sine: Of the turn.
+        cosine: Of the turn.
+        out: Row of 12.
+    """
+    x, y = pose[0] - base[0], pose[1] - base[1]
+    out[0] = base[0] + offset_m[0] + cosine * x - sine * y
+    out[1] = base[1] + offset_m[1] + sine * x + cosine * y
+    out[2] = pose[2]
+    for k in range(3, 6):
+        out[k] = cosine * pose[k] - sine * pose[k + 3]
+        out[k + 3] = sine * pose[k] + cosine * pose[k + 3]
+        out[k + 6] = pose[k + 6]

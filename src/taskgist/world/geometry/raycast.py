@@ -31,6 +31,8 @@ FORMULAS = (PLANE, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX)
 LEVEL = 1e-15
 """Rays less inclined than this never meet a plane (MuJoCo's)."""
 INF = math.inf
+NO_GEOM = -1
+"""Stands for no shape."""
 
 
 @compiled
@@ -58,7 +60,7 @@ def cast_at(
         Shapes, −1 for none, (n,), and distances in metres, infinite for none, (n,).
     """
     count = directions.shape[0]
-    first = np.full(count, -1, dtype=np.intp)
+    first = np.full(count, NO_GEOM, dtype=np.intp)
     nearest = np.full(count, INF)
     for shape in shapes:
         kind, (sx, sy, sz) = kinds[shape], (sizes[shape, 0], sizes[shape, 1], sizes[shape, 2])

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import copy
-import math
 from collections.abc import Collection
-from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -13,37 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from taskgist.world.body.agent import SEEN_MASK
 from taskgist.world.geometry import raycast
+from taskgist.world.geometry.between import Shapes, stand_between
 from taskgist.world.geometry.compiled import compiled
+from taskgist.world.geometry.raycast import NO_GEOM
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 UNSEEN_GROUP = 3
-NO_GEOM = -1
-TINY = 1e-30
-
-
-class Shapes(NamedTuple):
-    """All shapes of a model, as compiled functions take them; the arrays follow the data they came from.
-
-    Attributes:
-        kinds: MuJoCo's types, (ngeom,).
-        formless: Whether there is no formula for a ray that meets it: meshes, (ngeom,).
-        sizes: Half sizes as MuJoCo keeps them, metres, (ngeom, 3).
-        bounds: Middles and half sizes of the boxes around them, in their own frames, metres, (ngeom, 6).
-        radii: Radii of balls about their positions that hold these boxes, infinite for planes, metres, (ngeom,).
-        bodies: To which body each belongs, (ngeom,).
-        positions: Where they are in the world, metres, (ngeom, 3).
-        matrices: How they are turned, (ngeom, 9).
-    """
-
-    kinds: NDArray[np.int64]
-    formless: NDArray[np.bool_]
-    sizes: Array
-    bounds: Array
-    radii: Array
-    bodies: NDArray[np.int32]
-    positions: Array
-    matrices: Array
 
 
 class Rays:
@@ -202,65 +176,6 @@ def meets_boxes(of: Shapes, shapes: Indices, origin: Array, directions: Array) -
             dx, dy, dz = raycast.local(m, directions[ray])
             met[ray] |= raycast.box(b[3], b[4], b[5], x - b[0], y - b[1], z - b[2], dx, dy, dz) < raycast.INF
     return met
-
-
-@compiled
-def stand_between(
-    of: Shapes, candidates: Indices, but_body: int, origin: Array, centers: Array, radii_m: Array
-) -> Indices:
-    """Those of some shapes in whose box, grown by a ball's radius, the line from a point to the ball's centre runs.
-
-    All rays to the ball lie that near to the line. A plane counts unless point and balls are above it.
-    """
-    found, count = np.empty(len(candidates), dtype=np.intp), 0
-    positions, reaches, bodies = of.positions, of.radii, of.bodies
-    ox, oy, oz = origin[0], origin[1], origin[2]
-    middle, radius_m = one_ball(centers, radii_m)
-    wx, wy, wz = middle[0] - ox, middle[1] - oy, middle[2] - oz
-    squared = max(wx * wx + wy * wy + wz * wz, TINY)
-    for shape in candidates:
-        if bodies[shape] == but_body:
-            continue
-        x, y, z = positions[shape, 0] - ox, positions[shape, 1] - oy, positions[shape, 2] - oz
-        share = min(max((x * wx + y * wy + z * wz) / squared, 0.0), 1.0)
-        x, y, z = x - share * wx, y - share * wy, z - share * wz
-        reach = reaches[shape] + radius_m
-        if x * x + y * y + z * z <= reach * reach and _near_line(of, shape, origin, centers, radii_m):
-            found[count] = shape
-            count += 1
-    return found[:count]
-
-
-@compiled
-def one_ball(centers: Array, radii_m: Array) -> tuple[Array, float]:
-    """A ball that holds some balls."""
-    middle, radius_m = np.zeros(3), 0.0
-    for axis in range(3):
-        middle[axis] = centers[:, axis].mean()
-    for k in range(len(radii_m)):
-        x, y, z = centers[k, 0] - middle[0], centers[k, 1] - middle[1], centers[k, 2] - middle[2]
-        radius_m = max(radius_m, math.sqrt(x * x + y * y + z * z) + radii_m[k])
-    return middle, radius_m
-
-
-@compiled
-def _near_line(of: Shapes, shape: int, origin: Array, ends: Array, radii_m: Array) -> bool:
-    """Whether a shape's box, grown by a radius, meets the line from a point to any of the ends that have it."""
-    m, b = of.matrices[shape], of.bounds[shape]
-    x, y, z = raycast.local(m, origin - of.positions[shape])
-    for ball in range(len(radii_m)):
-        radius_m = radii_m[ball]
-        dx, dy, dz = raycast.local(m, ends[ball] - origin)
-        if of.kinds[shape] == raycast.PLANE:
-            if min(z, z + dz - radius_m) <= 0.0:
-                return True
-            continue
-        px, py, pz = x - b[0], y - b[1], z - b[2]
-        sx, sy, sz = b[3] + radius_m, b[4] + radius_m, b[5] + radius_m
-        inside = abs(px) <= sx and abs(py) <= sy and abs(pz) <= sz
-        if inside or raycast.box(sx, sy, sz, px, py, pz, dx, dy, dz) <= 1.0:
-            return True
-    return False
 
 
 def _around(bounds: Array) -> Array:

@@ -1,0 +1,55 @@
+"""Grasps tried many at once are free where measuring every shape of the hand says so."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from taskgist.perspective import Standpoint
+from taskgist.perspective.grasping.grasps import Grasps
+from taskgist.perspective.grasping.hand import Hands, hand_poses
+from taskgist.perspective.grasping.samples import grasps_in_object
+from taskgist.perspective.grasping.touch import TOUCH_M
+from taskgist.perspective.grasping.tries import Tries
+from taskgist.world import Hand, Stage
+from tests.perspective.random_rooms import random_case
+
+MOST = 60
+"""Grasps of one object that are measured."""
+
+
+def tries_of(here: Standpoint, name: str, hand: Hand) -> tuple[Tries, Grasps]:
+    stage = here.stage
+    grasps, pose = grasps_in_object(stage, name, hand, here.settings.grasp), stage.body(stage.scene.object_body(name))
+    obstacles = here.collisions.obstacles, here.collisions.boxes
+    hands = Hands.of(grasps, hand)
+    tries = Tries(stage, here.agent, object_in_world=pose, grasps=grasps, hands=hands, obstacles=obstacles)
+    return tries, grasps.placed(pose)
+
+
+def measured_free(stage: Stage, here: Standpoint, grasps: Grasps, index: int, hand: Hand) -> bool:
+    poses, arm = hand_poses(grasps, index, hand), here.agent.arms[0]
+    stage.place(arm.ghosts, np.array([pose.position for pose in poses]), poses[0].matrix.reshape(9))
+    around = np.setdiff1d(np.union1d(here.collisions.obstacles, here.agent.core_geoms), grasps.solids)
+    depths = [-stage.distance(ghost, other, limit_m=0.0) for ghost in arm.ghosts.tolist() for other in around.tolist()]
+    return not grasps.in_itself[index] and max(depths) <= TOUCH_M
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_tried_grasps_are_free_where_measuring_says_so(seed: int) -> None:
+    case, rng = random_case(seed), np.random.default_rng(seed)
+    stage = Stage(case.scene, case.state)
+    for agent in case.scene.agents:
+        here = Standpoint(stage, agent)
+        hand = here.agent.profile.hand
+        if hand is None:
+            continue
+        for name in case.scene.objects:
+            if not len(grasps_in_object(stage, name, hand, here.settings.grasp)):
+                continue
+            tries, grasps = tries_of(here, name, hand)
+            some = rng.permutation(len(grasps))[:MOST]
+            free = [int(index) for index in some if measured_free(stage, here, grasps, int(index), hand)]
+            stage.show(case.state)
+            assert tries.first_free(some, here.agent.arms[0]) == (free[0] if free else None)
+            assert [each for each in some if tries.first_free(np.array([each]), here.agent.arms[0]) == each] == free
