@@ -9,8 +9,9 @@ import numpy as np
 from benchmarks.figure import Figure
 from benchmarks.rooms import furnished
 from benchmarks.timing import once, seconds, share
-from taskgist.perspective import ABILITIES, Standpoint, effort_from, visibility
+from taskgist.perspective import ABILITIES, Standpoint, effort_from, visibility_from
 from taskgist.perspective.everyone import Follower, all_efforts
+from taskgist.perspective.target import Target
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, State
 
@@ -83,11 +84,11 @@ def frames(scene: Scene) -> Iterator[State]:
 
 def everything(scene: Scene, state: State) -> dict[str, int]:
     """All efforts and visibility scores of a scene in a state; gives the work done."""
-    stage = Stage(scene, state)
+    stage, targets = Stage(scene, state), dict[str, Target]()
     for agent in scene.agents:
-        here = Standpoint(stage, agent, DEFAULT)
+        here = Standpoint(stage, agent, DEFAULT, targets=targets)
         for name in scene.objects:
             for ability in ABILITIES:
                 effort_from(here, name, ability)
-            visibility(stage, agent, name)
+            visibility_from(here, name)
     return stage.counts

@@ -24,6 +24,7 @@ from taskgist.perspective.acting.region import BODIES, crossed
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.effort import ABILITIES, Ability, Effort
 from taskgist.perspective.least_effort import effort_from
+from taskgist.perspective.target import Target
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Scene, Stage, State
 
@@ -40,8 +41,9 @@ def all_efforts(stage: Stage, settings: Settings = DEFAULT) -> dict[Question, Ef
         settings: All settings.
     """
     efforts: dict[Question, Effort] = {}
+    targets: dict[str, Target] = {}
     for agent in stage.scene.agents:
-        here = Standpoint(stage, agent, settings)
+        here = Standpoint(stage, agent, settings, targets=targets)
         for name in stage.scene.objects:
             for ability in ABILITIES:
                 efforts[agent, name, ability] = effort_from(here, name, ability)
@@ -67,6 +69,7 @@ class Follower:
         self._heres: dict[str, Standpoint] = {}
         self._floors: dict[str, tuple[Place, ...]] = {}
         self._efforts: dict[Question, Effort] = {}
+        self._targets: dict[str, Target] = {}
         self._last: State | None = None
         self._places: tuple[Array, Array] = (np.empty((0, 3)), np.empty((0, 9)))
         self.asked_count = 0
@@ -82,6 +85,7 @@ class Follower:
         """
         moved = self._moved(self._stage.show(state))
         stale = np.ones(len(self._questions), dtype=np.bool_) if moved is None else self._crossed(moved)
+        self._targets = {n: each for n, each in self._targets.items() if moved and n not in moved.owners}
         for agent in self._stage.scene.agents:
             self._renew(agent, state, moved, stale)
         for row in np.flatnonzero(stale).tolist():
@@ -102,7 +106,8 @@ class Follower:
         before = self._heres.get(agent)
         stays = moved is not None and before is not None and agent not in moved.owners
         known = before.floor_after(moved.boxes) if moved and before and stays else NOTHING
-        here = Standpoint(self._stage.show(state), agent, self._settings, known_floor=known)
+        stage = self._stage.show(state)
+        here = Standpoint(stage, agent, self._settings, known_floor=known, targets=self._targets)
         self._heres[agent] = here
         if stays and agent in self._floors and self._floors[agent] != here.floor_places:
             stale |= self._rows_of(agent) & self._walked

@@ -41,6 +41,7 @@ from taskgist.world.scene_file import SceneFile, bundle_from_path, parse_scene_f
 from taskgist.world.state import State
 
 SCENE_FILE = "scene.toml"
+NO_GEOMS = np.empty(0, dtype=np.intp)
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,27 +133,33 @@ class Scene:
 
     def geoms_of(self, owner: str) -> np.ndarray:
         """Geom indices of an agent, object or piece of furniture, (n,)."""
-        return self._geoms_by_owner.get(owner, np.array([], dtype=np.intp))
+        return self._geoms_by_owner.get(owner, NO_GEOMS)
 
     def seen_geoms(self, owner: str) -> np.ndarray:
         """Indices of the shapes of an agent, object or piece of furniture that rays meet, (n,)."""
-        own = self.geoms_of(owner)
-        return np.asarray(own[self.visible[own]])
+        return self._seen_by_owner.get(owner, NO_GEOMS)
 
     def solid_geoms_of(self, owner: str) -> np.ndarray:
         """Indices of the shapes that an agent, object or piece of furniture touches others with, (n,).
 
         Those of a concave mesh are its convex parts. Where the model lets nothing collide, what is seen counts.
         """
-        own = self.geoms_of(owner)
-        solid = own[np.isin(own, self.solid_geoms)]
-        return solid if len(solid) else self.seen_geoms(owner)
+        return self._solid_by_owner.get(owner, NO_GEOMS)
 
     @cached_property
     def objects_geoms(self) -> np.ndarray:
         """Indices of the shapes that objects touch others with, (n,)."""
         solid = [self.solid_geoms_of(name) for name in self.objects]
-        return np.concatenate(solid) if solid else np.array([], dtype=np.intp)
+        return np.concatenate(solid) if solid else NO_GEOMS
+
+    @cached_property
+    def _seen_by_owner(self) -> Mapping[str, np.ndarray]:
+        return {owner: own[self.visible[own]] for owner, own in self._geoms_by_owner.items()}
+
+    @cached_property
+    def _solid_by_owner(self) -> Mapping[str, np.ndarray]:
+        solid = {owner: own[np.isin(own, self.solid_geoms)] for owner, own in self._geoms_by_owner.items()}
+        return {owner: own if len(own) else self._seen_by_owner[owner] for owner, own in solid.items()}
 
     @cached_property
     def _geoms_by_owner(self) -> Mapping[str, np.ndarray]:

@@ -113,8 +113,11 @@ class Collisions:
 
 def _obstacles(stage: Stage, agent: Agent, held: Collection[str]) -> NDArray[np.intp]:
     """Solid shapes that are neither the agent's own nor of anything that it holds."""
-    own = [agent.name, *held]
-    return np.setdiff1d(stage.solid_geoms(), np.concatenate([stage.scene.geoms_of(name) for name in own]))
+    counted = np.zeros(stage.scene.model.ngeom, dtype=np.bool_)
+    counted[stage.solid_geoms()] = True
+    for name in (agent.name, *held):
+        counted[stage.scene.geoms_of(name)] = False
+    return np.flatnonzero(counted)
 
 
 def held_by(stage: Stage, agent: Agent, near: Iterable[str], settings: Contact) -> dict[str, str]:

@@ -64,6 +64,7 @@ class Standpoint:
         settings: All settings.
         actions: The virtual actions that the agent may use; all that it has if left out.
         known_floor: Where it is known already that the agent could stand, or not, by cell of its ``Floor``.
+        targets: Objects as they are now, by name, as far as others of this stage asked for them.
 
     Attributes:
         held: The side of the hand that holds each object that the agent holds.
@@ -83,15 +84,16 @@ class Standpoint:
         *,
         actions: Iterable[str] | None = None,
         known_floor: Mapping[tuple[float, float], bool] = NOTHING,
+        targets: dict[str, Target] | None = None,
     ) -> None:
         self.stage, self.settings = stage, settings
         self.agent: Agent = stage.scene.agent(agent)
         self.state: State = stage.state
         self.actions = checked_actions(self.agent, actions)
+        self._targets = {} if targets is None else targets
         near = objects_near(stage, self.agent, settings.contact)
         self.held: Mapping[str, str] = held_by(stage, self.agent, near, settings.contact)
         self.collisions = Collisions(stage, self.agent, settings, self.held)
-        self._targets: dict[str, Target] = {}
         self.sights: dict[str, Sight] = {}
         self._frames: dict[tuple[str, ...], Frames] = {}
         self._own = self._own_region(near)
