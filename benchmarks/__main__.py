@@ -45,8 +45,9 @@ def main() -> None:
         document["figures"] = [figure for figure in document["figures"] if figure["topic"] != topic]
         document["figures"] += [figure.plain for figure in measured]
     if PROFILE in chosen:
-        document[PROFILE] = list(profiled.rows())
-        console.print(profile_table(document[PROFILE]))
+        document[PROFILE] = profiled.profiles()
+        for name, rows in document[PROFILE].items():
+            console.print(profile_table(name, rows))
     if GROWTH in chosen:
         document[GROWTH] = [point.plain for point in growth.points()]
         console.print(growth_table(document[GROWTH]))
@@ -57,7 +58,7 @@ def main() -> None:
 def measured_before() -> dict[str, Any]:
     """The file as it is, or an empty one."""
     found = json.loads(OUT.read_text(encoding="utf-8")) if OUT.exists() else {}
-    return {"machine": {}, "figures": [], PROFILE: [], GROWTH: [], **(found if isinstance(found, dict) else {})}
+    return {"machine": {}, "figures": [], PROFILE: {}, GROWTH: [], **(found if isinstance(found, dict) else {})}
 
 
 def warm_up() -> None:
@@ -92,9 +93,9 @@ def remarks(figure: Figure) -> Iterator[str]:
         yield figure.note
 
 
-def profile_table(rows: list[dict[str, Any]]) -> Table:
+def profile_table(name: str, rows: list[dict[str, Any]]) -> Table:
     """Functions by the time that they take themselves."""
-    made = Table(title=PROFILE, box=None, title_justify="left", title_style="bold")
+    made = Table(title=f"{PROFILE} of {name}", box=None, title_justify="left", title_style="bold")
     for column in ("function", "calls", "alone", "with all it calls"):
         made.add_column(column)
     for row in rows:

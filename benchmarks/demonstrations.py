@@ -75,12 +75,17 @@ def generated() -> Iterator[Demonstration]:
         yield Demonstration(scene, (scene.initial, moved(scene, name, seed)), agent, name)
 
 
+def both_ends(stage: Stage, demonstration: Demonstration) -> None:
+    """All level-3 attributes at start and end."""
+    for state in demonstration.states:
+        ability_observations(stage.show(state), demonstration.agent, demonstration.name, DEFAULT)
+
+
 def _measured(demonstration: Demonstration) -> Measured:
     stage = Stage(demonstration.scene)
 
     def run() -> None:
-        for state in demonstration.states:
-            ability_observations(stage.show(state), demonstration.agent, demonstration.name, DEFAULT)
+        both_ends(stage, demonstration)
 
     first = once(run)
     return Measured(first, median(once(run) for _ in range(REPEATS)), _hardest(stage, demonstration), work(stage, run))

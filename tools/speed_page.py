@@ -22,6 +22,7 @@ def filled(page: str, document: dict[str, Any]) -> str:
     topics = dict.fromkeys(figure["topic"] for figure in document["figures"])
     parts = {topic: figures([each for each in document["figures"] if each["topic"] == topic]) for topic in topics}
     parts |= {name: show(document[name]) for name, show in OTHERS.items()}
+    parts |= {f"profile of {name}": profile(rows) for name, rows in document["profile"].items()}
     for name, lines in parts.items():
         before, mark, rest = page.partition(f"<!-- {name} -->\n")
         if mark:
@@ -98,7 +99,7 @@ def duration(seconds: float) -> str:
     return f"{1000 * seconds:.3g} ms" if seconds >= 1e-3 else f"{1e6 * seconds:.3g} µs"
 
 
-OTHERS: dict[str, Callable[[Any], Iterator[str]]] = {"machine": machine, "profile": profile, "growth": growth}
+OTHERS: dict[str, Callable[[Any], Iterator[str]]] = {"machine": machine, "growth": growth}
 
 if __name__ == "__main__":
     main()

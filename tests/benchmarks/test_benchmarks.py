@@ -105,6 +105,9 @@ def test_the_page_shows_every_figure_with_its_peers_nearest_first() -> None:
     assert all(len(one.split("|")) == len(other.split("|")) for one, other in pairwise(rows))
 
 
+NAMES = ("one", "machine", "two", "profile of maps")
+
+
 def test_each_topic_comes_to_its_own_place() -> None:
     document = {
         "machine": {
@@ -116,15 +119,16 @@ def test_each_topic_comes_to_its_own_place() -> None:
             "load": None,
         },
         "figures": [Figure(topic, f"{topic} time", 1.0).plain for topic in ("one", "two")],
-        "profile": [{"function": "f", "calls": "3", "own": 0.5, "with_calls": 1.0}],
+        "profile": {"maps": [{"function": "f", "calls": "3", "own": 0.5, "with_calls": 1.0}]},
         "growth": [],
     }
-    empty = "".join(f"# {name}\n<!-- {name} -->\n<!-- end -->\nafter {name}\n" for name in ("one", "machine", "two"))
+    empty = "".join(f"# {name}\n<!-- {name} -->\n<!-- end -->\nafter {name}\n" for name in NAMES)
     page = filled(empty, document)
-    first, machine, second = (page.partition(f"# {name}")[2] for name in ("one", "machine", "two"))
+    first, machine, second, profiled = (page.partition(f"# {name}")[2] for name in NAMES)
     assert (
         first.index("one time") < first.index("after one") < first.index("P, one of 2 cores") < first.index("two time")
     )
     assert "one time" not in machine
-    assert second.endswith("<!-- end -->\nafter two\n")
+    assert "| `f` | 3 | 50.0% | 100.0% |" not in second.partition("after two")[0]
+    assert profiled.index("| `f` | 3 | 50.0% | 100.0% |") < profiled.index("after profile of maps")
     assert filled(page, document) == page

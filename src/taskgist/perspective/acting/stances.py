@@ -23,7 +23,7 @@ from taskgist.world.geometry.compiled import compiled
 from taskgist.world.geometry.linkage import POSE, carry_pose
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
+Numbers = NDArray[np.int32]
 DIGITS = 6
 """Amounts that agree to so many digits are equal, wherever the scene stands."""
 OVERHEAD_M = 1e-6
@@ -101,8 +101,8 @@ class Table(NamedTuple):
     base: Array
     offsets_m: Array
     turns: Array
-    spot: Indices
-    bend: Indices
+    spot: Numbers
+    bend: Numbers
 
 
 class Stances:
@@ -182,7 +182,7 @@ def _carried(table: Table, index: int) -> Array:
 
 
 @compiled
-def _ordered(ways: Array, turned_rad: Array, torso: Array) -> tuple[Indices, Indices, Indices, Array]:
+def _ordered(ways: Array, turned_rad: Array, torso: Array) -> tuple[Numbers, Numbers, Numbers, Array]:
     """Every spot with every bend, by way, turn and bend of the torso.
 
     Equal ones keep the order of spots, then of bends.
@@ -191,8 +191,8 @@ def _ordered(ways: Array, turned_rad: Array, torso: Array) -> tuple[Indices, Ind
         Spot and bend of each, where its equals end, all (n,); and sine and cosine of the turn at each spot, (p, 2).
     """
     spots, bends = len(ways), len(torso)
-    spot, bend = np.empty(spots * bends, dtype=np.intp), np.empty(spots * bends, dtype=np.intp)
-    ends, sines = np.empty(spots * bends, dtype=np.intp), np.empty((spots, 2))
+    spot, bend = np.empty(spots * bends, dtype=np.int32), np.empty(spots * bends, dtype=np.int32)
+    ends, sines = np.empty(spots * bends, dtype=np.int32), np.empty((spots, 2))
     turns = np.rint(np.abs(turned_rad) * 10.0**DIGITS)
     by_turn, by_torso = np.argsort(turns, kind="mergesort"), np.argsort(torso, kind="mergesort")
     by_amount = by_turn[np.argsort(ways[by_turn], kind="mergesort")]

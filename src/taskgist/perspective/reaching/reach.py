@@ -43,46 +43,46 @@ class ReachAmong:
     def __init__(self, judge: ByHand, stances: Stances, cloud: Cloud) -> None:
         self._judge, self._stances, self._cloud = judge, stances, cloud
         self._where = (stances.table, judge.shoulders, judge.sectors, cloud.points, cloud.middle, cloud.radius_m)
-        shape = (len(stances), len(judge.arms))
-        self._nearest, self._reach_m, self._gap_m = np.empty(shape, dtype=np.intp), np.empty(shape), np.empty(shape)
+        count = len(judge.arms)
+        self._nearest, self._reach_m = np.empty(count, dtype=np.intp), np.empty(count)
+        self._missed, self._gap_m = np.full(count, NOWHERE), np.full(count, np.inf)
 
     def next(self, start: int, stop: int) -> int:
         """The first stance from which an arm reaches one of the points."""
         if not len(self._cloud.points):
             return stop
-        return first_in_reach(*self._where, start, stop, self._nearest, self._reach_m, self._gap_m)
+        return first_in_reach(*self._where, start, stop, self._nearest, self._reach_m, self._missed, self._gap_m)
 
     def beyond(self, margin_m: float) -> bool:
         """Whether all points are farther than this beyond every arm, from every stance."""
         return beyond(*self._where, margin_m)
 
     def able(self, index: int) -> list[int]:
-        """Which of the judge's arms reach some point from a stance, the nearer shoulder's first."""
-        columns = np.flatnonzero(self._nearest[index] != NOWHERE).tolist()
-        return sorted(columns, key=lambda column: round(float(self._reach_m[index, column]), DIGITS))
+        """Which of the judge's arms reach some point from such a stance, the nearer shoulder's first."""
+        self.next(index, index + 1)
+        columns = np.flatnonzero(self._nearest != NOWHERE).tolist()
+        return sorted(columns, key=lambda column: round(float(self._reach_m[column]), DIGITS))
 
     def outcomes(self, index: int) -> Iterator[Outcome]:
         """How those arms reach the object."""
-        return (self._stretched(column, index) for column in self.able(index))
+        return iter([self._stretched(column) for column in self.able(index)])
 
     def miss(self) -> Miss | None:
-        """Why the hopeless stances reach nothing: the arm that misses the object least."""
+        """Why the stances passed over reach nothing: the arm that misses the object least."""
         if not self._judge.arms:
             return NO_ARM
         if not len(self._cloud.points):
             return Miss(math.inf, "has no surface")
-        hopeless = np.flatnonzero((self._nearest == NOWHERE).all(axis=1))
-        if not len(hopeless):
+        column = int(np.argmin(self._gap_m))
+        if self._missed[column] == NOWHERE:
             return None
-        column = int(np.argmin(self._gap_m[hopeless].min(axis=0)))
-        index = int(hopeless[np.argmin(self._gap_m[hopeless, column])])
         arm = self._judge.arms[column]
-        shoulder = self._stances.shoulder(index, arm)
+        shoulder = self._stances.shoulder(int(self._missed[column]), arm)
         return out_of_reach(self._judge.arm(arm).profile, shoulder.position, self._cloud.points)
 
-    def _stretched(self, column: int, index: int) -> Outcome:
-        side, distance_m = self._judge.arm(self._judge.arms[column]).profile.side, float(self._reach_m[index, column])
-        point = self._cloud.points[self._nearest[index, column]]
+    def _stretched(self, column: int) -> Outcome:
+        side, distance_m = self._judge.arm(self._judge.arms[column]).profile.side, float(self._reach_m[column])
+        point = self._cloud.points[self._nearest[column]]
         return Outcome(
             actions=(stretch(side),),
             merit=round(distance_m, DIGITS),

@@ -105,6 +105,7 @@ def first_in_reach(
     stop: int,
     nearest: Indices,
     reach_m: Array,
+    missed: Indices,
     gap_m: Array,
 ) -> int:
     """The first of some stances from which an arm reaches one of some points; ``stop`` if there is none.
@@ -118,13 +119,14 @@ def first_in_reach(
         radius_m: Its radius.
         start: From which stance on,
         stop: and before which.
-        nearest: Written for all stances looked at: the nearest point that each arm reaches, −1 for none, (n, a); of
-            equally near ones the first.
-        reach_m: Written: how far it is, (n, a).
-        gap_m: Written: how far the nearest point of all is, whether in the sector or not, (n, a); where that is beyond
-            the arm, a lower bound.
+        nearest: Written, for the stance found: the nearest point that each arm reaches, −1 for none, (a,); of equally
+            near ones the first.
+        reach_m: Written: how far it is, (a,).
+        missed: Kept up to date: of the stances passed over, the one from which each arm misses the points least, (a,).
+        gap_m: Kept up to date: how far its shoulder is from the nearest point then, (a,); where that is beyond the
+            arm, a lower bound.
     """
-    rows, base, pose = table.rows, table.base, np.empty(POSE)
+    rows, base, pose, gaps = table.rows, table.base, np.empty(POSE), np.empty(len(shoulders))
     for i in range(start, stop):
         spot, able = table.spot[i], False
         sine, cosine = table.turns[spot, 0], table.turns[spot, 1]
@@ -134,23 +136,25 @@ def first_in_reach(
             x, y = row[0] - base[0], row[1] - base[1]
             sx, sy, sz = ahead + cosine * x - sine * y, aside + sine * x + cosine * y, row[2]
             x, y, z = middle[0] - sx, middle[1] - sy, middle[2] - sz
-            nearest[i, arm], gap_m[i, arm] = NOWHERE, max(math.sqrt(x * x + y * y + z * z) - radius_m, 0.0)
-            if gap_m[i, arm] > length_m + ROUNDING:
+            nearest[arm], gaps[arm] = NOWHERE, max(math.sqrt(x * x + y * y + z * z) - radius_m, 0.0)
+            if gaps[arm] > length_m + ROUNDING:
                 continue
             carry_pose(row, base, table.offsets_m[spot], sine, cosine, pose)
-            least_m, gap = np.inf, np.inf
+            least_m, gaps[arm] = np.inf, np.inf
             for k in range(len(points)):
                 x, y, z = points[k, 0] - sx, points[k, 1] - sy, points[k, 2] - sz
                 at_m = math.sqrt(x * x + y * y + z * z)
-                gap = min(gap, at_m)
+                gaps[arm] = min(gaps[arm], at_m)
                 if at_m > length_m + ROUNDING or round(at_m, DIGITS) >= least_m:
                     continue
                 if _inside(pose, sectors[arm], x, y, z):
-                    nearest[i, arm], reach_m[i, arm], least_m = k, at_m, round(at_m, DIGITS)
-            gap_m[i, arm] = gap
-            able |= nearest[i, arm] != NOWHERE
+                    nearest[arm], reach_m[arm], least_m = k, at_m, round(at_m, DIGITS)
+            able |= nearest[arm] != NOWHERE
         if able:
             return i
+        for arm in range(len(shoulders)):
+            if gaps[arm] < gap_m[arm]:
+                missed[arm], gap_m[arm] = i, gaps[arm]
     return stop
 
 

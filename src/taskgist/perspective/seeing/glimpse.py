@@ -25,8 +25,8 @@ from taskgist.world.geometry.raycast import INF, NO_GEOM
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-BESIDE, HIDDEN, GLIMPSED = 0, 1, 2
-"""What is known of a stance: the head cannot turn to the object; it can, but something hides it; neither."""
+HIDDEN, BESIDE = 0, 1
+"""Why an object is not glimpsed from a stance: something hides it, or the head cannot turn to it."""
 MARGIN_RAD = 1e-6
 """How much farther than its cone the gaze counts as hopeful."""
 
@@ -41,9 +41,8 @@ def first_glimpse(
     lens: Lens,
     start: int,
     stop: int,
-    angles: Array,
+    missed: Indices,
     off_rad: Array,
-    found: NDArray[np.uint8],
     eyes: Array,
 ) -> int:
     """The first of some stances from which the aimed head may see an object in its gaze cone; ``stop`` if none.
@@ -57,32 +56,31 @@ def first_glimpse(
         lens: Of the agent's eye.
         start: From which stance on,
         stop: and before which.
-        angles: Written for all stances looked at: angles of the aimed head, radians, (n, h).
-        off_rad: Written: the angle between the gaze and the object's middle, (n,).
-        found: Written: ``BESIDE``, ``HIDDEN`` or ``GLIMPSED``, (n,).
+        missed: Kept up to date: of the stances passed over, the one from which the gaze comes nearest to the object's
+            middle, among those whose head turns to the object (``HIDDEN``) and among the others (``BESIDE``), (2,).
+        off_rad: Kept up to date: the angle between the two then, (2,).
         eyes: Lowest and highest corner of a box that is made to hold all eyes that look at the object, (2, 3).
     """
-    frames, eye, middle = np.empty((EYE + 1 + table.joints, POSE)), np.empty(POSE), sought.middle
+    frames, eye, angles = np.empty((EYE + 1 + table.joints, POSE)), np.empty(POSE), np.empty(len(neck.now))
     hider = np.full(1, NO_GEOM, dtype=np.intp)
     for i in range(start, stop):
         spot, rows = table.spot[i], table.rows[table.bend[i]]
         for frame in range(len(frames)):
             turn = table.turns[spot]
             carry_pose(rows[frame], table.base, table.offsets_m[spot], turn[0], turn[1], frames[frame])
-        aim(frames, neck, middle, angles[i], eye)
-        off_rad[i] = off_gaze(eye, middle, 0.0)
-        if _nearest_rad(eye, sought) > lens.cone_rad + MARGIN_RAD:
-            found[i] = BESIDE
-            continue
-        for axis in range(3):
-            eyes[0, axis], eyes[1, axis] = min(eyes[0, axis], eye[axis]), max(eyes[1, axis], eye[axis])
-        found[i] = HIDDEN
-        if hider[0] != NO_GEOM and in_shadow(from_eye(shapes, hider, eye, False), sought.corners, eye) != NO_GEOM:
-            continue  # what hides it from one eye mostly hides it from the next as well
-        glimpsed, hider[0] = _glimpsed(shapes, others, sought, lens, eye)
-        if glimpsed:
-            found[i] = GLIMPSED
-            return i
+        aim(frames, neck, sought.middle, angles, eye)
+        kind = BESIDE if _nearest_rad(eye, sought) > lens.cone_rad + MARGIN_RAD else HIDDEN
+        if kind == HIDDEN:
+            for axis in range(3):
+                eyes[0, axis], eyes[1, axis] = min(eyes[0, axis], eye[axis]), max(eyes[1, axis], eye[axis])
+            # what hides it from one eye mostly hides it from the next as well
+            if hider[0] == NO_GEOM or in_shadow(from_eye(shapes, hider, eye, False), sought.corners, eye) == NO_GEOM:
+                glimpsed, hider[0] = _glimpsed(shapes, others, sought, lens, eye)
+                if glimpsed:
+                    return i
+        off = off_gaze(eye, sought.middle, 0.0)
+        if off < off_rad[kind]:
+            missed[kind], off_rad[kind] = i, off
     return stop
 
 

@@ -18,7 +18,7 @@ from taskgist.perspective.acting.stances import Stances
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.acting.virtual_actions import STILL_RAD
 from taskgist.perspective.judge import Miss, Outcome, Why, untracked_parts
-from taskgist.perspective.seeing.aim import turned_heads
+from taskgist.perspective.seeing.aim import aimed, turned_heads
 from taskgist.perspective.seeing.glimpse import BESIDE, HIDDEN, first_glimpse, next_glimpse, off_gaze
 from taskgist.perspective.seeing.image import lens_of
 from taskgist.perspective.seeing.sight import Sight, look, sight_now
@@ -35,6 +35,7 @@ PARTS: tuple[tuple[str, ...], ...] = (
     ("head", "torso", "legs"),
 )
 """Parts that must be tracked to judge each level."""
+NOT_ONE = -1
 
 
 class See:
@@ -157,19 +158,17 @@ class SeeAmong:
     def __init__(self, see: See, here: Standpoint, stances: Stances) -> None:
         self._see, self._here, self._stances = see, here, stances
         self._head = stances.bent.frames.usable(here.actions)
-        count = len(stances)
-        self._angles, self._off_rad = np.empty((count, len(self._head.joints))), np.empty(count)
-        self._found = np.empty(count, dtype=np.uint8)
         self._sought = (here.stage.shapes, see.others, see.target.sought, see.lens)
+        self._missed, self._off_rad = np.full(2, NOT_ONE), np.full(2, np.inf)
 
     def next(self, start: int, stop: int) -> int:
         """The first stance from which the aimed head glimpses the object."""
-        known = (self._angles, self._off_rad, self._found, self._here.consulted.eyes.bounds)
-        return first_glimpse(self._stances.table, self._head.neck, *self._sought, start, stop, *known)
+        table, eyes = self._stances.table, self._here.consulted.eyes.bounds
+        return first_glimpse(table, self._head.neck, *self._sought, start, stop, self._missed, self._off_rad, eyes)
 
     def outcomes(self, index: int) -> Iterator[Outcome | Why]:
         """The least turn of the head on the way that sees the object comes first."""
-        start, angles = self._stances[index].state, self._on_the_way(index)
+        start, angles = self._stances[index].state, self._on_the_way(self._aimed(index))
         aimed_at = start.replace(self._head.changes(angles[-1]))
         sight = self._see.gaze(aimed_at)
         if not sight.visible.any():
@@ -182,9 +181,13 @@ class SeeAmong:
             if sight.visible.any():
                 yield self._see.outcome(state, changes, self._turned(changes), sight)
 
-    def _on_the_way(self, index: int) -> Array:
+    def _aimed(self, index: int) -> Array:
+        """Angles of the head when it is aimed from a stance, (h,)."""
+        return aimed(self._stances.frames(index), self._head.neck, self._see.target.middle)
+
+    def _on_the_way(self, aimed: Array) -> Array:
         """Angles of the head at equal steps from where it is to where it is aimed, both included, (k, h)."""
-        steps, now, aimed = self._here.settings.efforts.head_steps, self._head.neck.now, self._angles[index]
+        steps, now = self._here.settings.efforts.head_steps, self._head.neck.now
         angles = now + (aimed - now) * (np.arange(steps + 1) / steps)[:, None]
         angles[-1] = aimed
         return np.asarray(angles)
@@ -200,12 +203,11 @@ class SeeAmong:
 
     def miss(self) -> Miss | None:
         """Why the other stances do not see it."""
-        hidden, beside = self._found == HIDDEN, self._found == BESIDE
-        if hidden.any():
-            nearest = int(np.argmin(np.where(hidden, self._off_rad, np.inf)))
-            state = self._stances[nearest].state.replace(self._head.changes(self._angles[nearest]))
+        hidden = int(self._missed[HIDDEN])
+        if hidden != NOT_ONE:
+            state = self._stances[hidden].state.replace(self._head.changes(self._aimed(hidden)))
             return self._see.miss(state, self._see.gaze(state))
-        return beside_gaze(float(self._off_rad[beside].min())) if beside.any() else None
+        return beside_gaze(float(self._off_rad[BESIDE])) if self._missed[BESIDE] != NOT_ONE else None
 
     def _turned(self, changes: dict[int, float]) -> dict[str, float]:
         """How far each action turns the head, radians."""
