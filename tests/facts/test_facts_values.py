@@ -8,7 +8,7 @@ import pickle
 
 import pytest
 
-from taskgist.facts import UNKNOWN, FrozenMap, Json, LateMap, Observation, canonical_text, freeze, thaw
+from taskgist.facts import UNKNOWN, FrozenMap, Json, Observation, canonical_text, freeze, thaw
 
 
 def test_unknown_has_no_truth_value() -> None:
@@ -59,28 +59,3 @@ def test_thaw_undoes_freeze() -> None:
     plain: Json = {"a": [1, {"b": None}], "c": "ü"}
     assert thaw(freeze(plain)) == plain
     assert canonical_text(freeze(plain)) == '{"a":[1,{"b":null}],"c":"ü"}'
-
-
-def test_late_evidence_is_told_once_and_only_when_looked_at() -> None:
-    asked: list[None] = []
-
-    def tell() -> dict[str, Json]:
-        asked.append(None)
-        return {"angles": [0.1, 0.2], "by": {"knee": 1.0}}
-
-    late: Observation[str] = Observation("Sitting", LateMap(tell))
-    also = late.and_also("Standing")
-    assert not asked
-    assert late.evidence["angles"] == (0.1, 0.2)
-    assert also.evidence == {"angles": (0.1, 0.2), "by": {"knee": 1.0}}
-    assert len(asked) == 1
-    told = Observation("Sitting", tell())
-    assert late == told
-    assert hash(late) == hash(told)
-    assert pickle.loads(pickle.dumps(Observation("Sitting", LateMap(tell)))) == told
-
-
-def test_late_evidence_must_be_plain_data_too() -> None:
-    late: Observation[str] = Observation("Sitting", LateMap(lambda: {"eye": object()}))  # type: ignore[dict-item]
-    with pytest.raises(TypeError, match="not JSON"):
-        len(late.evidence)

@@ -16,6 +16,7 @@ from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, distances_outside_m
 from tests import meshes
 from tests.meshes import Mesh, mesh_scene
+from tests.perspective.twin_grasp import touched
 from tests.scenes import agent, cylinder
 
 HERE_ONLY = replace(DEFAULT, efforts=replace(DEFAULT.efforts, move_radius_m=0.0))
@@ -101,11 +102,11 @@ def test_quick_tests_of_a_hand_in_a_mesh_find_what_measuring_every_pair_finds() 
     seen = set()
     for index in range(0, len(grasps), 23):
         stage.place(arm.ghosts, hand_centers(grasps, profile.hand)[index], hand_frames(grasps)[index].reshape(9))
-        touched = grasps.touched(index)
+        by_design = touched(grasps, index)
         met = [
             depth_m
             for ghost, solid, depth_m in stage.overlaps(arm.ghosts, grasps.solids)
-            if (ghost == palm or solid not in touched) and abs(depth_m - TOUCH_M) > 1e-5
+            if (ghost == palm or solid not in by_design) and abs(depth_m - TOUCH_M) > 1e-5
         ]
         assert bool(grasps.in_itself[index]) == any(depth_m > TOUCH_M for depth_m in met)
         seen.add(bool(grasps.in_itself[index]))

@@ -7,12 +7,13 @@ import pytest
 
 from taskgist.perspective import Standpoint
 from taskgist.perspective.grasping.grasps import Grasps
-from taskgist.perspective.grasping.hand import Hands, hand_poses
+from taskgist.perspective.grasping.hand import Hands
 from taskgist.perspective.grasping.samples import grasps_in_object
 from taskgist.perspective.grasping.touch import TOUCH_M
 from taskgist.perspective.grasping.tries import Tries
 from taskgist.world import Hand, Stage
 from tests.perspective.random_rooms import random_case
+from tests.perspective.twin_grasp import hand_poses
 
 MOST = 60
 """Grasps of one object that are measured."""

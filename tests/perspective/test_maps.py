@@ -14,7 +14,10 @@ import pytest
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.perspective import Ability, Standpoint, effort_from
 from taskgist.perspective.maps.ability_map import AbilityMap, ability_map
+from taskgist.perspective.maps.cells import Cells
+from taskgist.perspective.maps.footing import footing_of
 from taskgist.perspective.maps.grid import Grid
+from taskgist.perspective.maps.seen.see import CellsToSee
 from taskgist.perspective.maps.solid import solid_cells
 from taskgist.perspective.maps.zone import Zone
 from taskgist.settings import DEFAULT, Maps
@@ -52,6 +55,18 @@ def test_fast_and_slow_agree_in_furnished_rooms(seed: int, ability: Ability) -> 
     stage = random_case(seed).stage()
     for agent in stage.scene.agents[:2]:
         assert twin_disagreements(stage, agent, ability, np.random.default_rng(seed)) == []
+
+
+def test_fast_and_slow_agree_where_an_agent_has_very_many_ways_to_stand() -> None:
+    """Its own shapes, once for each way, make a table with more rows than 16 bits can tell apart."""
+    fine = replace(COARSE.efforts, turn_step_rad=math.radians(2.0), lean_step_rad=0.05, move_radius_m=0.0)
+    stage, settings = Room((table(0.9),), (Person("P1", (0, 0)),)).stage(), replace(COARSE, efforts=fine)
+    twin, here = MapTwin(stage, "P1", settings), Standpoint(stage, "P1", settings)
+    beside_the_legs = Grid((0.0, 0.1, 0.35), 0.0, 0.05, (1, 1, 2))
+    found = ability_map(here, ability="see", grid=beside_the_legs)
+    assert found.levels.ravel().tolist() == [twin.level("see", point) for point in beside_the_legs.centers()]
+    asking = CellsToSee(here, Cells.of(beside_the_legs))
+    assert len(footing_of(here, 2).states) * len(asking.own) > 2**15
 
 
 @cache

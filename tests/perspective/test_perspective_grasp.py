@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import Ability, Effort, Standpoint, least_effort
-from taskgist.perspective.grasping.hand import hand_poses
 from taskgist.perspective.grasping.samples import around, grasps_in_object, sample_grasps
 from taskgist.perspective.judge import Outcome
 from taskgist.perspective.reaching.reach import Reach, ReachAmong
@@ -15,6 +14,7 @@ from taskgist.perspective.reaching.sector import Cloud
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage
 from tests.perspective.rooms import Person, Room, Thing, table, wall
+from tests.perspective.twin_grasp import hand_poses
 
 STANDING = Person("P1", (0.0, 0.0))
 CUP = Thing("cup", (0.03, 0.05), (0.5, 0.2, 1.2), "cylinder")

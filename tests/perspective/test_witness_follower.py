@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from taskgist.perspective import everyone
 from taskgist.perspective.everyone import Follower, all_efforts
 from taskgist.world import Stage, State
 from tests.perspective.random_rooms import Case, random_case
@@ -46,6 +47,33 @@ def test_following_finds_what_a_fresh_look_finds(seed: int) -> None:
         assert dict(followed) == fresh
         assert all(followed[question].evidence == effort.evidence for question, effort in fresh.items())
         assert follower.asked_count <= len(fresh)
+
+
+def test_efforts_stay_what_they_are_whatever_comes_later() -> None:
+    case = random_case(502, image_px=(48, 36))
+    follower = Follower(case.scene, COARSE)
+    first = follower.update(case.state)
+    told = {question: dict(effort.evidence) for question, effort in follower.update(case.state).items()}
+    for state in frames(case):
+        follower.update(state)
+    fresh = all_efforts(Stage(case.scene, case.state), COARSE)
+    assert {question: effort.evidence for question, effort in first.items()} == told
+    assert {question: effort.evidence for question, effort in fresh.items()} == told
+
+
+def test_what_interrupts_a_frame_does_no_harm(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = random_case(503, image_px=(48, 36))
+    follower, states = Follower(case.scene, COARSE), list(frames(case))
+    follower.update(states[0])
+
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(everyone, "effort_from", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            follower.update(states[2])
+    assert dict(follower.update(states[3])) == all_efforts(Stage(case.scene, states[3]), COARSE)
 
 
 def test_a_frame_in_which_nothing_moves_asks_nothing() -> None:

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from taskgist.perspective.grasping.hand import hand_poses
+from taskgist.perspective.grasping.grasps import Grasps
+from taskgist.perspective.grasping.hand import hand_centers, hand_frames
 from taskgist.perspective.grasping.samples import sample_grasps
-from taskgist.world import ArmIndices, Pose
+from taskgist.world import ArmIndices, Hand, Pose
 
 if TYPE_CHECKING:
     from tests.perspective.twin import Twin
@@ -52,7 +53,7 @@ class TwinGrasps:
             world.data.geom_xpos[ghost], world.data.geom_xmat[ghost] = pose.position, pose.matrix.ravel()
         if index not in self._blocked:
             self._blocked[index] = any(
-                depth > TOUCH_M and (ghost == arm.ghosts[0] or other not in self._samples.touched(index))
+                depth > TOUCH_M and (ghost == arm.ghosts[0] or other not in touched(self._samples, index))
                 for (ghost, other), depth in world.depths(arm.ghosts, states.solid).items()
             )
         if self._blocked[index]:
@@ -61,3 +62,15 @@ class TwinGrasps:
 
     def _poses(self, index: int) -> tuple[Pose, ...]:
         return hand_poses(self._samples, index, self._hand)
+
+
+def hand_poses(grasps: Grasps, index: int, hand: Hand) -> tuple[Pose, ...]:
+    """Poses of the boxes of ``hand_boxes`` in one grasp."""
+    one = grasps.only(np.array([index]))
+    matrix = hand_frames(one)[0]
+    return tuple(Pose(center, matrix) for center in hand_centers(one, hand)[0])
+
+
+def touched(grasps: Grasps, index: int) -> frozenset[int]:
+    """The solid shapes that the fingers of a grasp close on."""
+    return frozenset(grasps.solids[grasps.touching[index]].tolist())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world import Scene, Stage
+from taskgist.world import Scene, Stage, State
 from tests.scenes import CHAIR, TABLE, agent, cylinder, scene
 
 ROOM = f"<mujoco><worldbody>{TABLE}{cylinder('cup', 0, 0, 0.77)}</worldbody></mujoco>"
@@ -126,3 +126,20 @@ def test_no_objects_means_none(tmp_path: Path) -> None:
 def test_seats_are_found_beneath() -> None:
     room = scene(CHAIR, agents=agent("P1", -0.95, 0, posture="sitting"))
     assert Stage(room).body_position(room.agent("P1").root_body)[2] == pytest.approx(0.45 + 0.045 * 1.75, abs=1e-4)
+
+
+def test_a_state_is_its_own_whatever_it_was_made_of() -> None:
+    numbers = np.zeros(7)
+    window = numbers[:]
+    numbers.flags.writeable = False
+    state = State(numbers)
+    window[0] = 5.0
+    assert state.qpos[0] == 0.0
+    whole = np.zeros(7, dtype=int)
+    whole.flags.writeable = False
+    assert State(whole).replace({0: 0.7}).qpos[0] == 0.7
+    assert State([0.0] * 7).qpos.shape == (7,)  # type: ignore[arg-type]
+    changed = state.replace({1: 1.0})
+    with pytest.raises(ValueError, match="read-only"):
+        changed.qpos[1] = 2.0
+    assert (state.qpos[1], changed.qpos[1], changed.time_s) == (0.0, 1.0, state.time_s)

@@ -10,7 +10,7 @@ from taskgist.facts.attributes import (
 )
 from taskgist.facts.elsewhere import FACTS_FORMAT, SCHEMA, facts_schema, parse_facts, read_facts
 from taskgist.facts.episode import Episode
-from taskgist.facts.frozen import FrozenMap, Json, LateMap, canonical_text, freeze, thaw
+from taskgist.facts.frozen import FrozenMap, Json, canonical_text, freeze, thaw
 from taskgist.facts.predicates import Predicate, known_predicates, predicate_subtree, register, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.subtree import (
@@ -48,7 +48,6 @@ __all__ = [
     "HypothesisTree",
     "Instant",
     "Json",
-    "LateMap",
     "Leaf",
     "Nature",
     "NatureOf",

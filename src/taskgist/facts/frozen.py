@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Generic, TypeAlias, TypeVar
 
 Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json] | None"
@@ -57,27 +57,6 @@ class FrozenMap(Mapping[K, V], Generic[K, V]):
         return FrozenMap({other: value for other, value in self._items.items() if other != key})
 
 
-class LateMap(FrozenMap[str, Json]):
-    """A frozen mapping whose content is told when somebody first looks at it, and then kept.
-
-    Args:
-        tell: Gives the content, which is frozen as by ``freeze``.
-    """
-
-    __slots__ = ("_tell",)
-
-    def __init__(self, tell: Callable[[], Mapping[str, Json]]) -> None:
-        self._tell = tell
-
-    def __getattr__(self, name: str) -> dict[str, Json]:
-        """Only asked for what is not there: the content, before it was told."""
-        if name != "_items":
-            raise AttributeError(name)
-        self._items = {key: freeze(item) for key, item in self._tell().items()}
-        del self._tell
-        return self._items
-
-
 def freeze(value: Json) -> Json:
     """Deeply frozen copy: mappings become ``FrozenMap``, sequences tuples.
 
@@ -88,8 +67,6 @@ def freeze(value: Json) -> Json:
         return value
     if isinstance(value, float) and math.isfinite(value):
         return float(value)  # a plain float, also where a subclass (numpy.float64) was given
-    if isinstance(value, LateMap):
-        return value
     if isinstance(value, Mapping) and all(isinstance(key, str) for key in value):
         return FrozenMap({key: freeze(item) for key, item in value.items()})
     if isinstance(value, Sequence) and not isinstance(value, bytes | bytearray):

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import cast
 
-from taskgist.facts import UNKNOWN, Json, LateMap, Observation, Raw
+from taskgist.facts import UNKNOWN, Json, Observation, Raw
 from taskgist.facts import vocabulary as v
 from taskgist.perspective import ABILITIES, Effort, Standpoint, effort_from, visibility_from
 from taskgist.settings import Settings
@@ -30,10 +30,10 @@ def ability_observations(stage: Stage, agent: str, name: str, settings: Settings
     observations: dict[str, Observation[Raw]] = {}
     here = Standpoint(stage, agent, settings)
     for ability in ABILITIES:
-        observations |= _effort_observations(effort_from(here, name, ability), settings)
+        observations |= _effort_observations(effort_from(here, name, ability, explained=True), settings)
     seen = visibility_from(here, name)
     observations["visibility.score"] = (
-        Observation(UNKNOWN) if seen is None else Observation(seen.score, _told(lambda: seen.evidence))
+        Observation(UNKNOWN) if seen is None else Observation(seen.score, _plain(seen.evidence))
     )
     return observations
 
@@ -41,7 +41,7 @@ def ability_observations(stage: Stage, agent: str, name: str, settings: Settings
 def _effort_observations(effort: Effort, settings: Settings) -> dict[str, Observation[Raw]]:
     ability = effort.ability
     names = ("effort", "state", "action")
-    evidence = _told(lambda: effort.evidence)
+    evidence = _plain(effort.evidence)
     if effort.level is None:
         unknown: Observation[Raw] = Observation(UNKNOWN, evidence)
         return {f"{ability}.{name}": unknown for name in names}
@@ -50,9 +50,9 @@ def _effort_observations(effort: Effort, settings: Settings) -> dict[str, Observ
     return dict(zip((f"{ability}.{name}" for name in names), (level, state, actions), strict=True))
 
 
-def _told(tell: Callable[[], Mapping[str, object]]) -> LateMap:
-    """Evidence of perspective, told when somebody asks; it is JSON by promise, and freezing it checks that."""
-    return LateMap(cast(Callable[[], Mapping[str, Json]], tell))
+def _plain(evidence: Mapping[str, object]) -> Mapping[str, Json]:
+    """Evidence of perspective as the facts want it; it is JSON by promise, and freezing it checks that."""
+    return cast(Mapping[str, Json], evidence)
 
 
 def state_symbol(effort: Effort, settings: Settings) -> str:

@@ -12,6 +12,7 @@ from taskgist.world import Posture
 
 Ability = Literal["see", "reach", "grasp"]
 ABILITIES: tuple[Ability, ...] = get_args(Ability)
+Told = Callable[[], Mapping[str, object]]
 NO_KNOWN_LEVEL = 5
 """Level of what no known action achieves."""
 
@@ -56,7 +57,7 @@ class Effort:
     amount: Amount | None
     joints_rad: Mapping[str, float] = field(hash=False)
     posture: Posture | None
-    told: Callable[[], Mapping[str, object]] = field(compare=False, repr=False)
+    told: Told = field(compare=False, repr=False)
 
     @cached_property
     def evidence(self) -> Mapping[str, object]:

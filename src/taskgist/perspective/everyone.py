@@ -83,7 +83,8 @@ class Follower:
         Returns:
             Efforts by agent, object and ability: what ``all_efforts`` would give.
         """
-        moved = self._moved(self._stage.show(state))
+        last, self._last = self._last, None  # whatever interrupts this, the next state is looked at afresh
+        moved = self._moved(self._stage.show(state), last)
         stale = np.ones(len(self._questions), dtype=np.bool_) if moved is None else self._crossed(moved)
         self._targets = {n: each for n, each in self._targets.items() if moved and n not in moved.owners}
         for agent in self._stage.scene.agents:
@@ -118,9 +119,9 @@ class Follower:
     def _has_walked(self, agent: str) -> bool:
         return bool((self._rows_of(agent) & self._walked).any())
 
-    def _moved(self, stage: Stage) -> Moved | None:
+    def _moved(self, stage: Stage, last: State | None) -> Moved | None:
         """What moved since the last state; None if anything may have."""
-        scene, last = stage.scene, self._last
+        scene = stage.scene
         before, self._places = self._places, stage.geoms(np.arange(scene.model.ngeom))
         if last is None or last.untracked != stage.state.untracked or last.holding != stage.state.holding:
             return None

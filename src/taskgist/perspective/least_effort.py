@@ -7,12 +7,13 @@ ones fail.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 
 from taskgist.errors import UnknownNameError
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.acting.virtual_actions import NO_ACTION, NO_KNOWN_ACTION, SIT, STAND
-from taskgist.perspective.effort import ABILITIES, NO_KNOWN_LEVEL, Ability, Effort
+from taskgist.perspective.effort import ABILITIES, NO_KNOWN_LEVEL, Ability, Effort, Told
 from taskgist.perspective.grasping.grasp import Grasp
 from taskgist.perspective.judge import Judge, Miss, Why
 from taskgist.perspective.reaching.reach import Reach
@@ -20,7 +21,7 @@ from taskgist.perspective.search import Found, least
 from taskgist.perspective.seeing.see import See
 from taskgist.perspective.target import Target
 from taskgist.settings import DEFAULT, Settings
-from taskgist.world import Posture, Stage, State
+from taskgist.world import Posture, Scene, Stage, State
 
 JUDGES: Mapping[Ability, Callable[[Standpoint, Target], Judge]] = {"see": See, "reach": Reach, "grasp": Grasp}
 
@@ -43,28 +44,51 @@ def least_effort(stage: Stage, agent: str, name: str, ability: Ability, settings
     return effort_from(Standpoint(stage, agent, settings), name, ability)
 
 
-def effort_from(here: Standpoint, name: str, ability: Ability) -> Effort:
+def effort_from(here: Standpoint, name: str, ability: Ability, *, explained: bool = False) -> Effort:
     """As ``least_effort``, from a standpoint.
+
+    Args:
+        here: Whose ability, and from where.
+        name: The object.
+        ability: ``see``, ``reach`` or ``grasp``.
+        explained: Whether evidence is told at once. Otherwise whoever asks the effort for it has it found anew, on a
+            stage of its own: an effort is a value, whatever becomes of the stage.
 
     Raises:
         UnknownNameError: There is no such object or ability.
     """
     with here.stage.showing(here.state):
         here.consult_anew()
-        judge = _judge(here, name, ability)
-        if judge is None:
-            return _unattained(here, name, ability, None, [partial(Miss, 0.0, f"{name} not tracked")])
-        target = here.target(name).middle
-        whys: list[Why] = []
-        for level in range(NO_KNOWN_LEVEL):
-            unknown = judge.unknown(level)
-            if unknown is not None:
-                return _unattained(here, name, ability, None, [*whys, partial(Miss, 0.0, unknown)])
-            answer = least(here, judge, level, target)
-            if isinstance(answer, Found):
-                return _attained(here, name, ability, level, answer, whys)
-            whys.append(answer)
-        return _unattained(here, name, ability, NO_KNOWN_LEVEL, whys)
+        answer = _answer(here, name, ability)
+        if explained:
+            return _effort(here, name, ability, answer, partial(dict, _evidence(ability, answer)))
+    asked = (here.stage.scene, here.state, here.agent.name, here.settings, here.actions, name, ability)
+    return _effort(here, name, ability, answer, partial(_told, *asked))
+
+
+@dataclass(frozen=True, eq=False)
+class _Answer:
+    """The level found, None if unknown; how it is attained, if it is; and why not with less, level by level."""
+
+    level: int | None
+    found: Found | None
+    whys: list[Why]
+
+
+def _answer(here: Standpoint, name: str, ability: Ability) -> _Answer:
+    judge = _judge(here, name, ability)
+    if judge is None:
+        return _Answer(None, None, [partial(Miss, 0.0, f"{name} not tracked")])
+    target, whys = here.target(name).middle, list[Why]()
+    for level in range(NO_KNOWN_LEVEL):
+        unknown = judge.unknown(level)
+        if unknown is not None:
+            return _Answer(None, None, [*whys, partial(Miss, 0.0, unknown)])
+        result = least(here, judge, level, target)
+        if isinstance(result, Found):
+            return _Answer(level, result, whys)
+        whys.append(result)
+    return _Answer(NO_KNOWN_LEVEL, None, whys)
 
 
 def able(
@@ -107,52 +131,48 @@ def _judge(here: Standpoint, name: str, ability: Ability) -> Judge | None:
     return JUDGES[ability](here, here.target(name)) if here.state.known([name]) else None
 
 
-def _attained(here: Standpoint, name: str, ability: Ability, level: int, found: Found, whys: list[Why]) -> Effort:
-    amount = found.amount
-
-    def told() -> Mapping[str, object]:
-        with here.stage.showing(here.state):
-            misses = [why() for why in whys]
-            nearest = min(misses, default=Miss(0.0, FREE[ability]))
-            return _misses(misses, nearest) | {"amount": dict(vars(amount)), **found.outcome.evidence()}
-
+def _effort(here: Standpoint, name: str, ability: Ability, answer: _Answer, told: Told) -> Effort:
+    """An answer as a value; at level 5, and if unknown, the agent stays as it is."""
+    found = answer.found
+    known = () if answer.level is None else (NO_KNOWN_ACTION,)
     return Effort(
         ability=ability,
         agent=here.agent.name,
         target=name,
-        level=level,
-        actions=found.actions or (NO_ACTION,),
-        amount=amount,
-        joints_rad=_joints_rad(here, found.state),
-        posture=_posture(here, found.actions),
+        level=answer.level,
+        actions=found.actions or (NO_ACTION,) if found else known,
+        amount=found.amount if found else None,
+        joints_rad=_joints_rad(here, found.state if found else here.state),
+        posture=_posture(here, found.actions) if found else here.posture,
         told=told,
     )
 
 
-def _unattained(here: Standpoint, name: str, ability: Ability, level: int | None, whys: list[Why]) -> Effort:
-    """Level 5, or unknown: the agent stays as it is, and the reason says what stands in the way."""
-
-    def told() -> Mapping[str, object]:
-        with here.stage.showing(here.state):
-            misses = [why() for why in whys]
-            return _misses(misses, misses[-1] if level is None else min(misses))
-
-    return Effort(
-        ability=ability,
-        agent=here.agent.name,
-        target=name,
-        level=level,
-        actions=() if level is None else (NO_KNOWN_ACTION,),
-        amount=None,
-        joints_rad=_joints_rad(here, here.state),
-        posture=here.posture,
-        told=told,
-    )
+def _evidence(ability: Ability, answer: _Answer) -> dict[str, object]:
+    """What was found, and why not with less; where nothing was, the reason says what stands in the way."""
+    misses = [why() for why in answer.whys]
+    telling = misses[-1] if answer.level is None else min(misses, default=Miss(0.0, FREE[ability]))
+    told: dict[str, object] = {
+        "reason": telling.why,
+        "not_with_less": [miss.why for miss in misses],
+        "miss": telling.evidence(),
+    }
+    found = answer.found
+    return told | {"amount": dict(vars(found.amount)), **found.outcome.evidence()} if found else told
 
 
-def _misses(misses: list[Miss], telling: Miss) -> dict[str, object]:
-    """What all evidence begins with: why not with less."""
-    return {"reason": telling.why, "not_with_less": [miss.why for miss in misses], "miss": telling.evidence()}
+def _told(
+    scene: Scene,
+    state: State,
+    agent: str,
+    settings: Settings,
+    actions: frozenset[str],
+    name: str,
+    ability: Ability,
+) -> Mapping[str, object]:
+    """The evidence of an effort, found anew."""
+    here = Standpoint(Stage(scene, state), agent, settings, actions=actions)
+    return effort_from(here, name, ability, explained=True).evidence
 
 
 FREE: Mapping[Ability, str] = {"see": "in the gaze cone", "reach": "held", "grasp": "held"}

@@ -27,7 +27,6 @@ from taskgist.world.state import State
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
-NONE: Indices = np.empty(0, dtype=np.intp)
 
 
 class Stage:
@@ -172,19 +171,16 @@ class Stage:
         """Whether each shape is one that rays meet: visible, and tracked, (ngeom,)."""
         return self._rays.seen
 
-    def between(
-        self, origin: Array, centers: Array, radii_m: Array, *, without: Indices = NONE, but_body: int = -1
-    ) -> Indices:
+    def between(self, origin: Array, centers: Array, radii_m: Array, *, but_body: int = -1) -> Indices:
         """Seen shapes that rays from a point may meet before they leave some balls behind; never too few.
 
         Args:
             origin: The point, metres, (3,).
             centers: Centres of the balls, metres, (n, 3).
             radii_m: Their radii, (n,).
-            without: Shapes that do not count, (k,).
             but_body: A body whose shapes do not count, or −1.
         """
-        return self._rays.between(origin, centers, radii_m, without, but_body)
+        return self._rays.between(origin, centers, radii_m, but_body)
 
     def distance(self, geom_a: int, geom_b: int, *, limit_m: float) -> float:
         """Signed distance in metres between two shapes (negative: how deep they overlap), at most ``limit_m``."""

@@ -37,11 +37,7 @@ class State:
     holding: frozenset[Hold] | None = None
 
     def __post_init__(self) -> None:
-        qpos = self.qpos
-        if qpos.flags.writeable or not qpos.flags.owndata:
-            qpos = np.array(qpos, dtype=float)
-            qpos.flags.writeable = False
-            object.__setattr__(self, "qpos", qpos)
+        object.__setattr__(self, "qpos", _frozen(np.array(self.qpos, dtype=float)))
 
     def __reduce__(self) -> tuple[object, ...]:
         return State, (np.array(self.qpos), self.time_s, self.untracked, self.holding)
@@ -61,8 +57,13 @@ class State:
             qpos[index] = value
         if at is not None:
             qpos[at] = to
-        qpos.flags.writeable = False
-        return State(qpos, self.time_s, self.untracked, self.holding)
+        return self._with(_frozen(qpos))
+
+    def _with(self, qpos: NDArray[np.float64]) -> State:
+        """The same at other positions, an array that is read-only and nobody else's: spares copying it."""
+        state = object.__new__(State)
+        state.__dict__.update(self.__dict__, qpos=qpos)
+        return state
 
     def with_holding(self, holding: Iterable[Hold] | None) -> State:
         """The same state with another word on who holds what."""
@@ -71,3 +72,8 @@ class State:
     def known(self, names: Iterable[str]) -> bool:
         """Whether all of these objects, agents and parts were tracked (a part of an untracked agent was not)."""
         return not any(name in self.untracked or name.partition("/")[0] in self.untracked for name in names)
+
+
+def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    array.flags.writeable = False
+    return array

@@ -59,7 +59,3 @@ class Grasps:
     def only(self, rows: NDArray[np.intp] | NDArray[np.bool_]) -> Grasps:
         """Some of them."""
         return replace(self, **{field: getattr(self, field)[rows] for field in PER_GRASP})
-
-    def touched(self, index: int) -> frozenset[int]:
-        """The solid shapes that the fingers of a grasp close on."""
-        return frozenset(self.solids[self.touching[index]].tolist())

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.perspective.grasping.grasps import Grasps
-from taskgist.world import Hand, Pose, hand_boxes
+from taskgist.world import Hand, hand_boxes
 from taskgist.world.geometry.boxes import COLUMNS, EXACT, HALF, RADIUS
 
 Array = NDArray[np.float64]
@@ -36,18 +36,19 @@ class Hands:
     @classmethod
     def of(cls, grasps: Grasps, hand: Hand) -> Hands:
         """The hand in some grasps; found once for each set of grasps."""
-        if grasps not in _KNOWN:
+        known = _KNOWN.setdefault(grasps, {})
+        if hand not in known:
             half = np.array([box.half_m for box in hand_boxes(hand)])
             boxes = np.zeros((len(half), COLUMNS))
             boxes[:, HALF : HALF + 3], boxes[:, RADIUS], boxes[:, EXACT] = half, np.linalg.norm(half, axis=1), 1.0
             centers = hand_centers(grasps, hand)
             middle = centers.mean(axis=(0, 1))
             radius_m = float((np.linalg.norm(centers - middle, axis=2) + boxes[:, RADIUS]).max())
-            _KNOWN[grasps] = cls(hand_frames(grasps).reshape(-1, 9), centers, boxes, middle, radius_m)
-        return _KNOWN[grasps]
+            known[hand] = cls(hand_frames(grasps).reshape(-1, 9), centers, boxes, middle, radius_m)
+        return known[hand]
 
 
-_KNOWN: WeakKeyDictionary[Grasps, Hands] = WeakKeyDictionary()
+_KNOWN: WeakKeyDictionary[Grasps, dict[Hand, Hands]] = WeakKeyDictionary()
 
 
 def hand_frames(grasps: Grasps) -> Array:
@@ -69,10 +70,3 @@ def hand_centers(grasps: Grasps, hand: Hand) -> Array:
     beside = side * (grasps.widths_m / 2 + grasps.gaps_m + hand.finger_thickness_m / 2)[:, None]
     local = np.stack((np.broadcast_to(-behind, beside.shape), beside, np.broadcast_to(across, beside.shape)), axis=2)
     return np.asarray(grasps.centers[:, None] + local @ hand_frames(grasps).transpose(0, 2, 1))
-
-
-def hand_poses(grasps: Grasps, index: int, hand: Hand) -> tuple[Pose, ...]:
-    """Poses of the boxes of ``hand_boxes`` in one grasp."""
-    one = grasps.only(np.array([index]))
-    matrix = hand_frames(one)[0]
-    return tuple(Pose(center, matrix) for center in hand_centers(one, hand)[0])

@@ -1,1 +1,1 @@
-"""Ability maps: where an agent sees and reaches, with which effort, and where an object could stand."""
+"""Ability maps: where an agent sees (``seen``) and reaches (``reached``), how easily; where an object could stand."""

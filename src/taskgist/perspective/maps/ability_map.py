@@ -27,8 +27,8 @@ from taskgist.perspective.effort import NO_KNOWN_LEVEL, Ability
 from taskgist.perspective.judge import untracked_parts
 from taskgist.perspective.maps.cells import Cells
 from taskgist.perspective.maps.grid import Grid
-from taskgist.perspective.maps.reach import Reach
-from taskgist.perspective.maps.see import Sight
+from taskgist.perspective.maps.reached.reach import CellsToReach
+from taskgist.perspective.maps.seen.see import CellsToSee
 from taskgist.perspective.maps.trials import Trials, winners
 from taskgist.perspective.maps.workspace import Workspace, workspace_of
 from taskgist.perspective.maps.zone import Zone
@@ -97,8 +97,8 @@ class Asking(Protocol):
 
 
 TRIALS: Mapping[str, tuple[Callable[[Standpoint, Cells], Asking], tuple[tuple[str, ...], ...]]] = {
-    "see": (Sight, EYE_PARTS),
-    "reach": (Reach, HAND_PARTS),
+    "see": (CellsToSee, EYE_PARTS),
+    "reach": (CellsToReach, HAND_PARTS),
 }
 """Trials by ability, and the parts of an agent that must be tracked to judge each level."""
 

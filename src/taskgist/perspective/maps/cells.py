@@ -13,6 +13,8 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 EDGE = 4
 """Cells along the edge of a block."""
+LANES = EDGE**3
+"""Cells of a block: compiled loops take a block at a time, with a lane for each of its cells."""
 OUTSIDE = -1
 
 
@@ -40,7 +42,7 @@ class Cells:
         parted = padded.reshape(first, EDGE, second, EDGE, third, EDGE).transpose(0, 2, 4, 1, 3, 5).ravel()
         rows = np.flatnonzero(parted != OUTSIDE)
         index = parted[rows]
-        return cls(grid.centers()[index], index, rows // EDGE**3)
+        return cls(grid.centers()[index], index, rows // LANES)
 
     def starts(self, rows: Indices) -> Indices:
         """Where the blocks of some rows begin among them, and where the last one ends, (blocks + 1,)."""

@@ -36,15 +36,15 @@ def clear_places(here: Standpoint, state: State, base_m: Array, places_m: Array)
         return np.zeros(len(places_m), dtype=bool)
     centers, radii = stage.geom_centers(core), np.asarray(model.geom_rbound[core])
     wide = np.linalg.norm(centers[:, :2] - base_m, axis=1) + radii
-    middle, half = _boxes(here, obstacles[~endless])
+    middle, half = _extents(here, obstacles[~endless])
     beside = np.abs(centers[:, 2, None] - middle[:, 2]) < radii[:, None] + half[:, 2]
     widest = np.where(beside, wide[:, None], 0.0).max(axis=0)
     away = np.maximum(np.abs(places_m[:, None] - middle[:, :2]) - half[:, :2], 0.0)
     return np.asarray((np.hypot(away[..., 0], away[..., 1]) >= widest).all(axis=1))
 
 
-def _boxes(here: Standpoint, geoms: NDArray[np.intp]) -> tuple[Array, Array]:
-    """Middles and half sizes of the boxes around shapes along the world's axes, as the stage shows them, (n, 3)."""
+def _extents(here: Standpoint, geoms: NDArray[np.intp]) -> tuple[Array, Array]:
+    """How far shapes extend along the world's axes, as the stage shows them: middles and half sizes, metres, (n, 3)."""
     positions, matrices = here.stage.geoms(geoms)
     turns, bounds = matrices.reshape(-1, 3, 3), here.stage.scene.model.geom_aabb[geoms]
     middle = positions + np.einsum("nij,nj->ni", turns, bounds[:, :3])

@@ -160,8 +160,8 @@ def best_of(scores: Array, among: Indices, best: Indices) -> int:
 
 
 @compiled
-def ball_around(points: Array, rows: Indices, start: int, end: int) -> Ball:
-    """A ball around some points."""
+def ball_around_cells(points: Array, rows: Indices, start: int, end: int) -> Ball:
+    """A ball around the centres of some cells."""
     lx, ly, lz = points[rows[start], 0], points[rows[start], 1], points[rows[start], 2]
     hx, hy, hz = lx, ly, lz
     for place in range(start + 1, end):

@@ -123,8 +123,7 @@ def first_in_reach(
             near ones the first.
         reach_m: Written: how far it is, (a,).
         missed: Kept up to date: of the stances passed over, the one from which each arm misses the points least, (a,).
-        gap_m: Kept up to date: how far its shoulder is from the nearest point then, (a,); where that is beyond the
-            arm, a lower bound.
+        gap_m: Kept up to date: how far its shoulder is from the nearest point then, (a,).
     """
     rows, base, pose, gaps = table.rows, table.base, np.empty(POSE), np.empty(len(shoulders))
     for i in range(start, stop):
@@ -136,11 +135,12 @@ def first_in_reach(
             x, y = row[0] - base[0], row[1] - base[1]
             sx, sy, sz = ahead + cosine * x - sine * y, aside + sine * x + cosine * y, row[2]
             x, y, z = middle[0] - sx, middle[1] - sy, middle[2] - sz
-            nearest[arm], gaps[arm] = NOWHERE, max(math.sqrt(x * x + y * y + z * z) - radius_m, 0.0)
-            if gaps[arm] > length_m + ROUNDING:
-                continue
+            nearest[arm], gaps[arm] = NOWHERE, np.inf
+            ball_m = math.sqrt(x * x + y * y + z * z) - radius_m
+            if ball_m > length_m + ROUNDING and ball_m > gap_m[arm]:
+                continue  # neither in reach nor the nearest miss
             carry_pose(row, base, table.offsets_m[spot], sine, cosine, pose)
-            least_m, gaps[arm] = np.inf, np.inf
+            least_m = np.inf
             for k in range(len(points)):
                 x, y, z = points[k, 0] - sx, points[k, 1] - sy, points[k, 2] - sz
                 at_m = math.sqrt(x * x + y * y + z * z)
@@ -173,11 +173,8 @@ def beyond(
             x, y = row[0] - base[0], row[1] - base[1]
             sx, sy, sz = ahead + cosine * x - sine * y, aside + sine * x + cosine * y, row[2]
             x, y, z = middle[0] - sx, middle[1] - sy, middle[2] - sz
-            ball_m = math.sqrt(x * x + y * y + z * z) - radius_m
-            if ball_m > far_m:
+            if math.sqrt(x * x + y * y + z * z) - radius_m > far_m:
                 continue
-            if ball_m > sectors[arm, 0] + ROUNDING:
-                return False
             for k in range(len(points)):
                 x, y, z = points[k, 0] - sx, points[k, 1] - sy, points[k, 2] - sz
                 if x * x + y * y + z * z <= far_m * far_m:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-import numpy as np
-
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.seeing.glimpse import off_gaze
+from taskgist.perspective.seeing.image import lens_of
 from taskgist.perspective.seeing.sight import Sight, look, sight_now
 from taskgist.perspective.target import Target
 from taskgist.settings import DEFAULT, Settings
@@ -109,7 +108,7 @@ def measured(stage: Stage, agent: Agent, target: Target, sight: Sight) -> Visibi
     owners = stage.scene.owners
     others = Counter(owners[geom] for geom in sight.geoms[~sight.visible].tolist())
     width, height = agent.profile.eye.image_px
-    in_cone = sight.rays_in_eye[:, 0] >= np.cos(agent.profile.eye.gaze_cone_rad)
+    in_cone = sight.rays_in_eye[:, 0] >= lens_of(agent.profile.eye).cone_cos
     near = sight.distances_m[sight.visible]
     return Visibility(
         visible_px=int(sight.visible.sum()),

@@ -8,6 +8,7 @@ can be read, and run, as such.
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -19,22 +20,27 @@ P = ParamSpec("P")
 R = TypeVar("R")
 PACKAGE = Path(__file__).parents[2]
 MARK = b"@compiled"
+IMPORT = re.compile(rb"^from taskgist\.([\w.]+) import", re.MULTILINE)
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """Let numba compile a function when it is first called; division by zero gives infinity, as in numpy."""
     dispatcher = numba.njit(cache=True, error_model="numpy")(function)
-    if hasattr(dispatcher, "_cache"):  # numba looks at the function's own file only, not at those of what it calls
-        dispatcher._cache._cache_file._source_stamp = _stamp_of_sources()
+    file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    if file is not None:  # numba looks at the function's own file only, not at those of what it calls
+        file._source_stamp = _stamp_of_sources()
     return cast(Callable[P, R], dispatcher)
 
 
 @lru_cache(maxsize=1)
 def _stamp_of_sources() -> str:
-    """Digest of all sources of the package that hold compiled functions."""
+    """Digest of all sources of the package that hold compiled functions, or from which these take constants."""
+    texts = {path: path.read_bytes() for path in sorted(PACKAGE.rglob("*.py"))}
+    holders = [path for path, text in texts.items() if MARK in text]
+    imported = {PACKAGE.joinpath(*name.decode().split(".")) for path in holders for name in IMPORT.findall(texts[path])}
+    counted = {*holders, *(path.with_suffix(".py") for path in imported)}
     digest = hashlib.sha256()
-    for path in sorted(PACKAGE.rglob("*.py")):
-        text = path.read_bytes()
-        if MARK in text:
+    for path, text in texts.items():
+        if path in counted:
             digest.update(text)
     return digest.hexdigest()

@@ -128,11 +128,9 @@ class Rays:
         distances[geoms < 0] = np.inf
         return geoms, distances, normals
 
-    def between(self, origin: Array, centers: Array, radii_m: Array, without: Indices, but_body: int) -> Indices:
+    def between(self, origin: Array, centers: Array, radii_m: Array, but_body: int) -> Indices:
         """Shapes that may stand between a point and some balls; see ``Stage.between``."""
-        counted = self.seen.copy()
-        counted[without] = False
-        return stand_between(self.shapes, np.flatnonzero(counted), but_body, origin, centers, radii_m)
+        return stand_between(self.shapes, np.flatnonzero(self.seen), but_body, origin, centers, radii_m)
 
     def _model_of(self, only: ArrayLike) -> mujoco.MjModel:
         """A copy of the model in which no other shape is seen."""

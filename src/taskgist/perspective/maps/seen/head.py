@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.acting.virtual_actions import PAN, TILT
-from taskgist.perspective.maps.aiming import (
+from taskgist.perspective.maps.seen.aiming import (
     AHEAD,
     EYE,
     MOVES,

@@ -14,12 +14,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.maps.aiming import LANES, ROWS, SWING
-from taskgist.perspective.maps.gaze import IN_VIEW, PLACE, TURNED, in_eye, look_all, out_of_cones, show_points
-from taskgist.perspective.maps.shade import Shadows, room_for, shade_all
-from taskgist.perspective.maps.shadow import NONE, hidden_from_box
+from taskgist.perspective.maps.cells import LANES
+from taskgist.perspective.maps.seen.aiming import ROWS, SWING
+from taskgist.perspective.maps.seen.gaze import IN_VIEW, PLACE, TURNED, in_eye, look_all, out_of_cones, show_points
+from taskgist.perspective.maps.seen.shade import Shadows, room_for, shade_all
+from taskgist.perspective.maps.seen.shadow import NONE, hidden_from_box
 from taskgist.perspective.maps.tree import INNER, LEAF, PAST, Tree
-from taskgist.perspective.maps.trials import FIRST, WON, Ball, Sweep, ball_around, best_of, judge_all
+from taskgist.perspective.maps.trials import FIRST, WON, Ball, Sweep, ball_around_cells, best_of, judge_all
 from taskgist.world.geometry.compiled import compiled
 
 Array = NDArray[np.float64]
@@ -68,7 +69,7 @@ def seen_cells(seeing: Eyes, shadows: Shadows, sweep: Sweep, starts: Indices) ->
     way, own, own_count, things, hider = shadows
     for block in range(len(starts) - 1):
         count = starts[block + 1] - starts[block]
-        ball = ball_around(points, rows, starts[block], starts[block + 1])
+        ball = ball_around_cells(points, rows, starts[block], starts[block + 1])
         swing = head[SWING] + ball[3]
         scores[:] = UNRATED
         for trial in first:
@@ -145,7 +146,7 @@ def _next_node(
     points: Array,
     rows: Indices,
     things: Array,
-    hider: NDArray[np.int16],
+    hider: NDArray[np.int32],
     nodes: Indices,
     boxes: Array,
     lanes: Indices,

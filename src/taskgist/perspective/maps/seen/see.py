@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.maps.cells import Cells
 from taskgist.perspective.maps.footing import FREE, UNKNOWN, Footing, footing_of
-from taskgist.perspective.maps.gaze import EYE_COLUMNS, PLACE, TURNED, eye_positions
-from taskgist.perspective.maps.head import Head, head_of, shapes_of_head
-from taskgist.perspective.maps.shade import Shadows
-from taskgist.perspective.maps.shadow import BOUNDS, COLUMNS, KIND, MATRIX, NONE, POSITION, RADIUS, SIZE
-from taskgist.perspective.maps.sight import Eyes, seen_cells
+from taskgist.perspective.maps.seen.gaze import EYE_COLUMNS, PLACE, TURNED, eye_positions
+from taskgist.perspective.maps.seen.head import Head, head_of, shapes_of_head
+from taskgist.perspective.maps.seen.shade import Shadows
+from taskgist.perspective.maps.seen.shadow import BOUNDS, COLUMNS, KIND, MATRIX, NONE, POSITION, RADIUS, SIZE
+from taskgist.perspective.maps.seen.sight import Eyes, seen_cells
 from taskgist.perspective.maps.tree import Tree, tree_of
 from taskgist.perspective.maps.trials import DOUBTFUL, FIRST, Indices, Mask, Sweep, Trials, step_of, sweep_of
 from taskgist.world import Pose, Stage
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 WORLD = Pose(np.zeros(3), np.eye(3))
 
 
-class Sight:
+class CellsToSee:
     """What seeing asks for, whatever the effort level.
 
     Args:
@@ -44,7 +44,7 @@ class Sight:
         self.things = shapes(here.stage, seen[~mine], WORLD)
         kinds = here.stage.scene.model.geom_type[seen]
         self.meshes = np.setdiff1d(seen[~np.isin(kinds, FORMULAS)], shapes_of_head(here))
-        self.hider = np.full(len(cells.points), NONE, dtype=np.int16)
+        self.hider = np.full(len(cells.points), NONE, dtype=np.int32)
 
     def trials(self, level: int) -> Trials | None:
         """The trials of a level, 0 to 4; None if there are none."""
@@ -55,10 +55,10 @@ class Sight:
 class SeeTrials:
     """The trials of one effort level for seeing cells."""
 
-    def __init__(self, sight: Sight, footing: Footing, head: Head) -> None:
-        self.footing, self.cells = footing, sight.cells
-        self._sight, self._head = sight, head
-        self._cones = head.cones(sight.here.agent.profile.eye.gaze_cone_rad)
+    def __init__(self, asking: CellsToSee, footing: Footing, head: Head) -> None:
+        self.footing, self.cells = footing, asking.cells
+        self._asking, self._head = asking, head
+        self._cones = head.cones(asking.here.agent.profile.eye.gaze_cone_rad)
         self._eyes, self._own = self._tables()
         marks = np.column_stack((footing.places_m, self._eyes[:, 2]))
         self._first = far_apart(marks, FIRST) if footing.turns else np.arange(len(marks))
@@ -83,9 +83,9 @@ class SeeTrials:
         return won
 
     def _run(self, sweep: Sweep, eyes: Array, first: Indices, way: Indices) -> None:
-        sight, own = self._sight, self._own
-        seeing = Eyes(self._head.numbers, sight.view, self._cones, eyes, first, self._tree_of(eyes))
-        shadows = Shadows(way, own.reshape(-1, COLUMNS), own.shape[1], sight.things, sight.hider)
+        asking, own = self._asking, self._own
+        seeing = Eyes(self._head.numbers, asking.view, self._cones, eyes, first, self._tree_of(eyes))
+        shadows = Shadows(way, own.reshape(-1, COLUMNS), own.shape[1], asking.things, asking.hider)
         seen_cells(seeing, shadows, sweep, self.cells.starts(sweep.rows))
 
     def _free(self, rows: Indices, trial: int) -> Mask:
@@ -95,16 +95,16 @@ class SeeTrials:
         steps = [step_of(self.footing.facing, count, x, y) for x, y in ahead.tolist()]
         asked = np.zeros(self.footing.free.shape, dtype=bool)
         asked[trial, steps] = self.footing.free[trial, steps] == UNKNOWN
-        self.footing.test(self._sight.here, asked)
+        self.footing.test(self._asking.here, asked)
         return np.asarray(self.footing.free[trial, steps] == FREE)
 
     def _past_meshes(self, rows: Indices, trial: int) -> Mask:
         """Whether rays get past all meshes. An agent that turns has its own where it began."""
-        sight = self._sight
-        stage = sight.here.stage.show(self.footing.states[self.footing.way[trial]])
-        meshes = np.setdiff1d(sight.meshes, sight.here.agent.geoms) if self.footing.turns else sight.meshes
-        origins = eye_positions(sight.cells.points, rows, self._head.numbers, sight.view, self._eyes, trial)
-        ways = sight.cells.points[rows] - origins
+        asking = self._asking
+        stage = asking.here.stage.show(self.footing.states[self.footing.way[trial]])
+        meshes = np.setdiff1d(asking.meshes, asking.here.agent.geoms) if self.footing.turns else asking.meshes
+        origins = eye_positions(asking.cells.points, rows, self._head.numbers, asking.view, self._eyes, trial)
+        ways = asking.cells.points[rows] - origins
         lengths = np.linalg.norm(ways, axis=1)
         passed = np.ones(len(rows), dtype=bool)
         for row, (origin, way, length) in enumerate(zip(origins, ways, lengths, strict=True)):
@@ -114,14 +114,14 @@ class SeeTrials:
 
     def _tables(self) -> tuple[Array, Array]:
         """Eyes by trial, and own shapes by way."""
-        here, footing = self._sight.here, self.footing
+        here, footing = self._asking.here, self.footing
         by_way = np.zeros((len(footing.states), EYE_COLUMNS))
-        own = np.repeat(self._sight.own[None], len(footing.states), axis=0)
+        own = np.repeat(self._asking.own[None], len(footing.states), axis=0)
         for way, state in enumerate(footing.states):
             frame = footing.frame(way)
             eye = here.stage.show(state.replace(self._head.middle)).eye(here.agent)
             by_way[way, :3], by_way[way, 3:PLACE] = frame.to_local(eye.position), (frame.matrix.T @ eye.matrix).ravel()
-            _place(own[way], here.stage.show(state), self._sight.own_geoms, frame)
+            _place(own[way], here.stage.show(state), self._asking.own_geoms, frame)
         eyes = by_way[footing.way]
         eyes[:, PLACE:TURNED], eyes[:, TURNED] = footing.places_m, footing.turns
         return eyes, own

@@ -11,7 +11,7 @@ from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.acting.virtual_actions import stretch
 from taskgist.perspective.maps.cells import Cells
 from taskgist.perspective.maps.footing import Footing, footing_of
-from taskgist.perspective.maps.sectors import (
+from taskgist.perspective.maps.reached.sectors import (
     ARM_COLUMNS,
     AT_EASE,
     CARRIER,
@@ -32,7 +32,7 @@ EASE = 0.6
 """Share of an arm's length at which it reaches most directions, whatever way the agent leans."""
 
 
-class Reach:
+class CellsToReach:
     """What reaching asks for, whatever the effort level.
 
     Args:
@@ -55,8 +55,8 @@ class Reach:
 class ReachTrials:
     """The trials of one effort level for reaching cells."""
 
-    def __init__(self, reach: Reach, footing: Footing) -> None:
-        self.footing, self.cells, self._reach = footing, reach.cells, reach
+    def __init__(self, asking: CellsToReach, footing: Footing) -> None:
+        self.footing, self.cells, self._asking = footing, asking.cells, asking
         self._table = np.array([self._arms_of(way) for way in range(len(footing.states))])
         tree = tree_of(*self._boxes())
         self._reaches = Reaches(self._table, footing.way, footing.places_m, footing.turns, tree)
@@ -71,10 +71,10 @@ class ReachTrials:
 
     def _arms_of(self, way: int) -> Array:
         """Arms in the frame of a way, (arms, columns)."""
-        here, frame = self._reach.here, self.footing.frame(way)
+        here, frame = self._asking.here, self.footing.frame(way)
         stage = here.stage.show(self.footing.states[way])
-        table = np.empty((len(self._reach.arms), ARM_COLUMNS))
-        for row, arm in zip(table, self._reach.arms, strict=True):
+        table = np.empty((len(self._asking.arms), ARM_COLUMNS))
+        for row, arm in zip(table, self._asking.arms, strict=True):
             shoulder = stage.shoulder(arm)
             row[SHOULDER:CARRIER] = frame.to_local(shoulder.position)
             row[CARRIER:LENGTH] = (frame.matrix.T @ shoulder.matrix).ravel()

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.maps.aiming import LANES
+from taskgist.perspective.maps.cells import LANES
 from taskgist.perspective.maps.tree import INNER, LEAF, PAST, Tree, squared_gap
-from taskgist.perspective.maps.trials import FIRST, WON, Ball, Sweep, ball_around, best_of, judge_all
+from taskgist.perspective.maps.trials import FIRST, WON, Ball, Sweep, ball_around_cells, best_of, judge_all
 from taskgist.perspective.reaching.sector import ROUNDING
 from taskgist.world.geometry.compiled import compiled
 
@@ -57,7 +57,7 @@ def reached_cells(reaches: Reaches, sweep: Sweep, starts: Indices) -> None:
     scores, near, best = np.empty(len(way)), np.empty(len(way), dtype=np.intp), np.empty(FIRST, dtype=np.intp)
     work, lanes = np.empty(ROWS * LANES), np.empty((1, LANES), dtype=np.intp)
     for block in range(len(starts) - 1):
-        ball = ball_around(points, rows, starts[block], starts[block + 1])
+        ball = ball_around_cells(points, rows, starts[block], starts[block + 1])
         near_count = _rate(arms, way, places, turns, nodes, boxes, ball, scores, near)
         count = starts[block + 1] - starts[block]
         for lane in range(count):

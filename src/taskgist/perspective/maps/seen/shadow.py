@@ -33,10 +33,10 @@ def near_line(
     y: float,
     z: float,
     wide: float,
-    near: NDArray[np.int16],
+    near: NDArray[np.int32],
     which: int,
 ) -> int:
-    """Lists the shapes that may stand between two points, or points not farther from these than a width.; how many."""
+    """Lists the shapes that may stand between two points, or points not farther from these than a width; how many."""
     dx, dy, dz = x - ex, y - ey, z - ez
     squared = dx * dx + dy * dy + dz * dz
     inverse = 1.0 / squared if squared > 0.0 else 0.0
@@ -55,7 +55,7 @@ def near_line(
 @compiled
 def first_hiding(
     shapes: Array,
-    near: NDArray[np.int16],
+    near: NDArray[np.int32],
     which: int,
     count: int,
     ex: float,

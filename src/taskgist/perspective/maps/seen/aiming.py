@@ -16,7 +16,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.maps.cells import EDGE
+from taskgist.perspective.maps.cells import LANES
 from taskgist.world.geometry.compiled import compiled
 
 Array = NDArray[np.float64]
@@ -28,8 +28,6 @@ points on them, metres; cosine, sine and ``around`` of each limit; how the inner
 ahead and aside, in nines: what stays, and what goes with cosine and sine of its turn; how far the eye moves at most;
 and cosine and sine of where the inner and the outer joint are now."""
 EYE, AHEAD, ASIDE = PARTS, PARTS + 9, PARTS + 18
-LANES = EDGE**3
-"""As many as there are cells in a block."""
 ROWS = 16
 X, Y, Z, INNER_COS, INNER_SIN, OUTER_COS, OUTER_SIN, NEW_COS, NEW_SIN = (LANES * row for row in range(9))
 """Rows of the workspace: points in the frame of the eye, its head in the middle, metres; cosine and sine of the turns

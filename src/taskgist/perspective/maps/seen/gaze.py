@@ -7,13 +7,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.maps.aiming import (
+from taskgist.perspective.maps.cells import LANES
+from taskgist.perspective.maps.seen.aiming import (
     AHEAD,
     ASIDE,
     EYE,
     INNER_COS,
     INNER_SIN,
-    LANES,
     OUTER_COS,
     OUTER_SIN,
     ROWS,
@@ -39,7 +39,7 @@ EYE_X, EYE_Y, EYE_Z, IN_VIEW, AWAY, TURN_COS, TURN_SIN = (LANES * row for row in
 over the floor from the base of an agent that turns, and cosine and sine of the direction."""
 CONE_COS, ACROSS_TAN, UP_TAN = range(3)
 """What the eye sees at once: cosine of the gaze cone's half-angle, and tangents of half the view."""
-LIMIT_COS, LIMIT_SIN, CONE_COLUMNS = 3, 4, 5
+LIMIT_COS, LIMIT_SIN = 3, 4
 """Columns of a table of cones in the eye's frame, its head in the middle: axis, and cosine and sine of half the angle.
 All that is ever seen lies in each of them."""
 
@@ -86,7 +86,7 @@ def show_points(points: Array, lanes: Indices, which: int, count: int, eyes: Arr
 @compiled
 def shown_eye(eyes: Array, trial: int, work: Array, lane: int) -> tuple[float, float, float, float, float]:
     """Where the eye is that looks at a point of the workspace: in the trial's own frame, then x and y in the world."""
-    x, y, z = from_eye(eyes, trial, work[EYE_X + lane], work[EYE_Y + lane], work[EYE_Z + lane])
+    x, y, z = in_trial(eyes, trial, work[EYE_X + lane], work[EYE_Y + lane], work[EYE_Z + lane])
     if eyes[trial, TURNED] == 0.0:
         return x, y, z, x, y
     cos, sin = work[TURN_COS + lane], work[TURN_SIN + lane]
@@ -144,8 +144,8 @@ def in_eye(eyes: Array, trial: int, x: float, y: float, z: float) -> tuple[float
 
 
 @compiled
-def from_eye(eyes: Array, trial: int, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """The reverse of ``in_eye``."""
+def in_trial(eyes: Array, trial: int, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """The reverse of ``in_eye``: a point of the eye's frame in the one in which its trial is told."""
     return (
         x * eyes[trial, 3] + y * eyes[trial, 4] + z * eyes[trial, 5] + eyes[trial, 0],
         x * eyes[trial, 6] + y * eyes[trial, 7] + z * eyes[trial, 8] + eyes[trial, 1],

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.maps.gaze import AWAY, IN_VIEW, PLACE, TURNED, shown_eye
-from taskgist.perspective.maps.shadow import BETWEEN, NONE, first_hiding, hides, near_line
+from taskgist.perspective.maps.seen.gaze import AWAY, IN_VIEW, PLACE, TURNED, shown_eye
+from taskgist.perspective.maps.seen.shadow import BETWEEN, NONE, first_hiding, hides, near_line
 from taskgist.perspective.maps.trials import DOUBTFUL, LOST, WON, Ball
 from taskgist.world.geometry.compiled import compiled
 
@@ -34,13 +34,13 @@ class Shadows(NamedTuple):
     own: Array
     own_count: int
     things: Array
-    hider: NDArray[np.int16]
+    hider: NDArray[np.int32]
 
 
 @compiled
-def room_for(shadows: Shadows) -> NDArray[np.int16]:
+def room_for(shadows: Shadows) -> NDArray[np.int32]:
     """Room for indices of the near shapes: own, and things, (2, as many as there may be)."""
-    return np.empty((2, max(shadows.own_count, len(shadows.things))), dtype=np.int16)
+    return np.empty((2, max(shadows.own_count, len(shadows.things))), dtype=np.int32)
 
 
 @compiled
@@ -56,8 +56,8 @@ def shade_all(
     own: Array,
     own_count: int,
     things: Array,
-    hider: NDArray[np.int16],
-    near: NDArray[np.int16],
+    hider: NDArray[np.int32],
+    near: NDArray[np.int32],
     work: Array,
     count: int,
 ) -> None:
@@ -98,7 +98,7 @@ def _list_near(
     own: Array,
     own_count: int,
     things: Array,
-    near: NDArray[np.int16],
+    near: NDArray[np.int32],
 ) -> tuple[int, int]:
     """Lists the shapes that may stand between a trial's eye and a block of cells; how many there are."""
     x, y, z, radius = ball
