@@ -16,9 +16,10 @@ from taskgist.cli.import_ import import_
 from taskgist.cli.label import label
 from taskgist.cli.learn import learn
 from taskgist.cli.map_ import map_
-from taskgist.cli.output import console
+from taskgist.cli.output import console, say_that_it_compiles
 from taskgist.cli.query import query
 from taskgist.cli.see import see
+from taskgist.world import when_compiling
 
 app = typer.Typer(
     name="taskgist",
@@ -46,6 +47,7 @@ def options(
     ] = False,
 ) -> None:
     """Take the options that stand before a command."""
+    when_compiling(say_that_it_compiles)
 
 
 app.command("demo")(demo)

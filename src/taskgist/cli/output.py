@@ -28,6 +28,12 @@ errors = Console(stderr=True, highlight=False, soft_wrap=True, markup=False, emo
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
 
 
+def say_that_it_compiles() -> None:
+    """Explain the wait before the first answers after installation."""
+    if errors.is_terminal:
+        errors.print("Preparing inner loops for this machine, once: about half a minute.", style="dim")
+
+
 def print_json(document: Any) -> None:
     """Print one JSON document on standard output."""
     sys.stdout.write(json.dumps(document, ensure_ascii=False, indent=2) + "\n")

@@ -8,6 +8,7 @@ from taskgist.world.body.profile import AgentProfile, Arm, Eye, Posture, builtin
 from taskgist.world.contacts import container_of, object_points, overlaps, support_of
 from taskgist.world.fit import Fit, Fitter, landmarks
 from taskgist.world.geometry.between import Shapes
+from taskgist.world.geometry.compiled import when_compiling
 from taskgist.world.geometry.linkage import Linkage
 from taskgist.world.geometry.pose import Pose
 from taskgist.world.geometry.shapes import inner_points
@@ -62,5 +63,6 @@ __all__ = [
     "spans_m",
     "support_of",
     "velocity",
+    "when_compiling",
     "with_posture",
 ]

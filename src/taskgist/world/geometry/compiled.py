@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import ParamSpec, TypeVar, cast
 
 import numba
+from numba.core import event
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -30,6 +31,27 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     if file is not None:  # numba looks at the function's own file only, not at those of what it calls
         file._source_stamp = _stamp_of_sources()
     return cast(Callable[P, R], dispatcher)
+
+
+class _Once(event.Listener):
+    """Calls somebody at the first of some events."""
+
+    def __init__(self, tell: Callable[[], None]) -> None:
+        self._tell: Callable[[], None] | None = tell
+
+    def on_start(self, event: event.Event) -> None:  # noqa: ARG002 - as numba calls it
+        """Tell, and forget."""
+        tell, self._tell = self._tell, None
+        if tell is not None:
+            tell()
+
+    def on_end(self, event: event.Event) -> None:
+        """Nothing."""
+
+
+def when_compiling(tell: Callable[[], None]) -> None:
+    """Have somebody told, once, that functions must be compiled before the work goes on: it takes a while."""
+    event.register("numba:compile", _Once(tell))  # type: ignore[no-untyped-call]
 
 
 @lru_cache(maxsize=1)
