@@ -172,12 +172,18 @@ def turns_towards(target: Array, base: Array, facing_rad: float, offsets_m: Arra
 
 
 @compiled
+def carry(table: Table, index: int, frame: int, pose: Array) -> None:
+    """Write where a stance brings one frame, (12,)."""
+    spot, turns = table.spot[index], table.turns
+    offset, row = table.offsets_m[spot], table.rows[table.bend[index], frame]
+    carry_pose(row, table.base, offset, turns[spot, 0], turns[spot, 1], pose)
+
+
+@compiled
 def _carried(table: Table, index: int) -> Array:
     found = np.empty((table.rows.shape[1], POSE))
-    spot, rows = table.spot[index], table.rows[table.bend[index]]
     for frame in range(len(found)):
-        turn = table.turns[spot]
-        carry_pose(rows[frame], table.base, table.offsets_m[spot], turn[0], turn[1], found[frame])
+        carry(table, index, frame, found[frame])
     return found
 
 

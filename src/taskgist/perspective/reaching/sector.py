@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.perspective.acting.stances import Table
+from taskgist.perspective.acting.stances import Table, carry
 from taskgist.perspective.acting.standpoint import Standpoint
 from taskgist.perspective.acting.virtual_actions import stretch
 from taskgist.perspective.judge import Miss
 from taskgist.world import Arm, ArmIndices
 from taskgist.world.geometry.compiled import compiled
-from taskgist.world.geometry.linkage import POSE, carry_pose
+from taskgist.world.geometry.linkage import POSE
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -125,30 +125,15 @@ def first_in_reach(
         missed: Kept up to date: of the stances passed over, the one from which each arm misses the points least, (a,).
         gap_m: Kept up to date: how far its shoulder is from the nearest point then, (a,).
     """
-    rows, base, pose, gaps = table.rows, table.base, np.empty(POSE), np.empty(len(shoulders))
+    pose, gaps = np.empty(POSE), np.empty(len(shoulders))
     for i in range(start, stop):
-        spot, able = table.spot[i], False
-        sine, cosine = table.turns[spot, 0], table.turns[spot, 1]
-        ahead, aside = base[0] + table.offsets_m[spot, 0], base[1] + table.offsets_m[spot, 1]
+        able = False
         for arm in range(len(shoulders)):
-            row, length_m = rows[table.bend[i], shoulders[arm]], sectors[arm, 0]
-            x, y = row[0] - base[0], row[1] - base[1]
-            sx, sy, sz = ahead + cosine * x - sine * y, aside + sine * x + cosine * y, row[2]
-            x, y, z = middle[0] - sx, middle[1] - sy, middle[2] - sz
+            carry(table, i, shoulders[arm], pose)
             nearest[arm], gaps[arm] = NOWHERE, np.inf
-            ball_m = math.sqrt(x * x + y * y + z * z) - radius_m
-            if ball_m > length_m + ROUNDING and ball_m > gap_m[arm]:
-                continue  # neither in reach nor the nearest miss
-            carry_pose(row, base, table.offsets_m[spot], sine, cosine, pose)
-            least_m = np.inf
-            for k in range(len(points)):
-                x, y, z = points[k, 0] - sx, points[k, 1] - sy, points[k, 2] - sz
-                at_m = math.sqrt(x * x + y * y + z * z)
-                gaps[arm] = min(gaps[arm], at_m)
-                if at_m > length_m + ROUNDING or round(at_m, DIGITS) >= least_m:
-                    continue
-                if _inside(pose, sectors[arm], x, y, z):
-                    nearest[arm], reach_m[arm], least_m = k, at_m, round(at_m, DIGITS)
+            ball_m = distance_m(pose, middle) - radius_m
+            if ball_m <= sectors[arm, 0] + ROUNDING or ball_m <= gap_m[arm]:
+                nearest[arm], reach_m[arm], gaps[arm] = _nearest(pose, sectors[arm], points)
             able |= nearest[arm] != NOWHERE
         if able:
             return i
@@ -159,25 +144,33 @@ def first_in_reach(
 
 
 @compiled
+def _nearest(pose: Array, sector: Array, points: Array) -> tuple[int, float, float]:
+    """The nearest point that a shoulder reaches, −1 for none; how far it is; and how far the nearest of all is."""
+    nearest, reach_m, least_m, gap_m = NOWHERE, np.inf, np.inf, np.inf
+    for k in range(len(points)):
+        at_m = distance_m(pose, points[k])
+        gap_m = min(gap_m, at_m)
+        if at_m > sector[0] + ROUNDING or round(at_m, DIGITS) >= least_m:
+            continue
+        if _inside(pose, sector, points[k]):
+            nearest, reach_m, least_m = k, at_m, round(at_m, DIGITS)
+    return nearest, reach_m, gap_m
+
+
+@compiled
 def beyond(
     table: Table, shoulders: Indices, sectors: Array, points: Array, middle: Array, radius_m: float, margin_m: float
 ) -> bool:
     """Whether all points are farther than a margin beyond every arm, from every stance; for what is given see above."""
-    rows, base = table.rows, table.base
+    pose = np.empty(POSE)
     for i in range(len(table.spot)):
-        spot = table.spot[i]
-        sine, cosine = table.turns[spot, 0], table.turns[spot, 1]
-        ahead, aside = base[0] + table.offsets_m[spot, 0], base[1] + table.offsets_m[spot, 1]
         for arm in range(len(shoulders)):
-            row, far_m = rows[table.bend[i], shoulders[arm]], sectors[arm, 0] + margin_m
-            x, y = row[0] - base[0], row[1] - base[1]
-            sx, sy, sz = ahead + cosine * x - sine * y, aside + sine * x + cosine * y, row[2]
-            x, y, z = middle[0] - sx, middle[1] - sy, middle[2] - sz
-            if math.sqrt(x * x + y * y + z * z) - radius_m > far_m:
+            carry(table, i, shoulders[arm], pose)
+            far_m = sectors[arm, 0] + margin_m
+            if distance_m(pose, middle) - radius_m > far_m:
                 continue
             for k in range(len(points)):
-                x, y, z = points[k, 0] - sx, points[k, 1] - sy, points[k, 2] - sz
-                if x * x + y * y + z * z <= far_m * far_m:
+                if distance_m(pose, points[k]) <= far_m:
                     return False
     return True
 
@@ -186,20 +179,28 @@ def beyond(
 def _nearest_first(pose: Array, sector: Array, centers: Array, approaches: Array, facing: float) -> Indices:
     found, distances, count = np.empty(len(centers), dtype=np.intp), np.empty(len(centers)), 0
     for k in range(len(centers)):
-        x, y, z = centers[k, 0] - pose[0], centers[k, 1] - pose[1], centers[k, 2] - pose[2]
-        at_m = math.sqrt(x * x + y * y + z * z)
+        at_m, along = distance_m(pose, centers[k]), 0.0
         if at_m > sector[0] + ROUNDING:
             continue
-        along = approaches[k, 0] * x + approaches[k, 1] * y + approaches[k, 2] * z
-        if along >= facing * at_m - ROUNDING and _inside(pose, sector, x, y, z):
+        for axis in range(3):
+            along += approaches[k, axis] * (centers[k, axis] - pose[axis])
+        if along >= facing * at_m - ROUNDING and _inside(pose, sector, centers[k]):
             found[count], distances[count] = k, np.rint(at_m * 10.0**DIGITS)
             count += 1
     return found[np.argsort(distances[:count], kind="mergesort")]
 
 
 @compiled
-def _inside(pose: Array, sector: Array, dx: float, dy: float, dz: float) -> bool:
-    """Whether a direction from a shoulder, whose carrier is turned as in a pose, is that of a sector."""
+def distance_m(pose: Array, point: Array) -> float:
+    """How far a point is from where a pose is."""
+    x, y, z = point[0] - pose[0], point[1] - pose[1], point[2] - pose[2]
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@compiled
+def _inside(pose: Array, sector: Array, point: Array) -> bool:
+    """Whether a point lies in the direction of a sector from a shoulder, whose carrier is turned as in a pose."""
+    dx, dy, dz = point[0] - pose[0], point[1] - pose[1], point[2] - pose[2]
     x = dx * pose[3] + dy * pose[6] + dz * pose[9]
     y = dx * pose[4] + dy * pose[7] + dz * pose[10]
     z = dx * pose[5] + dy * pose[8] + dz * pose[11]

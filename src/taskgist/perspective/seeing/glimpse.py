@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.perspective.acting.frames import EYE, Neck
-from taskgist.perspective.acting.stances import Table
+from taskgist.perspective.acting.stances import Table, carry
 from taskgist.perspective.seeing.aim import aim
 from taskgist.perspective.seeing.from_eye import GRAZE_M, away_m, from_eye, in_shadow
 from taskgist.perspective.seeing.image import Lens, window
@@ -20,7 +20,7 @@ from taskgist.perspective.target import Sought
 from taskgist.world import Shapes
 from taskgist.world.geometry.between import stand_between
 from taskgist.world.geometry.compiled import compiled
-from taskgist.world.geometry.linkage import POSE, carry_pose
+from taskgist.world.geometry.linkage import POSE
 from taskgist.world.geometry.raycast import INF, NO_GEOM
 
 Array = NDArray[np.float64]
@@ -64,10 +64,8 @@ def first_glimpse(
     frames, eye, angles = np.empty((EYE + 1 + table.joints, POSE)), np.empty(POSE), np.empty(len(neck.now))
     hider = np.full(1, NO_GEOM, dtype=np.intp)
     for i in range(start, stop):
-        spot, rows = table.spot[i], table.rows[table.bend[i]]
         for frame in range(len(frames)):
-            turn = table.turns[spot]
-            carry_pose(rows[frame], table.base, table.offsets_m[spot], turn[0], turn[1], frames[frame])
+            carry(table, i, frame, frames[frame])
         aim(frames, neck, sought.middle, angles, eye)
         kind = BESIDE if _nearest_rad(eye, sought) > lens.cone_rad + MARGIN_RAD else HIDDEN
         if kind == HIDDEN:
