@@ -6,8 +6,11 @@ from dataclasses import replace
 import pytest
 
 from taskgist.errors import SceneError, TaskgistError
+from taskgist.facts import UNKNOWN
+from taskgist.observe import ability_observations
 from taskgist.perspective import ABILITIES, Ability, Standpoint, effort_from, least_effort, view_of, visibility
-from taskgist.world import Scene, Stage
+from taskgist.perspective.everyone import Follower, all_efforts
+from taskgist.world import Scene, Stage, holding_of
 from tests.perspective.rooms import COARSE, Person, Room, Thing, table, wall
 
 CUP = Thing("cup", (0.03, 0.05), (0.5, 0.2, 0.77), "cylinder")
@@ -66,15 +69,30 @@ def test_the_tiniest_object_is_answered() -> None:
     assert least_effort(stage, "P1", "cup", "reach", COARSE).level in (1, 2)
 
 
-@pytest.mark.parametrize("shape", ["", '<geom type="box" size="0.1 0.1 0.1" group="3"/>'])
-def test_objects_without_a_shape_to_be_seen_are_refused(shape: str) -> None:
-    geom = '<geom type="cylinder" size="0.03 0.05" pos="0.0 0.0 0.0"/>'
+CYLINDER = '<geom type="cylinder" size="0.03 0.05" pos="0.0 0.0 0.0"/>'
+MASS = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+
+
+def test_objects_of_which_nothing_can_be_seen_are_refused() -> None:
+    hull = '<geom type="box" size="0.1 0.1 0.1" group="3"/>'
     with pytest.raises(SceneError, match=r"without a shape that can be seen.*cup"):
-        Scene.from_bundle(
-            edited(
-                Room((CUP,), (P1,)), "room.xml", geom, f'<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>{shape}'
-            )
-        )
+        Scene.from_bundle(edited(Room((CUP,), (P1,)), "room.xml", CYLINDER, MASS + hull))
+
+
+def test_all_about_an_object_without_geometry_is_unknown() -> None:
+    box = Thing("box", (0.04, 0.04, 0.04), (0.6, 0.3, 1.1))
+    scene = Scene.from_bundle(edited(Room((CUP, box), (P1,)), "room.xml", CYLINDER, MASS))
+    stage = Stage(scene)
+    assert scene.shapeless == {"cup"}
+    assert visibility(stage, "P1", "cup") is None
+    for ability in ABILITIES:
+        effort = least_effort(stage, "P1", "cup", ability, COARSE)
+        assert (effort.level, effort.reason) == (None, "cup has no shape")
+        assert least_effort(stage, "P1", "box", ability, COARSE).level is not None
+    assert dict(Follower(scene, COARSE).update(scene.initial)) == all_efforts(stage, COARSE)
+    observations = ability_observations(stage, "P1", "cup", COARSE)
+    assert {observation.value for observation in observations.values()} == {UNKNOWN}
+    assert holding_of(stage, "cup", COARSE.contact) is None
 
 
 @pytest.mark.parametrize(

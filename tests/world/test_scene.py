@@ -96,7 +96,6 @@ def test_wrong_scene_tables_are_refused(tmp_path: Path, extra: str, message: str
     ("body", "message"),
     [
         ("<body><freejoint/><geom size='0.1'/></body>", "an object without a name"),
-        ("<body name='ghost'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/></body>", "ghost"),
         ("<body name='hull'><freejoint/><geom size='0.1' group='3'/></body>", "without a shape that can be seen"),
         ("<body name='air'><freejoint/><geom size='0.1' rgba='1 0 0 0'/></body>", "without a shape that can be seen"),
         ("<body name='x'><geom size='nan'/></body>", "MuJoCo cannot"),

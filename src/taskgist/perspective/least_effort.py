@@ -78,7 +78,8 @@ class _Answer:
 def _answer(here: Standpoint, name: str, ability: Ability) -> _Answer:
     judge = _judge(here, name, ability)
     if judge is None:
-        return _Answer(None, None, [partial(Miss, 0.0, f"{name} not tracked")])
+        why = "has no shape" if name in here.stage.scene.shapeless else "not tracked"
+        return _Answer(None, None, [partial(Miss, 0.0, f"{name} {why}")])
     target, whys = here.target(name).middle, list[Why]()
     for level in range(NO_KNOWN_LEVEL):
         unknown = judge.unknown(level)

@@ -153,6 +153,11 @@ class Scene:
         return np.concatenate(solid) if solid else NO_GEOMS
 
     @cached_property
+    def shapeless(self) -> frozenset[str]:
+        """Objects without any shape: where they are may be known, but nothing else about them."""
+        return frozenset(name for name in self.objects if not len(self.geoms_of(name)))
+
+    @cached_property
     def _seen_by_owner(self) -> Mapping[str, np.ndarray]:
         return {owner: own[self.visible[own]] for owner, own in self._geoms_by_owner.items()}
 
@@ -282,8 +287,10 @@ def _objects(file: SceneFile, model: mujoco.MjModel, agents: set[str]) -> dict[s
 
 
 def _check_shapes(file: SceneFile, model: mujoco.MjModel, name: str, body: int) -> None:
-    """Every object needs a surface that can be seen; of others no fact could be said."""
+    """What shapes an object has must include one that can be seen; without any, all about it is unknown."""
     own = np.flatnonzero(model.geom_bodyid == body)
+    if not len(own):
+        return
     flat = (int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD))
     seen = own[np.isin(model.geom_group[own], SEEN_GROUPS) & ~np.isin(model.geom_type[own], flat) & opaque(model, own)]
     if not len(seen):

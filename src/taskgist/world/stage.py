@@ -44,7 +44,12 @@ class Stage:
         self.show(self.state)
 
     def show(self, state: State) -> Self:
-        """Bring the scene into a state. What was not tracked is left out: no ray meets it, and it blocks nothing."""
+        """Bring the scene into a state. What was not tracked is left out: no ray meets it, and it blocks nothing.
+
+        An object without any shape counts as not tracked.
+        """
+        if not self.scene.shapeless <= state.untracked:
+            state = state.without(self.scene.shapeless)
         if state is self.state and self._as_shown:
             return self
         self.state, self._as_shown = state, True

@@ -65,6 +65,10 @@ class State:
         state.__dict__.update(self.__dict__, qpos=qpos)
         return state
 
+    def without(self, names: Iterable[str]) -> State:
+        """The same state, of which these objects, agents or parts are not known."""
+        return State(self.qpos, self.time_s, self.untracked.union(names), self.holding)
+
     def with_holding(self, holding: Iterable[Hold] | None) -> State:
         """The same state with another word on who holds what."""
         return State(self.qpos, self.time_s, self.untracked, None if holding is None else frozenset(holding))
