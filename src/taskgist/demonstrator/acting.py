@@ -1,12 +1,14 @@
 """Acting: steps of a script become motions over time.
 
 ``Acting`` is the notebook of a performance: it knows the state at the present time of the script, and collects what
-happens (motions of the body, things carried, looks). The recorder then films it (``filming``).
+happens (motions of bodies, things carried, looks). The recorder then films it (``filming``). The performer acts; where
+a task takes two, the target agent acts, too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -18,6 +20,7 @@ from taskgist.demonstrator.carry import Carry
 from taskgist.demonstrator.gaze import Fixation
 from taskgist.demonstrator.hand import HandPose
 from taskgist.demonstrator.motion import Motion
+from taskgist.demonstrator.moving import Moving
 from taskgist.errors import SceneError
 from taskgist.world import Scene, State
 
@@ -54,11 +57,10 @@ class Acting:
         performer: Name of the agent that acts.
         target: Name of the agent for whom.
         rng: Source of natural variation.
+        at_rest: The state before anything happens.
         state: The state at ``now_s``.
-        body: The performer's body.
-        rest_posture: Its posture at rest.
         now_s: Time of the script.
-        motions: Motions of that body, in order.
+        motions: Motions of bodies, in the order in which they were worked out.
         carries: Things carried, in order.
         looks: Looks of the performer, in order.
     """
@@ -67,18 +69,38 @@ class Acting:
     performer: str
     target: str
     rng: np.random.Generator
+    at_rest: State = field(init=False)
     state: State = field(init=False)
-    body: Body = field(init=False)
-    rest_posture: Array = field(init=False)
     now_s: float = 0.0
-    motions: list[Motion] = field(default_factory=list)
+    motions: list[Moving] = field(default_factory=list)
     carries: list[Carry] = field(default_factory=list)
     looks: list[Fixation] = field(default_factory=list)
+    _bodies: dict[str, Body] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.state = self.scene.initial
-        self.body = Body(self.scene, self.performer)
-        self.rest_posture = self.body.posture(self.state)
+        self.at_rest = self.state = self.scene.initial
+
+    @property
+    def body(self) -> Body:
+        """The performer's body."""
+        return self.body_of(self.performer)
+
+    def body_of(self, agent: str) -> Body:
+        """Somebody's body."""
+        if agent not in self._bodies:
+            self._bodies[agent] = Body(self.scene, agent, self.at_rest)
+        return self._bodies[agent]
+
+    def begin(self, state: State) -> None:
+        """Let everything begin in another state than the scene's, as when hands rest elsewhere.
+
+        Raises:
+            SceneError: Something has happened already.
+        """
+        if self.motions:
+            raise SceneError("it has begun already", where=self.performer, hint="say first how everybody is at rest")
+        self.at_rest = self.state = state
+        self._bodies.clear()
 
     def look(self, subject: str, *, ahead_s: float = 0.0) -> None:
         """Let the performer look at something from now on, or from a little earlier."""
@@ -88,7 +110,16 @@ class Acting:
         """Let time pass."""
         self.now_s += seconds * self._tempo()
 
-    def move(self, side: str, way: Sequence[HandPose], *, torso_rad: Array, phase: Phase) -> None:
+    @contextmanager
+    def meanwhile(self, since_s: float) -> Iterator[None]:
+        """Let what is done within begin at an earlier time, beside what has been done since then."""
+        now_s, self.now_s = self.now_s, since_s
+        yield
+        self.now_s = max(now_s, self.now_s)
+
+    def move(
+        self, side: str, way: Sequence[HandPose], *, torso_rad: Array, phase: Phase, agent: str | None = None
+    ) -> None:
         """Move a hand through a way, and the body with it.
 
         Args:
@@ -96,35 +127,38 @@ class Acting:
             way: Where it passes, the last one being the goal (``sampled`` makes a smooth one).
             torso_rad: Turn and lean of the torso at the goal, (2,).
             phase: Out from rest, over from place to place, or back to rest, which follows after the goal.
+            agent: Whose; None: the performer's.
 
         Raises:
             SceneError: The hand does not get to its goal.
         """
-        states, error = self._following(side, way, torso_rad, phase)
+        body = self.body_of(agent or self.performer)
+        states, error = self._following(body, side, way, torso_rad, phase)
         if phase == "back":
-            states.append(self.body.with_posture(states[-1], self.rest_posture))
+            states.append(body.with_posture(states[-1], body.posture(self.at_rest)))
         elif error > LARGEST_ERROR_M:
+            who = "target" if agent == self.target else "performing"
             raise SceneError(
                 f"the {side} hand ends {1000 * error:.0f} mm from where it shall be",
-                where=self.performer,
+                where=body.agent.name,
                 field=f"{side}_palm",
                 value=tuple(way[-1].palm.round(3).tolist()),
-                hint="put the thing or its goal nearer to the performing agent",
+                hint=f"put the thing or its goal nearer to the {who} agent",
             )
-        self._append(side, [self.state, *states])
+        self._append(body, side, [self.state, *states])
         self.state = states[-1]
 
     def _following(
-        self, side: str, way: Sequence[HandPose], torso_rad: Array, phase: Phase
+        self, body: Body, side: str, way: Sequence[HandPose], torso_rad: Array, phase: Phase
     ) -> tuple[list[State], float]:
         """States in which the hand follows a way, and how many metres the last one is from its goal."""
         state, states, error = self.state, [], 0.0
-        begin = self.body.posture(state)[:2]
+        begin = body.posture(state)[:2]
         shares = LEANING[phase](np.linspace(0.0, 1.0, len(way) + 1)[1:])
         for hand, share in zip(way, shares, strict=True):
             torso = begin + share * (torso_rad - begin)
             iterations = GOAL_ITERATIONS if hand is way[-1] else WAY_ITERATIONS
-            state, error = self.body.reaching(state, side, hand, torso, iterations=iterations)
+            state, error = body.reaching(state, side, hand, torso, iterations=iterations)
             states.append(state)
         return states, error
 
@@ -132,6 +166,18 @@ class Acting:
         """Close the hand, which is where ``grip`` says, around a thing."""
         taken = np.array(self.state.qpos[self.scene.object_slice(thing)])
         self.carries.append(Carry(thing, side, self.now_s, grip, taken))
+
+    def hand_over(self, agent: str, side: str, grip: HandPose) -> None:
+        """Let somebody's hand, which is where ``grip`` says, take over what the performer holds."""
+        carry, pose = self.holding(), self.held_pose()
+        self.carries[-1] = replace(carry, until_s=self.now_s)
+        self.carries.append(Carry(carry.thing, side, self.now_s, grip, pose, agent=agent))
+        self.state = self.state.replace(at=self.scene.object_slice(carry.thing), to=pose)
+
+    def held_pose(self) -> Array:
+        """Where the thing that the performer holds is now: position and wxyz, (7,)."""
+        carry = self.holding()
+        return carry.pose(self.body.hand(self.state, carry.side))
 
     def release(self, rest: Array) -> None:
         """Leave what is held at rest: position and wxyz, (7,)."""
@@ -145,9 +191,10 @@ class Acting:
         Raises:
             SceneError: It has taken nothing yet.
         """
-        if not self.carries:
-            raise SceneError("nothing has been taken", where=self.performer, hint="begin the script with Take")
-        return self.carries[-1]
+        for carry in reversed(self.carries):
+            if carry.agent is None:
+                return carry
+        raise SceneError("nothing has been taken", where=self.performer, hint="begin the script with Take")
 
     def holding(self) -> Carry:
         """What the performer holds now.
@@ -156,20 +203,20 @@ class Acting:
             SceneError: Nothing.
         """
         carry = self.last_carry()
-        if carry.rest is not None:
+        if carry.until_s < np.inf:
             hint = "let a Take come before"
             raise SceneError("nothing is held any more", where=self.performer, field=carry.thing, hint=hint)
         return carry
 
-    def _append(self, side: str, states: Sequence[State]) -> None:
-        palms = np.array([self.body.hand(state, side).palm for state in states])
-        postures = np.array([self.body.posture(state) for state in states])
+    def _append(self, body: Body, side: str, states: Sequence[State]) -> None:
+        palms = np.array([body.hand(state, side).palm for state in states])
+        postures = np.array([body.posture(state) for state in states])
         moved = np.linalg.norm(np.diff(palms, axis=0), axis=1)
         turned = np.abs(np.diff(postures, axis=0)).max(axis=1)
         steps = np.hypot(moved, LEVER_M * turned) + SHORTEST_STEP_M
         ways = np.concatenate(([0.0], np.cumsum(steps)))
         duration = max(SHORTEST_S, ways[-1] / MEAN_SPEED_M_S) * self._tempo()
-        self.motions.append(Motion(postures, ways / ways[-1], self.now_s, duration))
+        self.motions.append(Moving(body.agent.name, Motion(postures, ways / ways[-1], self.now_s, duration)))
         self.now_s += duration
 
     def _tempo(self) -> float:

@@ -45,6 +45,11 @@ class Body:
 
     Postures are vectors over ``joints``: the torso's turn and lean, then both arms.
 
+    Args:
+        scene: The scene.
+        name: Name of the agent.
+        at_rest: The state in which it rests: a hand that does nothing stays where it is there. None: the scene's.
+
     Attributes:
         agent: The agent.
         joints: Names of those joints, (n,).
@@ -52,7 +57,7 @@ class Body:
         ranges_rad: Their least and greatest angle, (n, 2).
     """
 
-    def __init__(self, scene: Scene, name: str) -> None:
+    def __init__(self, scene: Scene, name: str, at_rest: State | None = None) -> None:
         self.agent = scene.agent(name)
         self._stage = Stage(scene)
         turn, lean = self.agent.profile.turn, self.agent.profile.lean
@@ -64,7 +69,8 @@ class Body:
         elbows = {f"{side}_elbow": ELBOW_WEIGHT for side in self.agent.sides}
         self.ranges_rad = np.array([scene.model.joint(f"{name}/{joint}").range for joint in self.joints])
         self._fitter = Fitter(scene, name, moving=arms, weights=elbows)
-        self._at_rest = {side: self.hand(scene.initial, side) for side in self.agent.sides}
+        self._resting = at_rest or scene.initial
+        self._at_rest = {side: self.hand(self._resting, side) for side in self.agent.sides}
 
     def posture(self, state: State) -> Array:
         """The posture (n,) in a state."""
@@ -87,7 +93,7 @@ class Body:
 
     def raising(self, side: str) -> tuple[HandPose, HandPose]:
         """How a hand comes up from rest: drawn back from the edge of a table, then ready before its shoulder."""
-        rest, initial = self._at_rest[side], self._stage.scene.initial
+        rest, initial = self._at_rest[side], self._resting
         ahead = rotate(initial.qpos[self.agent.base][3:], (1.0, 0.0, 0.0))
         stature = self.agent.stature_m
         place = self.shoulder(initial, side) + READY_AHEAD_SHARE * stature * ahead - READY_DOWN_SHARE * stature * UP

@@ -27,8 +27,9 @@ class Carry:
         from_s: When the hand has closed.
         grip: The hand then.
         taken: Position in metres and wxyz (7) of the thing then.
-        until_s: When it has been put down; infinity while it is held.
-        rest: Position in metres and wxyz (7) where it then rests; None while it is held.
+        until_s: When it has been put down or handed over; infinity while it is held.
+        rest: Position in metres and wxyz (7) where it then rests; None while it is held, and once it was handed over.
+        agent: Who carries it; None: the performer.
     """
 
     thing: str
@@ -38,6 +39,13 @@ class Carry:
     taken: Array
     until_s: float = np.inf
     rest: Array | None = None
+    agent: str | None = None
+
+    def pose(self, hand: HandPose) -> Array:
+        """Where the thing is, position in metres and wxyz (7), while the hand is somewhere."""
+        turn = _matrix(hand) @ _matrix(self.grip).T
+        place = hand.palm + turn @ (self.taken[:3] - self.grip.palm)
+        return np.concatenate((place, wxyz_from_matrix(turn @ matrix_from_wxyz(self.taken[3:]))))
 
     def poses(self, times_s: Array, palms: Array, turns: Array) -> Array:
         """Where the thing is while it is carried.
@@ -62,3 +70,8 @@ class Carry:
         mixed = (1.0 - settled) * poses + settled * rest
         mixed[:, 3:] = normalized(mixed[:, 3:])
         return np.asarray(mixed)
+
+
+def _matrix(hand: HandPose) -> Array:
+    """Rotation (3, 3) of a hand: its columns are where the fingers point, where the palm faces, and across."""
+    return np.stack((hand.fingers, hand.facing, np.cross(hand.fingers, hand.facing)), axis=1)

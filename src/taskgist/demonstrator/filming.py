@@ -1,10 +1,12 @@
 """Filming: what was acted becomes frames, and frames a recording.
 
-The performer's motions move its body; what it carries moves rigidly with its hand; everybody sways a little and looks
-somewhere (``gaze``).
+Motions move bodies; what somebody carries moves rigidly with the hand; everybody sways a little and looks somewhere
+(``gaze``).
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,11 +31,11 @@ def filmed(acting: Acting) -> tuple[Array, Array]:
         Times in seconds, (n,), and positions, (n, nq).
     """
     times = np.arange(0.0, acting.now_s, 1.0 / RATE_HZ)
-    frames = np.tile(acting.scene.initial.qpos, (len(times), 1))
-    for motion in acting.motions:
-        since = times >= motion.start_s
-        within = np.clip(motion.at(times[since]), *acting.body.ranges_rad.T)  # curves swing a little beyond their knots
-        frames[np.ix_(since, acting.body.columns)] = within
+    frames = np.tile(acting.at_rest.qpos, (len(times), 1))
+    for moving in acting.motions:
+        since, body = times >= moving.start_s, acting.body_of(moving.agent)
+        within = np.clip(moving.motion.at(times[since]), *body.ranges_rad.T)  # curves swing a little beyond their knots
+        frames[np.ix_(since, body.columns)] = within
     for name in acting.scene.agents:
         joints = acting.scene.agent(name).joints
         for joint, offsets in sway(times, acting.rng).items():
@@ -44,17 +46,18 @@ def filmed(acting: Acting) -> tuple[Array, Array]:
 
 
 def _carry(acting: Acting, carry: Carry, times: Array, frames: Array) -> None:
-    """Let a thing follow the hand while it is carried, and rest where it was put."""
+    """Let a thing follow the hand from where it was in the frame before, and rest where it was put."""
     column = acting.scene.object_slice(carry.thing)
     held = np.flatnonzero((times >= carry.from_s) & (times < carry.until_s))
-    palms, turns = _hand_frames(acting, carry.side, frames[held])
-    frames[held, column] = carry.poses(times[held], palms, turns)
+    palms, turns = _hand_frames(acting, carry, frames[held])
+    taken = replace(carry, taken=frames[held[0] - 1, column])
+    frames[held, column] = taken.poses(times[held], palms, turns)
     if carry.rest is not None:
         frames[times >= carry.until_s, column] = carry.rest
 
 
-def _hand_frames(acting: Acting, side: str, frames: Array) -> tuple[Array, Array]:
-    """Places (n, 3) and rotations (n, 3, 3) of the performer's hand."""
-    stage, arm = Stage(acting.scene), acting.scene.agent(acting.performer).arm(side)
+def _hand_frames(acting: Acting, carry: Carry, frames: Array) -> tuple[Array, Array]:
+    """Places (n, 3) and rotations (n, 3, 3) of the hand that carries."""
+    stage, arm = Stage(acting.scene), acting.scene.agent(carry.agent or acting.performer).arm(carry.side)
     poses = [stage.show(State(frame)).site(arm.palm_site) for frame in frames]
     return np.array([pose.position for pose in poses]), np.array([pose.matrix for pose in poses])

@@ -1,0 +1,131 @@
+"""Nearness: places near somebody, at which a thing can be taken.
+
+As everywhere, only present positions, sizes and straight lines decide: how far a place is from the other's shoulders,
+whether something stands there, whether a straight line from the other's eye to it is free.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.demonstrator.body import Body
+from taskgist.demonstrator.means import Roles
+from taskgist.demonstrator.places import GREATEST_LEAN_RAD, half_height_m
+from taskgist.errors import SceneError
+from taskgist.world import Scene, Stage, object_points
+from taskgist.world.geometry.rotations import about_z, normalized, rotate
+
+Array = NDArray[np.float64]
+
+POINT_SPACING_M = 0.02
+HAND_ROOM_M = 0.06
+"""Room left for a hand between a thing and others."""
+ASIDES_RAD = tuple(math.radians(degrees) for degrees in (0, 10, -10, 20, -20, 30, -30, 40, -40))
+"""Directions tried, off the line between the two people."""
+FARTHER_M = (0.0, 0.02, -0.02, 0.04, -0.04, 0.06, 0.08, 0.10)
+"""Offsets of the wanted distance that are tried."""
+EDGE_M = 0.06
+"""Nothing is put nearer than this to the edge of a support."""
+LIFT_M, SUPPORT_M = 0.05, 0.005
+"""From how high a support is searched, and how far it may be from where it is expected."""
+BELOW_SHOULDERS_M = 0.20
+"""How far below shoulders a thing is held out: before the chest."""
+
+
+def near(scene: Scene, thing: str, performer: str, target: str, distance_m: float) -> tuple[float, float, float]:
+    """A free place on the thing's own support, near somebody and in sight, best on the line to the performer.
+
+    Args:
+        scene: The scene.
+        thing: What is put there.
+        performer: Who puts it there.
+        target: Near whom.
+        distance_m: Wanted horizontal distance from between the target agent's shoulders.
+
+    Returns:
+        Where the middle of the thing's underside goes, metres, (3,).
+
+    Raises:
+        SceneError: No candidate is supported, free and in sight.
+    """
+    stage = Stage(scene)
+    points = object_points(stage, thing, POINT_SPACING_M)
+    bottom, middle = float(points[:, 2].min()), (points.min(axis=0) + points.max(axis=0))[:2] / 2
+    radius = float(np.linalg.norm(points[:, :2] - middle, axis=1).max())
+    for place in _around(stage, performer, target, distance_m, bottom):
+        if _supported(stage, place) and _free(stage, thing, place, radius) and _in_sight(stage, thing, target, place):
+            return float(place[0]), float(place[1]), float(place[2])
+    raise SceneError(
+        f"no place {distance_m:g} m from {target!r} for {thing!r}",
+        where=scene.name,
+        field=thing,
+        hint="clear the support before that agent, or take another distance",
+    )
+
+
+def held_out(scene: Scene, roles: Roles, taking: str, distance_m: float) -> tuple[float, float, float]:
+    """A place before somebody's chest, towards the performer, where a thing is held out.
+
+    It is as near to the wanted distance as the performer gets without leaning far; the other leans for the rest.
+
+    Args:
+        scene: The scene.
+        roles: Who holds it out, with which hand, to whom.
+        taking: The hand that shall take it.
+        distance_m: Wanted distance from the shoulder of that hand.
+
+    Returns:
+        The place in metres, (3,).
+    """
+    stage, body = Stage(scene), Body(scene, roles.performer)
+    shoulder = stage.shoulder(scene.agent(roles.target).arm(taking)).position
+    line = _between_shoulders(stage, roles.performer) - shoulder
+    length = float(np.linalg.norm(line))
+    place = shoulder
+    for distance in np.linspace(distance_m, max(distance_m, length / 2), 21):
+        place = shoulder + distance * line / length - (0.0, 0.0, BELOW_SHOULDERS_M)
+        if body.torso_for(scene.initial, roles.side, place)[1] <= GREATEST_LEAN_RAD:
+            break
+    return float(place[0]), float(place[1]), float(place[2])
+
+
+def _between_shoulders(stage: Stage, name: str) -> Array:
+    return np.asarray(np.mean([stage.shoulder(arm).position for arm in stage.scene.agent(name).arms], axis=0))
+
+
+def _around(stage: Stage, performer: str, target: str, distance_m: float, height_m: float) -> Iterator[Array]:
+    """Places around somebody, at a distance and a height, those towards the performer first."""
+    start = _between_shoulders(stage, target) * (1.0, 1.0, 0.0)
+    ahead = normalized((_between_shoulders(stage, performer) - start) * (1.0, 1.0, 0.0))
+    for aside, farther in product(ASIDES_RAD, FARTHER_M):
+        yield start + (distance_m + farther) * rotate(about_z(aside), ahead) + (0.0, 0.0, height_m)
+
+
+def _supported(stage: Stage, place: Array) -> bool:
+    """Whether there is a level support just beneath a place and around it."""
+    around = EDGE_M * np.array([(0, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)])
+    starts = [place + (x, y, LIFT_M) for x, y in around]
+    distances = [stage.cast(start, [(0.0, 0.0, -1.0)])[1][0] for start in starts]
+    return bool(np.all(np.abs(np.array(distances) - LIFT_M) < SUPPORT_M))
+
+
+def _free(stage: Stage, thing: str, place: Array, radius_m: float) -> bool:
+    """Whether a hand can put a thing there without touching others."""
+    others = [object_points(stage, other, POINT_SPACING_M) for other in stage.scene.objects if other != thing]
+    distances = [np.linalg.norm(points[:, :2] - place[:2], axis=1).min() for points in others]
+    return all(distance > radius_m + HAND_ROOM_M for distance in distances)
+
+
+def _in_sight(stage: Stage, thing: str, target: str, place: Array) -> bool:
+    """Whether the straight line from the target agent's eye to the thing's middle there is free."""
+    agent, scene = stage.scene.agent(target), stage.scene
+    eye = stage.eye(agent).position
+    line = place + (0.0, 0.0, half_height_m(stage, thing)) - eye
+    geoms, distances = stage.cast(eye, normalized(line)[None], exclude_body=agent.eye_exclude_body)
+    owner = scene.owners[geoms[0]] if geoms[0] >= 0 else thing
+    return bool(owner == thing or distances[0] > np.linalg.norm(line))
