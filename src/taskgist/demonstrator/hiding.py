@@ -8,13 +8,13 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.demonstrator.supports import POINT_SPACING_M, nearest_other_m, supported
 from taskgist.errors import SceneError
 from taskgist.world import Scene, Stage, object_points
 from taskgist.world.geometry.rotations import normalized
 
 Array = NDArray[np.float64]
 
-POINT_SPACING_M = 0.02
 HAND_ROOM_M = 0.08
 """Room that a hand needs around a thing: fingers reach this far beyond it."""
 GAPS_M = tuple(0.02 * step for step in range(10))
@@ -23,8 +23,6 @@ ASIDES_M = (0.0, 0.03, -0.03, 0.06, -0.06)
 """Offsets across the line of sight that are tried."""
 HEAD_MOVES_M = 0.05
 """Nobody keeps the head quite still: a thing is hidden from places so far around the eye, too."""
-LIFT_M, SUPPORT_M = 0.05, 0.005
-"""From how high a support is searched, and how far it may be from where it is expected."""
 
 
 def behind(scene: Scene, thing: str, occluder: str, target: str) -> tuple[float, float, float]:
@@ -48,7 +46,8 @@ def behind(scene: Scene, thing: str, occluder: str, target: str) -> tuple[float,
     shape = _upright_shape(stage, thing)
     radius = float(np.linalg.norm(shape[:, :2], axis=1).max())
     for place in _beyond(stage, occluder, target, radius):
-        if _free(stage, thing, place, radius) and _hidden(stage, thing, shape + place, occluder, target):
+        free = nearest_other_m(stage, thing, place) > radius + HAND_ROOM_M / 2
+        if free and _hidden(stage, thing, shape + place, occluder, target):
             return float(place[0]), float(place[1]), float(place[2])
     raise SceneError(
         f"no place behind {occluder!r} hides {thing!r} from {target!r}",
@@ -76,21 +75,8 @@ def _beyond(stage: Stage, occluder: str, target: str, radius_m: float) -> Iterat
     least = float(np.max((points[:, :2] - middle) @ away)) + HAND_ROOM_M + radius_m
     for gap, aside in product(GAPS_M, ASIDES_M):
         place = np.array([*(middle + (least + gap) * away + aside * across), low[2]])
-        if _supported(stage, place):
+        if supported(stage, place[None]):
             yield place
-
-
-def _supported(stage: Stage, place: Array) -> bool:
-    """Whether there is a support just beneath a place."""
-    _, distances = stage.cast(place + (0.0, 0.0, LIFT_M), [(0.0, 0.0, -1.0)])
-    return bool(abs(distances[0] - LIFT_M) < SUPPORT_M)
-
-
-def _free(stage: Stage, thing: str, place: Array, radius_m: float) -> bool:
-    """Whether a hand can put a thing there without touching others."""
-    others = [object_points(stage, other, POINT_SPACING_M) for other in stage.scene.objects if other != thing]
-    distances = [np.linalg.norm(points[:, :2] - place[:2], axis=1).min() for points in others]
-    return all(distance > radius_m + HAND_ROOM_M / 2 for distance in distances)
 
 
 def _hidden(stage: Stage, thing: str, points: Array, occluder: str, target: str) -> bool:

@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from taskgist.demonstrator.body import Body
 from taskgist.demonstrator.means import Roles
 from taskgist.demonstrator.places import GREATEST_LEAN_RAD, half_height_m
+from taskgist.demonstrator.supports import POINT_SPACING_M, nearest_other_m, supported
 from taskgist.errors import SceneError
 from taskgist.world import Scene, Stage, object_points
 from taskgist.world.geometry.rotations import about_z, normalized, rotate
 
 Array = NDArray[np.float64]
 
-POINT_SPACING_M = 0.02
 HAND_ROOM_M = 0.06
 """Room left for a hand between a thing and others."""
 ASIDES_RAD = tuple(math.radians(degrees) for degrees in (0, 10, -10, 20, -20, 30, -30, 40, -40))
@@ -31,8 +31,7 @@ FARTHER_M = (0.0, 0.02, -0.02, 0.04, -0.04, 0.06, 0.08, 0.10)
 """Offsets of the wanted distance that are tried."""
 EDGE_M = 0.06
 """Nothing is put nearer than this to the edge of a support."""
-LIFT_M, SUPPORT_M = 0.05, 0.005
-"""From how high a support is searched, and how far it may be from where it is expected."""
+AROUND_M = EDGE_M * np.array([(0, 0, 0), (1, 1, 0), (1, -1, 0), (-1, 1, 0), (-1, -1, 0)])
 BELOW_SHOULDERS_M = 0.20
 """How far below shoulders a thing is held out: before the chest."""
 
@@ -58,7 +57,8 @@ def near(scene: Scene, thing: str, performer: str, target: str, distance_m: floa
     bottom, middle = float(points[:, 2].min()), (points.min(axis=0) + points.max(axis=0))[:2] / 2
     radius = float(np.linalg.norm(points[:, :2] - middle, axis=1).max())
     for place in _around(stage, performer, target, distance_m, bottom):
-        if _supported(stage, place) and _free(stage, thing, place, radius) and _in_sight(stage, thing, target, place):
+        free = nearest_other_m(stage, thing, place) > radius + HAND_ROOM_M
+        if free and supported(stage, place + AROUND_M) and _in_sight(stage, thing, target, place):
             return float(place[0]), float(place[1]), float(place[2])
     raise SceneError(
         f"no place {distance_m:g} m from {target!r} for {thing!r}",
@@ -104,21 +104,6 @@ def _around(stage: Stage, performer: str, target: str, distance_m: float, height
     ahead = normalized((_between_shoulders(stage, performer) - start) * (1.0, 1.0, 0.0))
     for aside, farther in product(ASIDES_RAD, FARTHER_M):
         yield start + (distance_m + farther) * rotate(about_z(aside), ahead) + (0.0, 0.0, height_m)
-
-
-def _supported(stage: Stage, place: Array) -> bool:
-    """Whether there is a level support just beneath a place and around it."""
-    around = EDGE_M * np.array([(0, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)])
-    starts = [place + (x, y, LIFT_M) for x, y in around]
-    distances = [stage.cast(start, [(0.0, 0.0, -1.0)])[1][0] for start in starts]
-    return bool(np.all(np.abs(np.array(distances) - LIFT_M) < SUPPORT_M))
-
-
-def _free(stage: Stage, thing: str, place: Array, radius_m: float) -> bool:
-    """Whether a hand can put a thing there without touching others."""
-    others = [object_points(stage, other, POINT_SPACING_M) for other in stage.scene.objects if other != thing]
-    distances = [np.linalg.norm(points[:, :2] - place[:2], axis=1).min() for points in others]
-    return all(distance > radius_m + HAND_ROOM_M for distance in distances)
 
 
 def _in_sight(stage: Stage, thing: str, target: str, place: Array) -> bool:

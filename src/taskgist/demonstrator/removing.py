@@ -19,6 +19,7 @@ from taskgist.demonstrator.hiding import behind
 from taskgist.demonstrator.means import Means, Roles
 from taskgist.demonstrator.script import Script
 from taskgist.demonstrator.steps import PutDown, Withdraw
+from taskgist.demonstrator.supports import POINT_SPACING_M, SUPPORT_M, nearest_other_m, supported
 from taskgist.errors import SceneError
 from taskgist.world import Scene, Stage, object_points
 from taskgist.world.geometry.rotations import normalized
@@ -26,17 +27,15 @@ from taskgist.world.geometry.rotations import normalized
 Array = NDArray[np.float64]
 Place = tuple[float, float, float]
 
-POINT_SPACING_M = 0.02
 GRID_M, AROUND_M = 0.05, 1.0
 """Spacing of the places that are looked at, and how far around the performer."""
 HAND_ROOM_M = 0.06
 """Room that a hand needs around a thing."""
+CROSS = np.array([(0, 0, 0), (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
 EDGE_M = 0.02
 """How far inside the edge of its support a thing is put, at least."""
 GREATEST_LEAN_RAD = 0.9
 """How far one leans, at most, to put something down: who stands stoops over a table anyway."""
-LIFT_M, SUPPORT_M = 0.05, 0.005
-"""From how high a support is searched, and how far it may be from where it is expected."""
 FARTHER_M = 0.15
 """Who hides something away takes it so much farther off, at least."""
 
@@ -115,26 +114,10 @@ def _fits(stage: Stage, roles: Roles, shape: Array, place: Array) -> bool:
     """Whether a thing of some shape (n, 3) can be put there, and is in the target agent's view then."""
     radius = float(np.linalg.norm(shape[:, :2], axis=1).max())
     return (
-        _supported(stage, place, radius + EDGE_M)
-        and _free(stage, roles.thing, place, radius + HAND_ROOM_M)
+        supported(stage, place + (radius + EDGE_M) * CROSS)
+        and nearest_other_m(stage, roles.thing, place) > radius + HAND_ROOM_M
         and _in_view(stage, roles, shape + place)
     )
-
-
-def _supported(stage: Stage, place: Array, radius_m: float) -> bool:
-    """Whether there is a support just beneath a place, and around it."""
-    for x, y in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)):
-        start = place + (x * radius_m, y * radius_m, LIFT_M)
-        _, distances = stage.cast(start, [(0.0, 0.0, -1.0)])
-        if not abs(distances[0] - LIFT_M) < SUPPORT_M:
-            return False
-    return True
-
-
-def _free(stage: Stage, thing: str, place: Array, radius_m: float) -> bool:
-    """Whether nothing else is within a radius."""
-    others = [object_points(stage, other, POINT_SPACING_M) for other in stage.scene.objects if other != thing]
-    return all(np.linalg.norm(points[:, :2] - place[:2], axis=1).min() > radius_m for points in others)
 
 
 def _in_view(stage: Stage, roles: Roles, points: Array) -> bool:
