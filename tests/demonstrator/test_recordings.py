@@ -13,6 +13,7 @@ from taskgist.errors import SceneError
 from taskgist.recording import Label, Recording
 from taskgist.settings import DEFAULT
 from taskgist.world import Stage, hand_gap_m, holding_of, posture_of, rests_on, support_of
+from tests.demonstrator.motions import assert_smooth, assert_through_nothing
 
 Array = NDArray[np.float64]
 Recorded = Callable[[str], Recording]
@@ -20,8 +21,6 @@ DEMONSTRATIONS = {d.name: d for study in STUDIES.values() for d in study}
 NAMES = tuple(DEMONSTRATIONS)
 HELD_UP = ("show_a", "show_b", "show_c")
 PUT_DOWN = tuple(name for name in NAMES if name not in HELD_UP)
-SLOWEST_RAD_S = 8.0  # peak joint speeds of unhurried people stay below
-OVERLAP_M = 0.01
 
 
 def _label(recording: Recording) -> Label:
@@ -82,32 +81,12 @@ def test_the_thing_is_still_at_both_ends_of_the_label(recorded: Recorded, name: 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_joints_move_within_limits_and_without_jerks(recorded: Recorded, name: str) -> None:
-    recording = recorded(name)
-    scene, rate = recording.scene, 30.0
-    for agent in scene.agents:
-        columns = scene.joint_indices(agent)
-        ranges = np.array([scene.model.joint(f"{agent}/{joint}").range for joint in scene.joints(agent)])
-        angles = recording.qpos[:, columns]
-        assert np.all(angles > ranges[:, 0] - 0.01)
-        assert np.all(angles < ranges[:, 1] + 0.01)
-        assert np.abs(np.diff(angles, axis=0)).max() * rate < SLOWEST_RAD_S
-        assert np.abs(np.diff(angles, 2, axis=0)).max() * rate**2 < 150.0
+    assert_smooth(recorded(name))
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_bodies_do_not_pass_through_what_is_around(recorded: Recorded, name: str) -> None:
-    recording, label = recorded(name), _label(recorded(name))
-    scene = recording.scene
-    stage, performer = Stage(scene), scene.agent(label.performing_agent)
-    own = {performer.name, label.target_object}
-    around = [g for g in stage.solid_geoms() if scene.owners[g] not in own]
-    far = [g for g in around if scene.owners[g] not in (f"chair_{performer.name}", "floor")]
-    arms = np.concatenate([arm.geoms for arm in performer.arms])
-    for index in range(0, len(recording), 6):
-        stage.show(recording.state(index))
-        assert stage.closest(arms, around, limit_m=0.1)[0] > -OVERLAP_M
-        assert stage.closest(performer.core_geoms, far, limit_m=0.1)[0] > -OVERLAP_M
-        assert stage.closest(scene.geoms_of(label.target_object), around, limit_m=0.1)[0] > -0.001
+    assert_through_nothing(recorded(name))
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -18,6 +18,7 @@ from taskgist.errors import SceneError, UnknownNameError
 from taskgist.recording import Label, Recording
 from taskgist.settings import DEFAULT
 from taskgist.world import Stage, hand_gap_m, holding_of, posture_of, rests_on, support_of
+from tests.demonstrator.motions import assert_smooth, assert_through_nothing
 
 Array = NDArray[np.float64]
 Recorded = Callable[[str], Recording]
@@ -28,7 +29,6 @@ BUSY = tuple(d.name for d in PUT_AWAY if isinstance(d, Occupied))
 WATCHING = tuple(d.name for d in PUT_AWAY if d.name not in BUSY)
 PEOPLE = (left(1.80, 0.67), right(1.66, 0.67))
 ROLES = Roles("P1", "P2", "cup", "right")
-SLOWEST_RAD_S, JERKIEST_RAD_S2, OVERLAP_M = 8.0, 150.0, 0.01
 
 
 @pytest.fixture(scope="module")
@@ -93,30 +93,12 @@ def test_they_are_labelled_while_everything_is_still(played: Recorded, name: str
 
 @pytest.mark.parametrize("name", NAMES)
 def test_joints_move_within_limits_and_without_jerks(played: Recorded, name: str) -> None:
-    recording = played(name)
-    scene = recording.scene
-    for agent in scene.agents:
-        ranges = np.array([scene.model.joint(f"{agent}/{joint}").range for joint in scene.joints(agent)])
-        angles = recording.qpos[:, scene.joint_indices(agent)]
-        assert np.all(angles > ranges[:, 0] - 0.01)
-        assert np.all(angles < ranges[:, 1] + 0.01)
-        assert np.abs(np.diff(angles, axis=0)).max() * 30 < SLOWEST_RAD_S
-        assert np.abs(np.diff(angles, 2, axis=0)).max() * 30**2 < JERKIEST_RAD_S2
+    assert_smooth(played(name))
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_bodies_do_not_pass_through_what_is_around(played: Recorded, name: str) -> None:
-    recording, label = played(name), _label(played(name))
-    scene = recording.scene
-    stage, performer = Stage(scene), scene.agent(label.performing_agent)
-    around = [g for g in stage.solid_geoms() if scene.owners[g] not in (label.performing_agent, label.target_object)]
-    far = [g for g in around if scene.owners[g] not in (f"chair_{performer.name}", "floor")]
-    arms = np.concatenate([arm.geoms for arm in performer.arms])
-    for index in range(0, len(recording), 6):
-        stage.show(recording.state(index))
-        assert stage.closest(arms, around, limit_m=0.1)[0] > -OVERLAP_M
-        assert stage.closest(performer.core_geoms, far, limit_m=0.1)[0] > -OVERLAP_M
-        assert stage.closest(scene.geoms_of(label.target_object), around, limit_m=0.1)[0] > -0.001
+    assert_through_nothing(played(name))
 
 
 @pytest.mark.parametrize("name", NAMES)
