@@ -13,7 +13,7 @@ from taskgist.recording.landmarks import SIDES
 from taskgist.recording.tracks import PersonTrack
 from taskgist.world import Agent, Fitter, HumanSize, Scene, State
 from taskgist.world.body.legs import legs_for
-from taskgist.world.fit import ARMS
+from taskgist.world.fit_words import ARMS
 from taskgist.world.geometry.rotations import about_z
 
 Array = NDArray[np.float64]

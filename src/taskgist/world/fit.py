@@ -20,44 +20,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.errors import UnknownNameError
-from taskgist.world.body.agent import Agent
-from taskgist.world.fit_tasks import DirectionsTask, PointsTask
+from taskgist.world.alone import alone
+from taskgist.world.fit_tasks import DirectionsTask, PointsTask, posture_costs
+from taskgist.world.fit_words import AXES, chosen_joints, free_dofs, landmarks_in
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
 
 Array = NDArray[np.float64]
 IkTask = PointsTask | DirectionsTask | mink.PostureTask
 
-ARMS = ("girdle", "shoulder", "elbow", "forearm", "wrist")
-MOVING: Mapping[str, tuple[str, ...]] = {
-    "arms": ARMS,
-    "upper_body": ("torso", *ARMS),
-    "trunk_and_arms": ("torso", "head", *ARMS),
-}
-"""Named sets of joints that a fit may move, by words in the joints' names; ``body`` moves everything, the root too."""
-
-AXES: Mapping[str, tuple[str, tuple[float, float, float]]] = {
-    "face": ("eye", (1.0, 0.0, 0.0)),
-    "head_up": ("eye", (0.0, 0.0, 1.0)),
-    "left_hand": ("left_wrist", (0.0, 0.0, -1.0)),
-    "right_hand": ("right_wrist", (0.0, 0.0, -1.0)),
-    "left_palm": ("left_wrist", (0.0, -1.0, 0.0)),
-    "right_palm": ("right_wrist", (0.0, 1.0, 0.0)),
-    "left_thumb": ("left_wrist", (1.0, 0.0, 0.0)),
-    "right_thumb": ("right_wrist", (1.0, 0.0, 0.0)),
-    "pelvis": ("pelvis", (1.0, 0.0, 0.0)),
-    "pelvis_up": ("pelvis", (0.0, 0.0, 1.0)),
-    "chest": ("chest", (1.0, 0.0, 0.0)),
-}
-"""Directions that a fit may ask for: a landmark, and the axis of its frame. Of hands: to the fingers, out of the palm,
-to the thumb."""
-
 DIRECTION_COST_M = 0.15
 """Lever with which an error of direction (radians) counts like an error of place (metres)."""
-POSTURE_COST = 1e-3
-"""Pull towards the posture of rest for joints that nothing else decides."""
-STIFF: Mapping[str, float] = {"girdle": 20.0, "torso": 10.0, "torso_side": 40.0, "head_roll": 40.0, "wrist": 3.0}
-"""How much more reluctantly joints move than others, by words in their names: people bend sideways last (ours)."""
 STEP_DAMPING = 3e-4
 """Pull of a step towards none: joints that the targets hardly decide would else swing to and fro. With 3e-4 a frame of
 noisy keypoints needs 6 steps, with 1e-6 it needs 14 and ends no better."""
@@ -90,9 +63,10 @@ class Fitter:
     Args:
         scene: The scene.
         agent: Name of the agent to fit.
-        moving: A name of ``MOVING``, ``"body"``, or the names of the joints that may move.
+        moving: A name of ``fit_words.MOVING``, ``"body"``, or the names of the joints that may move.
         root: Whether the root moves too; by default with ``"body"`` only.
         weights: Relative cost of a landmark or direction; 1 where none is given.
+        damping: Pull of a step towards none; less than by default where the targets are exact.
     """
 
     def __init__(
@@ -103,28 +77,26 @@ class Fitter:
         moving: str | Collection[str] = "body",
         root: bool | None = None,
         weights: Mapping[str, float] | None = None,
+        damping: float = STEP_DAMPING,
     ) -> None:
-        self._scene = scene
-        self._agent = scene.agent(agent)
+        self._damping = damping
+        self._alone = alone(scene, agent)
+        self._agent = self._alone.agent
         self._weights = dict(weights or {})
-        self._configuration = mink.Configuration(scene.model)
-        self._limits = [mink.ConfigurationLimit(scene.model)]
+        self._configuration = mink.Configuration(self._model)
+        self._limits = [mink.ConfigurationLimit(self._model)]
         self._frozen = self._freeze(moving, root=moving == "body" if root is None else root)
+        self._posture = mink.PostureTask(self._model, cost=posture_costs(self._model, self._agent))
+
+    @property
+    def _model(self) -> mujoco.MjModel:
+        return self._alone.model
 
     def _freeze(self, moving: str | Collection[str], *, root: bool) -> list[mink.DofFreezingTask]:
         """Hold every degree of freedom that must not move."""
-        model, agent = self._scene.model, self._agent
-        chosen = set(_chosen(agent, moving))
-        free: set[int] = set()
-        for joint in range(model.njnt):
-            name = str(model.joint(joint).name).removeprefix(f"{agent.name}/")
-            of_agent = int(model.jnt_bodyid[joint]) in agent.bodies
-            is_root = of_agent and int(model.jnt_bodyid[joint]) == agent.root_body
-            if (is_root and root) or (of_agent and not is_root and name in chosen):
-                start = int(model.jnt_dofadr[joint])
-                free.update(range(start, start + (6 if is_root else 1)))
-        frozen = [d for d in range(model.nv) if d not in free]
-        return [mink.DofFreezingTask(model, dof_indices=frozen)] if frozen else []
+        free = free_dofs(self._model, self._agent, chosen_joints(self._agent, moving), root=root)
+        frozen = [dof for dof in range(self._model.nv) if dof not in free]
+        return [mink.DofFreezingTask(self._model, dof_indices=frozen)] if frozen else []
 
     def fit(
         self,
@@ -140,7 +112,7 @@ class Fitter:
         Args:
             state: Where to start from; everything but the agent's moving joints stays.
             points: Targets of landmarks in the world, metres, (3,) each; those that are not finite are left out.
-            directions: Targets of directions (``AXES``) in the world, (3,) each.
+            directions: Targets of directions (``fit_words.AXES``) in the world, (3,) each.
             rest: The posture that joints lean to where nothing else decides; by default the one to start from.
             iterations: Most Newton steps.
 
@@ -150,39 +122,38 @@ class Fitter:
         wanted = {name: np.asarray(p, dtype=float) for name, p in (points or {}).items() if np.all(np.isfinite(p))}
         aimed = {name: np.asarray(d, dtype=float) for name, d in (directions or {}).items() if np.all(np.isfinite(d))}
         tasks: list[IkTask] = [*self._point_tasks(wanted), *self._direction_tasks(aimed)]
-        posture = mink.PostureTask(self._scene.model, cost=self._posture_cost())
-        configuration = self._configuration
-        configuration.update(np.array(state.qpos))
-        posture.set_target(np.array((rest or state).qpos))
-        for _ in range(iterations):
-            if self._improve([*tasks, posture]) < CONVERGED_RAD:
-                break
-        fitted = State(configuration.q, state.time_s, state.untracked)
+        self._configuration.update(self._alone.qpos(state.qpos))
+        self._posture.set_target(self._alone.qpos((rest or state).qpos))
+        self._descend([*tasks, self._posture], iterations)
+        fitted = State(self._alone.within(state.qpos, self._configuration.q), state.time_s, state.untracked)
         return Fit(fitted, self._point_errors(wanted), self._direction_errors(aimed))
 
-    def _improve(self, tasks: list[IkTask]) -> float:
-        """One Newton step, shortened until it helps; gives the largest change in radians or metres, 0 if none helps."""
+    def _descend(self, tasks: list[IkTask], iterations: int) -> None:
+        """Newton steps until none changes much, or there were enough."""
+        cost = _cost(tasks, self._configuration)
+        for _ in range(iterations):
+            cost, change = self._improve(tasks, cost)
+            if change < CONVERGED_RAD:
+                return
+
+    def _improve(self, tasks: list[IkTask], cost: float) -> tuple[float, float]:
+        """One Newton step, shortened until it helps.
+
+        Returns:
+            The cost after it, and the largest change in radians or metres: 0 if no step helps.
+        """
         configuration, before = self._configuration, np.array(self._configuration.q)
-        cost = _cost(tasks, configuration)
         step = mink.solve_ik(
-            configuration, tasks, 1.0, "daqp", damping=STEP_DAMPING, limits=self._limits, constraints=self._frozen
+            configuration, tasks, 1.0, "daqp", damping=self._damping, limits=self._limits, constraints=self._frozen
         )
         step = step * min(1.0, LONGEST_STEP / max(float(np.abs(step).max()), 1e-12))
         for _ in range(HALVINGS):
             configuration.integrate_inplace(step, 1.0)
             if (now := _cost(tasks, configuration)) < cost:
-                return float(np.abs(step).max()) if now < (1 - NEGLIGIBLE_GAIN) * cost else 0.0
+                return now, float(np.abs(step).max()) if now < (1 - NEGLIGIBLE_GAIN) * cost else 0.0
             configuration.update(before)
             step = step / 2
-        return 0.0
-
-    def _posture_cost(self) -> Array:
-        model = self._scene.model
-        cost = np.full(model.nv, POSTURE_COST)
-        for joint in self._agent.joints:
-            stiffness = max((factor for word, factor in STIFF.items() if word in joint), default=1.0)
-            cost[int(model.joint(f"{self._agent.name}/{joint}").dofadr[0])] *= stiffness
-        return cost
+        return cost, 0.0
 
     def _point_tasks(self, points: Mapping[str, Array]) -> list[PointsTask]:
         if not points:
@@ -218,32 +189,12 @@ class Fitter:
         return AXES[name]
 
     def _site(self, landmark: str) -> int:
-        site = int(mujoco.mj_name2id(self._scene.model, mujoco.mjtObj.mjOBJ_SITE, f"{self._agent.name}/{landmark}"))
+        site = int(mujoco.mj_name2id(self._model, mujoco.mjtObj.mjOBJ_SITE, f"{self._agent.name}/{landmark}"))
         if site < 0:
-            raise UnknownNameError("landmark", landmark, landmarks(self._scene, self._agent.name))
+            raise UnknownNameError("landmark", landmark, landmarks_in(self._model, self._agent.name))
         return site
 
 
 def _cost(tasks: Iterable[IkTask], at: mink.Configuration) -> float:
     """Weighted sum of squared errors."""
     return float(sum(np.sum((task.cost * task.compute_error(at)) ** 2) for task in tasks))
-
-
-def landmarks(scene: Scene, agent: str) -> tuple[str, ...]:
-    """Names of the landmarks that an agent's model has."""
-    prefix = f"{agent}/"
-    names = (str(scene.model.site(s).name) for s in range(scene.model.nsite))
-    return tuple(name.removeprefix(prefix) for name in names if name.startswith(prefix))
-
-
-def _chosen(agent: Agent, moving: str | Collection[str]) -> Iterable[str]:
-    if not isinstance(moving, str):
-        for joint in moving:
-            if joint not in agent.joints:
-                raise UnknownNameError("joint", joint, agent.joints, where=agent.name)
-        return moving
-    if moving == "body":
-        return agent.joints
-    if moving not in MOVING:
-        raise UnknownNameError("set of joints", moving, ("body", *MOVING))
-    return [joint for joint in agent.joints if any(word in joint for word in MOVING[moving])]

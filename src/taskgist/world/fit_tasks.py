@@ -6,15 +6,21 @@ whole pose: then the same distance weighs up to half as much again for a body th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import mink
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.world.body.agent import Agent
+
 Array = NDArray[np.float64]
 
+POSTURE_COST = 1e-3
+"""Pull towards the posture of rest for joints that nothing else decides."""
+STIFF: Mapping[str, float] = {"girdle": 20.0, "torso": 10.0, "torso_side": 40.0, "head_roll": 40.0, "wrist": 3.0}
+"""How much more reluctantly joints move than others, by words in their names: people bend sideways last (ours)."""
 DAMPING = 1e-3
 """Share of the squared error that is added to the diagonal: steps stay short while the targets are far."""
 
@@ -86,3 +92,12 @@ def _cross_matrix(vector: Array) -> Array:
     """The matrix that multiplies as the cross product with a vector does."""
     x, y, z = vector
     return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+
+
+def posture_costs(model: mujoco.MjModel, agent: Agent) -> Array:
+    """Pull of each degree of freedom towards the posture of rest, (nv,)."""
+    cost = np.full(model.nv, POSTURE_COST)
+    for joint in agent.joints:
+        stiffness = max((factor for word, factor in STIFF.items() if word in joint), default=1.0)
+        cost[int(model.joint(f"{agent.name}/{joint}").dofadr[0])] *= stiffness
+    return cost
