@@ -14,7 +14,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import demonstrations, growth, learning, maps, profiled, rooms, scenes, sight, start
+from benchmarks import demonstrations, growth, judging, learning, maps, profiled, rooms, scenes, sight, start
 from benchmarks.figure import Figure, seconds_text
 from benchmarks.machine import machine
 from benchmarks.timing import use_one_core
@@ -27,6 +27,7 @@ TOPICS: Mapping[str, Callable[[], Iterator[Figure]]] = {
     "scenes": scenes.figures,
     "maps": maps.figures,
     "learning": learning.figures,
+    "judging": judging.figures,
 }
 GROWTH, PROFILE = "growth", "profile"
 

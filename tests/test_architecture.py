@@ -13,19 +13,20 @@ LEARNING = FACTS | {"learning"}
 WORLD = CORE | {"world"}
 OBSERVE = WORLD | {"facts", "perspective", "observe"}
 RECORDING = WORLD | {"recording"}
-STUDY = OBSERVE | LEARNING | RECORDING | {"files", "demonstrator", "store", "language", "study"}
+STUDY = OBSERVE | LEARNING | RECORDING | {"files", "demonstrator", "store", "language", "study", "workers"}
 
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
     "settings": {"errors"},
     "files": set(),
+    "workers": {"errors"},
     "facts": FACTS,
     "learning": LEARNING,
     "world": WORLD | {"files"},
     "perspective": WORLD | {"perspective"},
     "observe": OBSERVE,
     "recording": RECORDING | {"files"},
-    "demonstrator": RECORDING | {"demonstrator"},
+    "demonstrator": RECORDING | {"demonstrator", "workers"},
     "store": LEARNING | {"store"},
     "language": LEARNING | {"language"},
     "study": STUDY,
@@ -36,6 +37,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "errors": set(),
     "settings": set(),
     "files": set(),
+    "workers": set(),
     "facts": set(),
     "learning": set(),
     "language": set(),

@@ -55,6 +55,10 @@ class InputError(TaskgistError):
         return f"{text} {self.hint}" if self.hint.startswith("(") else f"{text}; {self.hint}"
 
 
+class WorkerError(InputError):
+    """A process that ended before the work that it was given was done."""
+
+
 class SceneError(InputError):
     """A scene, model or profile that cannot be used."""
 

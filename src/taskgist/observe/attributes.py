@@ -1,6 +1,6 @@
 """All attributes of the tree at one instant: the seam between geometry and symbols (level 3).
 
-``snapshot`` gathers what ``Observer`` has confirmed over time, what ``perspective`` finds in the state, and what a
+``snapshot`` gathers what is confirmed over time, what ``perspective`` finds in the state, and what a
 user's own predicates observe. A predicate's function is called as ``observe(stage, agent, object)`` with the stage in
 that state, and returns a value of its attribute, a truth value, an ``Observation``, or ``UNKNOWN``.
 """
@@ -13,7 +13,7 @@ from taskgist.errors import FactsError
 from taskgist.facts import UNKNOWN, Observation, Predicate, Raw
 from taskgist.facts import vocabulary as v
 from taskgist.observe.abilities import ability_observations
-from taskgist.observe.observer import Observer
+from taskgist.observe.history import History
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Stage
 
@@ -22,7 +22,7 @@ Snapshot = dict[str, Observation[Raw]]
 
 def snapshot(
     stage: Stage,
-    observer: Observer,
+    history: History,
     *,
     agent: str,
     name: str,
@@ -33,44 +33,45 @@ def snapshot(
 
     Args:
         stage: The scene in a state; afterwards it shows the same state with who holds what decided.
-        observer: One that has seen the states up to this one (or, offline, all of them).
+        history: What is confirmed over time: an ``Observer`` that has seen the states up to this one (or, offline, all
+            of them), or a ``LazyObserver``.
         agent: From whose perspective.
         name: The object.
         settings: All settings.
         predicates: A user's own predicates to observe too.
     """
-    stage.show(observer.decided(stage.state))
+    stage.show(history.decided(stage.state))
     observations = ability_observations(stage, agent, name, settings)
-    observations |= status_observations(observer, agent, name, stage.state.time_s)
+    observations |= status_observations(history, agent, name, stage.state.time_s)
     for predicate in predicates:
         if predicate.observe is not None:
             observations[predicate.subtree.attribute.name] = _observed(predicate, stage, agent, name)
     return observations
 
 
-def status_observations(observer: Observer, agent: str, name: str, time_s: float) -> Snapshot:
+def status_observations(history: History, agent: str, name: str, time_s: float) -> Snapshot:
     """The attributes that need time but no perspective: posture, hands, placement, motion."""
-    placed = observer.placement(name).at(time_s)
+    placed = history.placement(name).at(time_s)
     return {
-        "posture": Observation(observer.posture(agent).at(time_s) or UNKNOWN),
-        "hands": _hands(observer, agent, name, time_s),
-        "placement": Observation((placed and placed.symbol) or UNKNOWN, {"by": _placed_by(observer, name, time_s)}),
-        "motion": Observation(observer.motion(name).at(time_s) or UNKNOWN),
+        "posture": Observation(history.posture(agent).at(time_s) or UNKNOWN),
+        "hands": _hands(history, agent, name, time_s),
+        "placement": Observation((placed and placed.symbol) or UNKNOWN, {"by": _placed_by(history, name, time_s)}),
+        "motion": Observation(history.motion(name).at(time_s) or UNKNOWN),
     }
 
 
-def _placed_by(observer: Observer, name: str, time_s: float) -> list[str]:
-    """The hands that hold the object at this time, else what it was placed by when its placement began."""
-    hands = [f"{hold.agent}'s {hold.side} hand" for hold in observer.holds(time_s) if hold.object == name]
-    placed = observer.placement(name).at(time_s)
+def _placed_by(history: History, name: str, time_s: float) -> list[str]:
+    """The hands that hold the object at this time, else what it was placed by."""
+    hands = [f"{hold.agent}'s {hold.side} hand" for hold in history.holds(time_s) if hold.object == name]
+    placed = history.placement(name).at(time_s)
     return hands or list(placed.by if placed else ())
 
 
-def _hands(observer: Observer, agent: str, name: str, time_s: float) -> Observation[Raw]:
+def _hands(history: History, agent: str, name: str, time_s: float) -> Observation[Raw]:
     statuses: dict[str, str | None] = {}
     evidence: dict[str, str] = {}
-    for side in observer.sides(agent):
-        use = observer.hand(agent, side).at(time_s)
+    for side in history.sides(agent):
+        use = history.hand(agent, side).at(time_s)
         status = use.symbol if use else None
         if use and use.of:
             evidence[side] = use.of

@@ -12,18 +12,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numpy as np
-from numpy.typing import NDArray
-
-from taskgist.facts import vocabulary as v
 from taskgist.observe.confirmation import Confirmation
-from taskgist.observe.motion import MotionWatch
-from taskgist.observe.status import HandUse, Placed, statuses_of
+from taskgist.observe.history import History
+from taskgist.observe.motion import MotionWatch, object_place
+from taskgist.observe.status import HandUse, Placed, hand_key, placement_key, statuses_of
 from taskgist.settings import DEFAULT, Settings
-from taskgist.world import Hold, HoldingWatch, Scene, Stage, State
+from taskgist.world import HoldingWatch, Scene, Stage, State
+from taskgist.world.resting import RestingMemory
 
 
-class Observer:
+class Observer(History):
     """Confirms facts over time.
 
     Args:
@@ -32,17 +30,19 @@ class Observer:
     """
 
     def __init__(self, scene: Scene, settings: Settings = DEFAULT) -> None:
+        super().__init__(scene)
         minimum = settings.timing.minimum_s
         self._settings = settings
         self._stage = Stage(scene)
         self._holding = HoldingWatch(scene, settings.contact)
+        self._resting = RestingMemory(scene, settings.contact)
         self._placements: dict[str, Confirmation[Placed]] = {
-            name: Confirmation(minimum, key=lambda placed: placed.symbol) for name in scene.objects
+            name: Confirmation(minimum, key=placement_key) for name in scene.objects
         }
         self._motions: dict[str, Confirmation[str | None]] = {name: Confirmation(minimum) for name in scene.objects}
         self._watches = {name: MotionWatch(settings.timing) for name in scene.objects}
         self._hands: dict[tuple[str, str], Confirmation[HandUse]] = {
-            (agent, side): Confirmation(minimum, key=_use)
+            (agent, side): Confirmation(minimum, key=hand_key)
             for agent in scene.agents
             for side in scene.agent(agent).sides
         }
@@ -70,21 +70,9 @@ class Observer:
             for at_s, motion in watch.finish():
                 self._motions[name].update(at_s, motion)
 
-    def decided(self, state: State) -> State:
-        """A state with who holds what in it, as confirmed at its time: what perspective should start from."""
-        return state.with_holding(self.holds(state.time_s))
-
-    def holds(self, time_s: float) -> tuple[Hold, ...]:
-        """Which hands hold what at a time, as confirmed."""
-        return tuple(
-            Hold(agent, side, use.of)
-            for (agent, side), confirmation in self._hands.items()
-            if (use := confirmation.at(time_s)) and use.symbol == v.HOLDING_OBJECT and use.of
-        )
-
     def _take(self, state: State) -> None:
         time = state.time_s
-        statuses = statuses_of(self._stage.show(state), self._settings.contact)
+        statuses = statuses_of(self._stage.show(state), self._settings.contact, self._resting)
         for name, placed in statuses.placements.items():
             self._placements[name].update(time, placed)
         for hand, use in statuses.hands.items():
@@ -92,39 +80,25 @@ class Observer:
         for agent, posture in statuses.postures.items():
             self._postures[agent].update(time, posture)
         for name, watch in self._watches.items():
-            position = self._position(state, name)
-            for at_s, motion in watch.update(time, position):
+            for at_s, motion in watch.update(time, object_place(self.scene, state, name)):
                 self._motions[name].update(at_s, motion)
 
     def placement(self, name: str) -> Confirmation[Placed]:
-        """Placement of an object over time; by what it was placed is told as of each onset."""
-        self._stage.scene.object_body(name)
+        """Placement of an object over time."""
+        self.scene.object_body(name)
         return self._placements[name]
 
     def motion(self, name: str) -> Confirmation[str | None]:
         """Motion of an object over time; None is unknown."""
-        self._stage.scene.object_body(name)
+        self.scene.object_body(name)
         return self._motions[name]
 
     def hand(self, agent: str, side: str) -> Confirmation[HandUse]:
         """Use of a hand over time."""
-        self._stage.scene.agent(agent).arm(side)
+        self.scene.agent(agent).arm(side)
         return self._hands[agent, side]
-
-    def sides(self, agent: str) -> tuple[str, ...]:
-        """Sides on which an agent has a hand."""
-        return self._stage.scene.agent(agent).sides
 
     def posture(self, agent: str) -> Confirmation[str | None]:
         """Posture of an agent over time; None is unknown."""
-        self._stage.scene.agent(agent)
+        self.scene.agent(agent)
         return self._postures[agent]
-
-    def _position(self, state: State, name: str) -> NDArray[np.float64] | None:
-        known = state.known([name])
-        return np.array(state.qpos[self._stage.scene.object_slice(name)][:3]) if known else None
-
-
-def _use(use: HandUse) -> tuple[str | None, str | None]:
-    """What of a hand's use must last: which object it holds matters, on which support it rests does not."""
-    return use.symbol, use.of if use.symbol == v.HOLDING_OBJECT else None

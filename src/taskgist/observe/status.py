@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from taskgist.facts import vocabulary as v
 from taskgist.settings import Contact
-from taskgist.world import Agent, ArmIndices, Holding, Stage, hand_known, holding_of, posture_of, rests_on
+from taskgist.world import Agent, ArmIndices, Hold, Holding, Stage, hand_known, holding_of, posture_of, rests_on
+from taskgist.world.contacts import Rest
 
 POSTURE_SYMBOLS = {"standing": v.STANDING, "sitting": v.SITTING}
 
@@ -43,19 +44,35 @@ class Statuses:
     postures: Mapping[str, str | None]
 
 
-def statuses_of(stage: Stage, settings: Contact) -> Statuses:
-    """Raw facts of the state that a stage shows."""
+def placement_key(placed: Placed) -> str | None:
+    """What of a placement must last to be confirmed."""
+    return placed.symbol
+
+
+def hand_key(use: HandUse) -> tuple[str | None, str | None]:
+    """What of a hand's use must last: which object it holds matters, on which support it rests does not."""
+    return use.symbol, use.of if use.symbol == v.HOLDING_OBJECT else None
+
+
+def statuses_of(stage: Stage, settings: Contact, resting: Callable[[Stage, str], Rest] | None = None) -> Statuses:
+    """Raw facts of the state that a stage shows.
+
+    Args:
+        stage: The scene in a state.
+        settings: Distances.
+        resting: Finds what objects rest on and lie in; see ``holding_of``.
+    """
     scene = stage.scene
-    held = {name: holding_of(stage, name, settings) for name in scene.objects}
+    held = {name: holding_of(stage, name, settings, resting) for name in scene.objects}
     agents = [scene.agent(name) for name in scene.agents]
     return Statuses(
         placements={name: placed(holding) for name, holding in held.items()},
         hands={
-            (agent.name, arm.profile.side): hand_use(stage, agent, arm, held, settings)
+            (agent.name, arm.profile.side): hand_use(stage, agent, arm, held.__getitem__, settings)
             for agent in agents
             for arm in agent.arms
         },
-        postures={agent.name: _posture(stage, agent, settings) for agent in agents},
+        postures={agent.name: posture_symbol(stage, agent, settings) for agent in agents},
     )
 
 
@@ -73,19 +90,35 @@ def placed(holding: Holding | None) -> Placed:
 
 
 def hand_use(
-    stage: Stage, agent: Agent, arm: ArmIndices, held: Mapping[str, Holding | None], settings: Contact
+    stage: Stage, agent: Agent, arm: ArmIndices, held: Callable[[str], Holding | None], settings: Contact
 ) -> HandUse:
-    """What one hand does (Eq. 16); holding comes before resting."""
+    """What one hand does (Eq. 16); holding comes before resting.
+
+    Args:
+        stage: The scene in a state.
+        agent: Whose hand.
+        arm: Which hand.
+        held: Gives who holds an object; asked of those only that the hand may hold.
+        settings: Distances.
+    """
     if not hand_known(stage, agent, arm):
         return HandUse(None)
     hand = (agent.name, arm.profile.side)
-    for name, holding in held.items():
+    for name in _may_hold(stage, *hand):
+        holding = held(name)
         if holding and hand in holding.hands:
             return HandUse(v.HOLDING_OBJECT, name)
     support = rests_on(stage, arm, settings)
     return HandUse(v.RESTING_ON_SUPPORT, support) if support else HandUse(v.FREE_OF_OBJECT)
 
 
-def _posture(stage: Stage, agent: Agent, settings: Contact) -> str | None:
+def _may_hold(stage: Stage, agent: str, side: str) -> list[str]:
+    """Objects that a hand may hold: all, unless it was decided over time what it is that moves with the hand."""
+    decided = stage.state.holding
+    return [name for name in stage.scene.objects if decided is None or Hold(agent, side, name) in decided]
+
+
+def posture_symbol(stage: Stage, agent: Agent, settings: Contact) -> str | None:
+    """Posture of an agent; None if it is unknown."""
     posture = posture_of(stage, agent, settings)
     return POSTURE_SYMBOLS[posture] if posture else None

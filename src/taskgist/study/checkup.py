@@ -10,10 +10,9 @@ import numpy as np
 
 from taskgist.facts import UNKNOWN, Observation, Raw
 from taskgist.facts import vocabulary as v
-from taskgist.observe import Observer, snapshot
+from taskgist.observe import History, LazyObserver, snapshot
 from taskgist.recording import Label, Progress, Recording, silent
 from taskgist.settings import DEFAULT, Settings
-from taskgist.study.episodes import observe_recording
 from taskgist.world import Stage, overlaps
 
 Severity = Literal["unfit", "warning", "note"]
@@ -72,13 +71,12 @@ def check(recording: Recording, settings: Settings = DEFAULT, progress: Progress
         settings: All settings.
         progress: Told how far it is.
     """
-    observer = observe_recording(recording, settings, progress)
     findings = [
         *_time_gaps(recording),
         *_untracked(recording),
         *_poor_fits(recording),
-        *_overlaps(recording),
-        *_label(recording, observer, settings),
+        *_overlaps(recording, progress),
+        *_label(recording, LazyObserver(recording.scene, recording, settings), settings),
         *_estimated(recording),
     ]
     order: dict[Severity, int] = {"unfit": 0, "warning": 1, "note": 2}
@@ -124,15 +122,17 @@ def _poor_fits(recording: Recording) -> Iterator[Finding]:
                 )
 
 
-def _overlaps(recording: Recording) -> Iterator[Finding]:
+def _overlaps(recording: Recording, progress: Progress) -> Iterator[Finding]:
     stage = Stage(recording.scene)
     worst: dict[tuple[str, str], tuple[float, float]] = {}
-    for time_s in np.arange(recording.times_s[0], recording.times_s[-1], OVERLAP_EVERY_S):
+    times = np.arange(recording.times_s[0], recording.times_s[-1], OVERLAP_EVERY_S)
+    for number, time_s in enumerate(times):
         state = recording.at(float(time_s))
         stage.show(state)
         for pair, depth in overlaps(stage, deeper_than_m=OVERLAP_M).items():
             if state.known(pair) and depth > worst.get(pair, (0.0, 0.0))[0]:
                 worst[pair] = (depth, float(time_s))
+        progress("looking for overlaps", (number + 1) / len(times))
     for (a, b), (depth, time_s) in worst.items():
         held = {a, b} & set(recording.scene.agents) and {a, b} & set(recording.scene.objects)
         if not held and depth < SOFT_M and not {a, b} <= {*recording.scene.agents, *recording.scene.objects}:
@@ -145,7 +145,7 @@ def _overlaps(recording: Recording) -> Iterator[Finding]:
         )
 
 
-def _label(recording: Recording, observer: Observer, settings: Settings) -> Iterator[Finding]:
+def _label(recording: Recording, observer: History, settings: Settings) -> Iterator[Finding]:
     label = recording.label
     if label is None:
         yield Finding("unfit", "label", "there is none", "set one: taskgist label RECORDING --help")
@@ -157,7 +157,7 @@ def _label(recording: Recording, observer: Observer, settings: Settings) -> Iter
     yield from _unknown_facts(recording, label, observer, settings)
 
 
-def _unknown_facts(recording: Recording, label: Label, observer: Observer, settings: Settings) -> Iterator[Finding]:
+def _unknown_facts(recording: Recording, label: Label, observer: History, settings: Settings) -> Iterator[Finding]:
     stage = Stage(recording.scene)
     for end, time_s in (("start", label.start_s), ("end", label.end_s)):
         stage.show(recording.at(time_s))

@@ -7,13 +7,10 @@ from collections.abc import Iterable
 from taskgist.errors import LabelError
 from taskgist.facts import STANDARD_TREE, Episode, HypothesisTree, Predicate, known_predicates, with_predicates
 from taskgist.learning import Explanation, explain
-from taskgist.observe import Observer, snapshot
+from taskgist.observe import History, LazyObserver, Observer, Snapshot, snapshot
 from taskgist.recording import Label, Progress, Recording, silent
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Stage
-
-WATCHING = 0.9
-"""Share of the work that watching a recording is; taking perspective at both ends is the rest."""
 
 
 def label_of(recording: Recording, name: str = "") -> Label:
@@ -46,7 +43,7 @@ def episode_of(
     label: Label | None = None,
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] = (),
-    observer: Observer | None = None,
+    observer: History | None = None,
     progress: Progress = silent,
 ) -> Episode:
     """What was observed at both ends of a demonstration, from the target agent's perspective.
@@ -56,40 +53,48 @@ def episode_of(
         label: Instead of the recording's own.
         settings: All settings.
         predicates: A user's own predicates.
-        observer: One that has seen the whole recording, if there is one already.
+        observer: One that has seen the whole recording, if there is one already; it changes nothing in the answer.
         progress: Told how far it is.
 
     Raises:
         LabelError: There is no label.
     """
     label = label or label_of(recording)
-    predicates = tuple(predicates)
-    observer = observer or observe_recording(recording, settings, lambda what, share: progress(what, WATCHING * share))
-    stage = Stage(recording.scene)
-    ends = []
-    for share, time_s in (((WATCHING + 1) / 2, label.start_s), (1.0, label.end_s)):
-        stage.show(recording.at(time_s))
-        ends.append(
-            snapshot(
-                stage,
-                observer,
-                agent=label.target_agent,
-                name=label.target_object,
-                settings=settings,
-                predicates=predicates,
-            )
-        )
-        progress("taking perspective", share)
+    observer = observer or LazyObserver(recording.scene, recording, settings)
+    start, end = _ends(recording, label, observer, settings, tuple(predicates), progress)
     return Episode(
         task=label.task,
         demonstration=recording.name,
         performing_agent=label.performing_agent,
         target_agent=label.target_agent,
         target_object=label.target_object,
-        start=ends[0],
-        end=ends[1],
+        start=start,
+        end=end,
         source=f"{recording.digest} {label.start_s:.4f}-{label.end_s:.4f} s",
     )
+
+
+def _ends(
+    recording: Recording,
+    label: Label,
+    observer: History,
+    settings: Settings,
+    predicates: tuple[Predicate, ...],
+    progress: Progress,
+) -> tuple[Snapshot, Snapshot]:
+    """Every attribute at the label's start and end."""
+    stage = Stage(recording.scene)
+
+    def at(time_s: float) -> Snapshot:
+        stage.show(recording.at(time_s))
+        who, what = label.target_agent, label.target_object
+        return snapshot(stage, observer, agent=who, name=what, settings=settings, predicates=predicates)
+
+    start = at(label.start_s)
+    progress("taking perspective", 0.5)
+    end = at(label.end_s)
+    progress("taking perspective", 1.0)
+    return start, end
 
 
 def explain_recording(

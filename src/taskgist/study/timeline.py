@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from taskgist.facts import STANDARD_TREE, HypothesisTree, Predicate, Unknown, Value, with_predicates
-from taskgist.observe import Interval, Observer, Snapshot, snapshot, status_observations
+from taskgist.observe import History, Interval, Snapshot, snapshot, status_observations
 from taskgist.recording import Progress, Recording, silent
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Stage
@@ -39,7 +39,7 @@ class Timeline:
 
 def timeline(
     recording: Recording,
-    observer: Observer,
+    observer: History,
     *,
     agent: str,
     name: str,

@@ -6,7 +6,9 @@ from taskgist.world.body.hands import HAND_KINDS, Hand, HandBox, HandKind, hand_
 from taskgist.world.body.postures import posture_of, seat_position, with_posture
 from taskgist.world.body.profile import AgentProfile, Arm, Eye, Posture, builtin_profiles
 from taskgist.world.contacts import container_of, object_points, overlaps, support_of
-from taskgist.world.fit import Fit, Fitter, landmarks
+from taskgist.world.dynamics import FreeMotion, free_motion
+from taskgist.world.fit import Fit, Fitter
+from taskgist.world.fit_words import landmarks
 from taskgist.world.geometry.between import Shapes
 from taskgist.world.geometry.compiled import when_compiling
 from taskgist.world.geometry.linkage import Linkage
@@ -30,6 +32,7 @@ __all__ = [
     "Eye",
     "Fit",
     "Fitter",
+    "FreeMotion",
     "Hand",
     "HandBox",
     "HandKind",
@@ -48,6 +51,7 @@ __all__ = [
     "builtin_profiles",
     "container_of",
     "distances_outside_m",
+    "free_motion",
     "hand_boxes",
     "hand_gap_m",
     "hand_known",

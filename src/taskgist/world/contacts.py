@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,61 @@ def object_points(stage: Stage, name: str, spacing_m: float) -> Array:
     return np.concatenate(parts) if parts else np.empty((0, 3))
 
 
+@dataclass(frozen=True)
+class Rest:
+    """What an object rests on, and what it lies in; None: nothing."""
+
+    support: str | None
+    container: str | None
+
+
+def rest_of(stage: Stage, name: str, settings: Contact) -> Rest:
+    """What an object rests on and lies in, in the state that a stage shows."""
+    return Rest(support_of(stage, name, settings), container_of(stage, name, settings))
+
+
+@dataclass(frozen=True, eq=False)
+class Drop:
+    """Points of an object's surface, lifted a little and dropped: what they meet carries it.
+
+    Attributes:
+        name: The object.
+        starts: The lifted points, lowest first, metres, (n, 3).
+        lift_m: By how much they were lifted.
+    """
+
+    name: str
+    starts: Array
+    lift_m: float
+
+    @classmethod
+    def of(cls, stage: Stage, name: str, settings: Contact) -> Drop:
+        """Those of an object where it is."""
+        samples = object_points(stage, name, POINT_SPACING_M)
+        points = _low_points(stage, name, samples)
+        # The lift stays inside the object, so that what stands above it is not taken for its support.
+        lift = min(settings.lift_m, float(np.ptp(samples[:, 2])) / 2) if len(points) else 0.0
+        return cls(name, points + (0.0, 0.0, lift), lift)
+
+    def around(self, stage: Stage, settings: Contact) -> NDArray[np.intp]:
+        """Seen shapes that the points may meet, but those of the object's own body, (n,)."""
+        if not len(self.starts):
+            return np.empty(0, dtype=np.intp)
+        middle = self.starts.mean(axis=0)
+        radius_m = float(np.linalg.norm(self.starts - middle, axis=1).max()) + self.lift_m + settings.support_m
+        body = stage.scene.object_body(self.name)
+        return stage.between(middle, middle[None], np.array([radius_m]), but_body=body)
+
+    def meets(self, stage: Stage, around: NDArray[np.intp], settings: Contact) -> str | None:
+        """The owner of the surface on which the lowest point lands that meets a nearly level one, or None."""
+        geoms, distances, normals = stage.cast_each(around, self.starts, np.tile(DOWN, (len(self.starts), 1)))
+        level = normals[:, 2] >= math.cos(settings.support_slope_rad)
+        met = geoms[(geoms >= 0) & level & (distances - self.lift_m <= settings.support_m)]
+        scene = stage.scene
+        owners = (scene.owners[geom] for geom in met.tolist())
+        return next((owner for owner in owners if owner != self.name and owner not in scene.agents), None)
+
+
 def support_of(stage: Stage, name: str, settings: Contact) -> str | None:
     """What an object rests on: the owner of the surface beneath it, or None.
 
@@ -39,26 +95,8 @@ def support_of(stage: Stage, name: str, settings: Contact) -> str | None:
     ``support_m`` beneath the object, that surface carries it. The lift makes the answer robust to interpenetration.
     Agents are never supports (DESIGN 4.5).
     """
-    samples = object_points(stage, name, POINT_SPACING_M)
-    points = _low_points(stage, name, samples)
-    if not len(points):
-        return None
-    # The lift stays inside the object, so that what stands above it is not taken for its support.
-    lift = min(settings.lift_m, float(np.ptp(samples[:, 2])) / 2)
-    starts = points + (0.0, 0.0, lift)
-    around = _around_points(stage, name, starts, lift + settings.support_m)
-    geoms, distances, normals = stage.cast_each(around, starts, np.tile(DOWN, (len(starts), 1)))
-    level = normals[:, 2] >= math.cos(settings.support_slope_rad)
-    met = geoms[(geoms >= 0) & level & (distances - lift <= settings.support_m)]
-    owners = (stage.scene.owners[geom] for geom in met.tolist())
-    return next((owner for owner in owners if owner != name and owner not in stage.scene.agents), None)
-
-
-def _around_points(stage: Stage, name: str, points: Array, margin_m: float) -> NDArray[np.intp]:
-    """Seen shapes within a margin of some points of an object, but those of the object's own body, (n,)."""
-    middle = points.mean(axis=0)
-    radius_m = float(np.linalg.norm(points - middle, axis=1).max()) + margin_m
-    return stage.between(middle, middle[None], np.array([radius_m]), but_body=stage.scene.object_body(name))
+    drop = Drop.of(stage, name, settings)
+    return drop.meets(stage, drop.around(stage, settings), settings)
 
 
 def _low_points(stage: Stage, name: str, samples: Array) -> Array:
@@ -72,8 +110,9 @@ def _low_points(stage: Stage, name: str, samples: Array) -> Array:
     if not exact:
         return np.empty((0, 3))
     points = np.concatenate((np.array(exact), samples))
-    points = points[np.argsort(np.round(points[:, 2], 6), kind="stable")]
-    return np.asarray(points[points[:, 2] < points[0, 2] + 2 * POINT_SPACING_M])
+    heights = np.round(points[:, 2], 6)
+    low = np.flatnonzero(points[:, 2] < points[heights.argmin(), 2] + 2 * POINT_SPACING_M)
+    return points[low[np.argsort(heights[low], kind="stable")]]
 
 
 def container_of(stage: Stage, name: str, settings: Contact) -> str | None:
@@ -99,10 +138,21 @@ def _around(start_rad: float) -> Array:
 
 
 def _candidates(stage: Stage, name: str, middle: Array) -> list[str]:
-    """Tracked objects and furniture in whose bounding spheres the middle lies; the room's own walls do not count."""
+    """Tracked objects and furniture in whose bounding spheres the middle lies; the room's own walls do not count.
+
+    The box, along the world's axes, around the bounding spheres of all of their shapes must hold it.
+    """
     scene = stage.scene
     others = [owner for owner in scene.bodies if owner != name and stage.state.known([owner])]
-    return [owner for owner in others if stage.in_bounds(scene.geoms_of(owner), middle)]
+    if not others:
+        return []
+    shapes = [scene.geoms_of(owner) for owner in others]
+    together, starts = np.concatenate(shapes), np.cumsum([0, *map(len, shapes[:-1])])
+    offsets, radii = stage.geom_centers(together) - middle, scene.model.geom_rbound[together][:, None]
+    low = np.minimum.reduceat(offsets - radii, starts)
+    high = np.maximum.reduceat(offsets + radii, starts)
+    holds = ((low <= 0.0) & (high >= 0.0)).all(axis=1)
+    return [others[index] for index in np.flatnonzero(holds)]
 
 
 def _encloses(stage: Stage, owner: str, middle: Array, rays: Array, settings: Contact) -> bool:

@@ -6,13 +6,12 @@ hand is close to the object", 8.5). Nothing that rests on a support is held.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-
-import numpy as np
 
 from taskgist.settings import Contact
 from taskgist.world.body.agent import Agent, ArmIndices
-from taskgist.world.contacts import container_of, support_of
+from taskgist.world.contacts import Rest, rest_of
 from taskgist.world.stage import Stage
 from taskgist.world.state import Hold
 
@@ -35,21 +34,23 @@ class Holding:
     complete: bool
 
 
-def holding_of(stage: Stage, name: str, settings: Contact) -> Holding | None:
+def holding_of(
+    stage: Stage, name: str, settings: Contact, resting: Callable[[Stage, str], Rest] | None = None
+) -> Holding | None:
     """Who holds an object, and what it rests on or lies in; None if the object was not tracked.
 
     Args:
         stage: The scene in a state.
         name: The object.
         settings: Distances.
+        resting: Finds what it rests on and lies in, such as a ``RestingMemory``; found at once if left out.
     """
     state = stage.state
     if not state.known([name]):
         return None
-    container = container_of(stage, name, settings)
-    support = support_of(stage, name, settings)
-    if container or support:
-        return Holding((), support, container, complete=True)
+    rest = resting(stage, name) if resting else rest_of(stage, name, settings)
+    if rest.container or rest.support:
+        return Holding((), rest.support, rest.container, complete=True)
     hands, complete = [], all(state.known([other]) for other in stage.scene.objects)
     for agent_name in stage.scene.agents:
         agent = stage.scene.agent(agent_name)
@@ -74,11 +75,26 @@ def is_near(stage: Stage, arm: ArmIndices, name: str, settings: Contact) -> bool
 
 def objects_near(stage: Stage, agent: Agent, settings: Contact) -> tuple[str, ...]:
     """Objects that a hand of an agent is close enough to, to hold them."""
-    hands = np.concatenate([arm.hand_geoms for arm in agent.arms]) if agent.arms else np.array([], dtype=np.intp)
-    pairs = stage.near_pairs(hands, stage.scene.objects_geoms, limit_m=settings.grip_m)
-    candidates = {stage.scene.owners[geom] for _, geom in pairs}
-    near = {name for name in candidates if any(is_near(stage, arm, name, settings) for arm in agent.arms)}
+    near = {name for arm in agent.arms for name in _near(stage, arm, settings)}
     return tuple(name for name in stage.scene.objects if name in near)
+
+
+def near_holds(stage: Stage, settings: Contact) -> frozenset[Hold]:
+    """Which tracked hands of all agents are close enough to which tracked objects, to hold them."""
+    scene, near = stage.scene, set[Hold]()
+    for name in scene.agents:
+        agent = scene.agent(name)
+        for arm in agent.arms:
+            if hand_known(stage, agent, arm):
+                near.update(Hold(name, arm.profile.side, each) for each in _near(stage, arm, settings))
+    return frozenset(hold for hold in near if stage.state.known([hold.object]))
+
+
+def _near(stage: Stage, arm: ArmIndices, settings: Contact) -> list[str]:
+    """Objects that a hand is close to; few are looked at closely, for few are anywhere near."""
+    pairs = stage.near_pairs(arm.hand_geoms, stage.scene.objects_geoms, limit_m=settings.grip_m)
+    candidates = {stage.scene.owners[geom] for _, geom in pairs}
+    return [name for name in candidates if is_near(stage, arm, name, settings)]
 
 
 def hand_known(stage: Stage, agent: Agent, arm: ArmIndices) -> bool:
@@ -94,7 +110,8 @@ def hand_gap_m(stage: Stage, arm: ArmIndices, name: str, *, limit_m: float) -> f
 def rests_on(stage: Stage, arm: ArmIndices, settings: Contact) -> str | None:
     """The support that a hand lies on: something beneath it, neither agent nor object in the hand; None otherwise."""
     scene = stage.scene
-    others = [g for g in stage.solid_geoms() if scene.owners[g] not in scene.agents]
+    pairs = stage.near_pairs(arm.hand_geoms, stage.solid_geoms(), limit_m=settings.support_m)
+    others = sorted({other for _, other in pairs if scene.owners[other] not in scene.agents})
     gap, hand_geom, other = stage.closest(arm.hand_geoms, others, limit_m=settings.support_m)
     if gap >= settings.support_m or other < 0:
         return None

@@ -1,40 +1,23 @@
 """Holding over time: a held object moves with the hand.
 
 A hand that passes an object, or reaches around it before it closes, is near and yet does not hold. What tells them
-apart is slip: how fast the hand moves in the object's own frame. A ``HoldingWatch`` takes states as they come and gives
-them back, half a window later, with ``State.holding`` decided: a near hand begins to hold when its slip is low, and
-lets go when the slip is high or the hand is far.
+apart is slip. A ``HoldingWatch`` takes states as they come and gives them back, half a window later, with
+``State.holding`` decided. A ``HoldingLookup`` decides single frames of a whole sequence, as that watch would.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import NDArray
+from functools import cache, partial
 
 from taskgist.settings import Contact
-from taskgist.world.body.agent import Agent, ArmIndices
-from taskgist.world.holding import hand_known, is_near
+from taskgist.world.frames import Frames
+from taskgist.world.hysteresis import followed
 from taskgist.world.scene import Scene
+from taskgist.world.slip import Hands, holds_on, slip_m_s
 from taskgist.world.stage import Stage
 from taskgist.world.state import Hold, State
-from taskgist.world.window import Around, SlidingWindow, velocity
-
-
-@dataclass(frozen=True, eq=False)
-class Hands:
-    """A state and its hands.
-
-    Attributes:
-        near: The hands that are near to objects.
-        places: Place of each palm in each object's frame, metres, (3,), where both were tracked.
-    """
-
-    state: State
-    near: frozenset[Hold]
-    places: dict[Hold, NDArray[np.float64]]
+from taskgist.world.window import Around, SlidingWindow, window_at
 
 
 class HoldingWatch:
@@ -48,18 +31,13 @@ class HoldingWatch:
     def __init__(self, scene: Scene, settings: Contact) -> None:
         self._settings = settings
         self._stage = Stage(scene)
-        self._arms = {
-            Hold(agent, arm.profile.side, name): (scene.agent(agent), arm)
-            for agent in scene.agents
-            for arm in scene.agent(agent).arms
-            for name in scene.objects
-        }
         self._window: SlidingWindow[Hands] = SlidingWindow(settings.slip_window_s)
         self._held: frozenset[Hold] = frozenset()
 
     def update(self, state: State) -> Iterator[State]:
         """Take the next state; yields those that can be decided now, in order."""
-        yield from map(self._decided, self._window.push(state.time_s, self._hands(state)))
+        hands = Hands.of(self._stage, state, self._settings)
+        yield from map(self._decided, self._window.push(state.time_s, hands))
 
     def finish(self) -> Iterator[State]:
         """Decide the states that still wait, by what has been seen of their windows."""
@@ -70,22 +48,36 @@ class HoldingWatch:
         return around.item.state.with_holding(self._held)
 
     def _stays(self, hold: Hold, around: Around[Hands]) -> bool:
-        """Whether a near hand moves with the object in the window; where that is unknown, near is all there is."""
-        frames = zip(around.times_s, around.items, strict=True)
-        known = [(time_s, hands.places[hold]) for time_s, hands in frames if hold in hands.places]
-        slip = velocity([time_s for time_s, _ in known], [place for _, place in known])
-        limit = self._settings.slip_stop_m_s if hold in self._held else self._settings.slip_start_m_s
-        return slip is None or float(np.linalg.norm(slip)) < limit
+        return holds_on(slip_m_s(hold, around.items), hold in self._held, self._settings)
 
-    def _hands(self, state: State) -> Hands:
-        stage = self._stage.show(state)
-        known = {hold: arms for hold, arms in self._arms.items() if self._known(hold, *arms)}
-        near = (hold for hold, (_, arm) in known.items() if is_near(stage, arm, hold.object, self._settings))
-        return Hands(state, frozenset(near), {hold: self._place(hold, arm) for hold, (_, arm) in known.items()})
 
-    def _known(self, hold: Hold, agent: Agent, arm: ArmIndices) -> bool:
-        return hand_known(self._stage, agent, arm) and self._stage.state.known([hold.object])
+class HoldingLookup:
+    """Decides who holds what in any frame of a sequence, as a ``HoldingWatch`` that saw all of them does.
 
-    def _place(self, hold: Hold, arm: ArmIndices) -> NDArray[np.float64]:
-        pose = self._stage.body(self._stage.scene.object_body(hold.object))
-        return pose.to_local(self._stage.site(arm.palm_site).position)
+    Args:
+        stage: Their scene; it shows other states after each question.
+        frames: The sequence.
+        settings: Distances, speeds and the window.
+    """
+
+    def __init__(self, stage: Stage, frames: Frames, settings: Contact) -> None:
+        self._stage, self._frames, self._settings = stage, frames, settings
+        self._times_s: list[float] = frames.times_s.tolist()
+        self._hands, self._slip_m_s = cache(self._look), cache(self._measure)
+        self.decided = cache(self._decided)
+
+    def _decided(self, index: int) -> State:
+        hands = self._hands(index)
+        held = (hold for hold in hands.near if followed(partial(self._holds, hold), index))
+        return hands.state.with_holding(held)
+
+    def _holds(self, hold: Hold, index: int, before: bool) -> bool:
+        near = hold in self._hands(index).near
+        return near and holds_on(self._slip_m_s(hold, index), before, self._settings)
+
+    def _look(self, index: int) -> Hands:
+        return Hands.of(self._stage, self._frames.state(index), self._settings)
+
+    def _measure(self, hold: Hold, index: int) -> float | None:
+        around = window_at(self._times_s, index, self._settings.slip_window_s)
+        return slip_m_s(hold, map(self._hands, around))

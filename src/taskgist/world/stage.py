@@ -235,13 +235,6 @@ class Stage:
         hidden = self.scene.untracked_geoms(self.state.untracked)
         return self.scene.solid_geoms if not len(hidden) else np.setdiff1d(self.scene.solid_geoms, hidden)
 
-    def in_bounds(self, geoms: ArrayLike, point: ArrayLike) -> bool:
-        """Whether a point lies in the box, along the world's axes, around the bounding spheres of some shapes."""
-        shapes = np.asarray(geoms, dtype=np.intp)
-        centers, radius = self._data.geom_xpos[shapes], self.scene.model.geom_rbound[shapes][:, None]
-        low, high = (centers - radius).min(axis=0), (centers + radius).max(axis=0)
-        return bool(np.all(low <= point) and np.all(point <= high))
-
     def is_plane(self, geom: int) -> bool:
         """Whether a shape is an endless plane, such as the floor."""
         return bool(self.scene.model.geom_rbound[geom] == 0)

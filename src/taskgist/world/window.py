@@ -2,7 +2,7 @@
 
 Facts about motion need what came before a frame and what comes after. A ``SlidingWindow`` takes frames one by one and
 gives each back, half a window later, with the frames around it: those within the width, and in any case the neighbours,
-so that slow trackers (5 Hz) are served, too.
+so that slow trackers (5 Hz) are served, too. ``window_at`` finds the same window where all frames are there already.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class SlidingWindow(Generic[T]):
     """
 
     def __init__(self, width_s: float) -> None:
-        self._half_s = width_s / 2 + ROUNDING_S
+        self._half_s = half_s(width_s)
         self._frames: deque[tuple[float, T]] = deque()
         self._next = 0
 
@@ -65,7 +65,7 @@ class SlidingWindow(Generic[T]):
 
     def _around(self) -> Around[T]:
         time_s, item = self._frames[self._next]
-        while self._next > 1 and self._frames[0][0] < time_s - self._half_s:
+        while self._next > 1 and time_s - self._frames[0][0] > self._half_s:
             self._frames.popleft()
             self._next -= 1
         window = [
@@ -76,6 +76,29 @@ class SlidingWindow(Generic[T]):
         self._next += 1
         times, items = zip(*window, strict=True)
         return Around(time_s, item, times, items)
+
+
+def half_s(width_s: float) -> float:
+    """Half of a window in seconds, with room for the rounding of times."""
+    return width_s / 2 + ROUNDING_S
+
+
+def window_at(times_s: Sequence[float], index: int, width_s: float) -> range:
+    """Indices of the frames that a ``SlidingWindow`` gives around one frame of a whole sequence.
+
+    Args:
+        times_s: Times of all frames in seconds, strictly increasing.
+        index: Which frame.
+        width_s: Width of the window in seconds.
+    """
+    half, now_s, end = half_s(width_s), times_s[index], len(times_s) - 1
+    first, last = max(index - 1, 0), min(index + 1, end)
+    while first > 0 and now_s - times_s[first - 1] <= half:
+        first -= 1
+    # As soon as it is half a window late, the sliding window gives a frame back, and takes no more for it.
+    while last < end and times_s[last] - now_s < half - 2 * ROUNDING_S and times_s[last + 1] - now_s <= half:
+        last += 1
+    return range(first, last + 1)
 
 
 def velocity(times_s: Sequence[float], places: ArrayLike) -> NDArray[np.float64] | None:

@@ -1,0 +1,131 @@
+"""Judging demonstrations: from a recording to its explanation, by the frames around the label's ends or by all."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.figure import Figure
+from benchmarks.timing import in_turn, once
+from taskgist.learning import explain
+from taskgist.observe import LazyObserver
+from taskgist.recording import Recording, read
+from taskgist.settings import DEFAULT
+from taskgist.study import episode_of, explain_all, observe_recording
+from taskgist.study.shipped import shipped_study
+from taskgist.world import State
+
+REPEATS = 3
+TENTH, STUDY_S, MINUTE_S = 10.0, 10.0, 60.0
+COPIES = 5
+OURS, ALL = "ours", "watching all frames"
+
+
+class Counted:
+    """A recording that counts the frames that are asked for."""
+
+    def __init__(self, recording: Recording) -> None:
+        self._recording = recording
+        self.asked: set[int] = set()
+
+    @property
+    def times_s(self) -> NDArray[np.float64]:
+        """Times of all frames in seconds, (n,)."""
+        return self._recording.times_s
+
+    def state(self, index: int) -> State:
+        """The state in a frame."""
+        self.asked.add(index)
+        return self._recording.state(index)
+
+
+def figures() -> Iterator[Figure]:
+    """One demonstration of each task, then all of the study, then many."""
+    yield one()
+    with all_cores() as cores:
+        yield study(cores)
+        yield many(cores)
+
+
+def one() -> Figure:
+    """The median over one recording per task of the study, each judged both ways in turn."""
+    recordings = [read(paths[0]) for paths in shipped_study().values()]
+    taken = [in_turn({OURS: partial(_by_ends, each), ALL: partial(_by_all, each)}, REPEATS) for each in recordings]
+    ours, full = (median(each[name] for each in taken) for name in (OURS, ALL))
+    counts = {"frames looked at": median(map(_looked_at, recordings)), "frames": median(map(len, recordings))}
+    return Figure(
+        "judging",
+        "a demonstration, by the frames around its ends",
+        ours,
+        {ALL: full},
+        goal="a tenth of the time",
+        met=full >= TENTH * ours,
+        counts=counts,
+    )
+
+
+def study(cores: int) -> Figure:
+    """All demonstrations of the paper's study, from their files to their explanations."""
+    paths = _paths()
+    ours = once(lambda: [*explain_all(paths, processes=cores)])
+    return Figure(
+        "judging",
+        f"the study's {len(paths)} demonstrations, with reading their files",
+        ours,
+        goal="10 s",
+        met=ours < STUDY_S,
+        note=f"on {cores} cores",
+    )
+
+
+def many(cores: int) -> Figure:
+    """The same several times over, each with a scene of its own, as demonstrations that are generated have."""
+    recordings = [read(path) for _ in range(COPIES) for path in _paths()]
+    each_s = once(lambda: [*explain_all(recordings, processes=cores)]) / len(recordings)
+    return Figure(
+        "judging",
+        "1,000 demonstrations in memory",
+        1000 * each_s,
+        goal="a minute",
+        met=1000 * each_s < MINUTE_S,
+        note=f"{MINUTE_S / each_s:,.0f} a minute on {cores} cores, measured with {len(recordings)}",
+    )
+
+
+def _paths() -> list[Path]:
+    return [path for paths in shipped_study().values() for path in paths]
+
+
+def _by_ends(recording: Recording) -> None:
+    explain(episode_of(recording), settings=DEFAULT)
+
+
+def _by_all(recording: Recording) -> None:
+    explain(episode_of(recording, observer=observe_recording(recording)), settings=DEFAULT)
+
+
+def _looked_at(recording: Recording) -> int:
+    frames = Counted(recording)
+    episode_of(recording, observer=LazyObserver(recording.scene, frames))
+    return len(frames.asked)
+
+
+@contextmanager
+def all_cores() -> Iterator[int]:
+    """Let this process, and the workers it starts, use all cores for a while; gives their number."""
+    if not hasattr(os, "sched_setaffinity"):
+        yield 1
+        return
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, range(os.cpu_count() or 1))
+    try:
+        yield len(os.sched_getaffinity(0))
+    finally:
+        os.sched_setaffinity(0, before)

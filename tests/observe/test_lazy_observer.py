@@ -1,0 +1,151 @@
+"""The lazy observer says what one says that has seen all frames, and looks at few of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from taskgist.errors import UnknownNameError
+from taskgist.observe import LazyObserver, Observer, snapshot
+from taskgist.world import Fitter, Hold, Scene, Stage, State
+from tests.observe.frames import States, assert_same, said
+from tests.scenes import TABLE, agent, box, cylinder, scene
+
+RATE_HZ = 30.0
+PALM = (-0.3, -0.15, 1.1)
+
+
+@pytest.fixture(scope="module")
+def room() -> Scene:
+    """A hand beside a cup in the air; a mug on the table, and a box."""
+    return scene(
+        TABLE,
+        cylinder("cup", *PALM),
+        cylinder("mug", 0.2, 0.3, 0.77),
+        box("box", 0.2, -0.2, 0.77, (0.05, 0.05, 0.05)),
+        agents=agent("P1", -0.8, 0) + agent("P2", 0.9, 0, yaw_deg=180),
+    )
+
+
+@pytest.fixture(scope="module")
+def reaching(room: Scene) -> State:
+    return Fitter(room, "P1", moving="arms").fit(room.initial, points={"right_palm": PALM}).state
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Some frames: how fast the agent and the cup go sideways, metres per second; where the cup is; what is lost."""
+
+    frames: int
+    agent_m_s: float
+    cup_m_s: float
+    drop_m: float
+    lost: frozenset[str] = field(default_factory=frozenset)
+
+
+STRETCHES = st.builds(
+    Stretch,
+    frames=st.integers(1, 9),
+    agent_m_s=st.sampled_from([0.0, 0.0, 0.1, 0.2, 0.25, 0.4, -0.2]),
+    cup_m_s=st.sampled_from([0.0, 0.0, 0.06, 0.08, 0.15, -0.3]),
+    drop_m=st.sampled_from([0.0, 0.0, 0.0, 0.33]),
+    lost=st.sampled_from([frozenset(), frozenset(), frozenset(), {"cup"}, {"P1/right_arm"}, {"P1"}, {"mug"}]).map(
+        frozenset
+    ),
+)
+
+
+def played(room: Scene, start: State, stretches: list[Stretch], gaps_s: list[float]) -> list[State]:
+    """The states of these stretches; with the drop, the cup is on the table's height."""
+    agent_m, cup_m, time_s, states = 0.0, 0.0, 0.0, list[State]()
+    base, cup = room.base_slice("P1"), room.object_slice("cup")
+    for stretch in stretches:
+        for _ in range(stretch.frames):
+            gap_s = gaps_s[len(states) % len(gaps_s)]
+            time_s, agent_m = time_s + gap_s, agent_m + gap_s * stretch.agent_m_s
+            cup_m += gap_s * stretch.cup_m_s
+            qpos = np.array(start.qpos)
+            qpos[base.start + 1] += agent_m
+            qpos[cup.start + 1] += cup_m
+            qpos[cup.start + 2] -= stretch.drop_m
+            states.append(State(qpos, time_s, stretch.lost))
+    return states
+
+
+@settings(max_examples=25)
+@given(
+    st.lists(STRETCHES, min_size=1, max_size=8),
+    st.lists(st.sampled_from([1 / 60, 1 / 30, 0.05, 0.21]), min_size=1, max_size=3),
+)
+def test_both_observers_say_the_same_at_every_frame(
+    room: Scene, reaching: State, stretches: list[Stretch], gaps_s: list[float]
+) -> None:
+    assert_same(room, played(room, reaching, stretches, gaps_s))
+
+
+def still_and_held(room: Scene, start: State) -> list[State]:
+    """Ten seconds: the hand stays at the cup, and both go sideways in the middle."""
+    stretches = [Stretch(140, 0.0, 0.0, 0.0), Stretch(20, 0.3, 0.3, 0.0), Stretch(140, 0.0, 0.0, 0.0)]
+    return played(room, start, stretches, [1 / RATE_HZ])
+
+
+def test_few_frames_are_looked_at(room: Scene, reaching: State) -> None:
+    states = still_and_held(room, reaching)
+    looked_at: set[int] = set()
+
+    class Counted(States):
+        def state(self, index: int) -> State:
+            looked_at.add(index)
+            return super().state(index)
+
+    lazy = LazyObserver(room, Counted(states))
+    found = [said(lazy, states[index].time_s) for index in (10, 290)]
+    full = Observer.of(room, states)
+    assert found == [said(full, states[index].time_s) for index in (10, 290)]
+    assert "P1's right hand" in str(found[0]["cup placement"]), "a hold takes the most frames to see"
+    assert len(looked_at) < 2 * 15, "a fifth of a second, and the window of the slip before and behind it"
+
+
+def test_a_snapshot_is_the_same_from_either(room: Scene, reaching: State) -> None:
+    states = still_and_held(room, reaching)[::3]
+    full, lazy = Observer.of(room, states), LazyObserver(room, States(states))
+    for state in (states[3], states[50], states[-1]):
+        for who in room.agents:
+            found = [snapshot(Stage(room, state), history, agent=who, name="cup") for history in (full, lazy)]
+            assert found[0] == found[1]
+            assert found[0]["placement"].evidence["by"] == ("P1's right hand",)
+
+
+def test_a_slow_hand_is_decided_by_how_it_came(room: Scene, reaching: State) -> None:
+    """Between the two speeds of slip, all the frames back to where it was decided are looked at."""
+    aside, slow = Stretch(1, -2.4, 0.0, 0.0), Stretch(9, 0.2, 0.0, 0.0)
+    held = {}
+    for came_m_s in (0.0, 0.45):
+        states = played(room, reaching, [aside, Stretch(5, came_m_s, 0.0, 0.0), slow], [1 / RATE_HZ])
+        assert_same(room, states)
+        held[came_m_s] = LazyObserver(room, States(states)).holds(states[-1].time_s)
+    assert held == {0.0: (Hold("P1", "right", "cup"),), 0.45: ()}
+
+
+def test_what_was_never_confirmed_is_unknown(room: Scene, reaching: State) -> None:
+    lone = States([State(reaching.qpos, 1.0)])
+    lazy = LazyObserver(room, lone)
+    assert lazy.posture("P1").at(1.0) is None
+    assert lazy.placement("cup").at(0.5) is None
+    assert lazy.holds(1.0) == ()
+
+
+def test_unknown_names_are_named(room: Scene, reaching: State) -> None:
+    lazy = LazyObserver(room, States([reaching]))
+    with pytest.raises(UnknownNameError, match="did you mean 'cup'"):
+        lazy.placement("cups")
+    with pytest.raises(UnknownNameError, match="did you mean 'mug'"):
+        lazy.motion("mugs")
+    with pytest.raises(UnknownNameError, match="known: P1, P2"):
+        lazy.posture("P3")
+    with pytest.raises(UnknownNameError, match="known: P1, P2"):
+        lazy.hand("P3", "left")

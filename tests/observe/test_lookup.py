@@ -1,0 +1,90 @@
+"""Looking up single frames gives what watching all frames gives: windows, hysteresis, motion and confirmation."""
+
+from __future__ import annotations
+
+from itertools import accumulate
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from taskgist.observe import Confirmation, Lookup, MotionLookup, MotionWatch
+from taskgist.settings import DEFAULT
+from taskgist.world import SlidingWindow
+from taskgist.world.hysteresis import followed
+from taskgist.world.window import window_at
+
+TIMING = DEFAULT.timing
+GAPS_S = st.sampled_from([1 / 120, 1 / 30, 0.05, 0.1, 0.2, 0.4]) | st.floats(0.004, 0.5)
+SPEEDS_M_S = st.sampled_from([0.0, 0.03, 0.06, 0.08, 0.2]) | st.floats(0.0, 0.3)
+VALUES = st.tuples(st.sampled_from("ABC"), st.sampled_from([1, 2]))
+
+
+def runs(values: st.SearchStrategy[object]) -> st.SearchStrategy[list[object]]:
+    """Values of frames: each stays for a few of them, so that some last and some do not."""
+    stretches = st.lists(st.tuples(values, st.integers(1, 8)), min_size=1, max_size=12)
+    return stretches.map(lambda drawn: [value for value, count in drawn for _ in range(count)])
+
+
+def times_of(gaps: list[float], count: int) -> list[float]:
+    """Times that go on with the same gaps, over and over."""
+    return list(accumulate((gaps[number % len(gaps)] for number in range(count - 1)), initial=0.5))
+
+
+@given(st.lists(GAPS_S, min_size=1, max_size=40), st.floats(0.01, 1.0))
+def test_the_window_at_a_frame_is_the_one_that_slides_over_it(gaps: list[float], width_s: float) -> None:
+    times = times_of(gaps, len(gaps) + 1)
+    window: SlidingWindow[int] = SlidingWindow(width_s)
+    slid = [around for index, time in enumerate(times) for around in window.push(time, index)] + [*window.finish()]
+    assert [tuple(window_at(times, index, width_s)) for index in range(len(times))] == [each.items for each in slid]
+
+
+@given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=30))
+def test_going_back_to_what_is_decided_gives_what_going_forward_gives(table: list[tuple[bool, bool]]) -> None:
+    forward = accumulate(table, lambda before, row: row[before], initial=False)
+    assert [followed(lambda index, before: table[index][before], each) for each in range(len(table))] == [*forward][1:]
+
+
+@given(st.lists(GAPS_S, min_size=1, max_size=5), runs(st.none() | SPEEDS_M_S))
+def test_motion_looked_up_is_motion_watched(gaps: list[float], speeds: list[float | None]) -> None:
+    times = times_of(gaps, len(speeds))
+    steps = [0.0, *np.diff(times)]
+    along = accumulate((speed or 0.0) * step for speed, step in zip(speeds, steps, strict=True))
+    places = [None if speed is None else np.array([x, 0.0, 1.0]) for x, speed in zip(along, speeds, strict=True)]
+    watch = MotionWatch(TIMING)
+    watched = [answer for time, place in zip(times, places, strict=True) for answer in watch.update(time, place)]
+    looked_up = MotionLookup(times, places.__getitem__, TIMING)
+    assert [looked_up.at(index) for index in reversed(range(len(times)))] == [
+        motion for _, motion in reversed([*watched, *watch.finish()])
+    ]
+
+
+@given(st.lists(GAPS_S, min_size=1, max_size=5), runs(VALUES), st.sampled_from([0.0, 0.1, 0.2, 0.5]))
+def test_what_is_looked_up_is_what_was_confirmed(
+    gaps: list[float], values: list[tuple[str, int]], minimum_s: float
+) -> None:
+    times = times_of(gaps, len(values))
+    confirmation = Confirmation[tuple[str, int]](minimum_s, key=lambda value: value[0])
+    for time, value in zip(times, values, strict=True):
+        confirmation.update(time, value)
+    asked = [0.0, *(time + later for time in times for later in (0.0, 0.003))]
+    for time in reversed(asked):
+        lookup = Lookup(times, values.__getitem__, minimum_s, key=lambda value: value[0])
+        assert lookup.at(time) == confirmation.at(time)
+
+
+def test_no_more_frames_are_looked_at_than_it_takes() -> None:
+    """The example of ``observe/lookup.py``, within a longer sequence."""
+    asked: set[int] = set()
+    values: list[str] = [*"AAAAAAAAAA", *"AAABAAABBBB", *"BBBBBBBBBB"]
+
+    def raw(index: int) -> str:
+        asked.add(index)
+        return values[index]
+
+    times = [0.1 * index for index in range(len(values))]
+    assert Lookup(times, raw, 0.2).at(times[13]) == "A"
+    assert asked == {10, 11, 12, 13, 14}
+    asked.clear()
+    assert Lookup(times, raw, 0.2).at(times[17]) == "B"
+    assert asked == {16, 17, 18, 19}
