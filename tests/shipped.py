@@ -12,10 +12,15 @@ from taskgist.learning import Explanation, Knowledge, explain
 from taskgist.observe import Observer
 from taskgist.recording import Label, Recording, read
 from taskgist.study import episode_of, label_of, observe_recording, shipped_recordings
+from taskgist.study.shipped import shipped_study
 
 TASKS = ("give", "show", "hide")
-PATHS: dict[str, Path] = {path.stem: path for task in TASKS for path in shipped_recordings(task)}
-NAMES = tuple(PATHS)
+NAMES = tuple(path.stem for task in TASKS for path in shipped_recordings(task))
+STUDY: dict[str, tuple[str, ...]] = {task: tuple(p.stem for p in paths) for task, paths in shipped_study().items()}
+"""Names of the study's demonstrations by task; its *give* is simulated, that of ``TASKS`` is real."""
+PATHS: dict[str, Path] = {
+    path.stem: path for paths in (shipped_recordings("give"), *shipped_study().values()) for path in paths
+}
 
 
 def names_of(task: str) -> tuple[str, ...]:

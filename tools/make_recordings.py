@@ -1,4 +1,4 @@
-"""Make the shipped recordings anew: real handovers from the KTH data, show and hide from scripted demonstrators.
+"""Make the shipped recordings anew: real handovers from the KTH data, the paper's study from scripted demonstrators.
 
     python tools/make_recordings.py --kth FOLDER_OF_THE_KTH_DATA
 
@@ -12,7 +12,7 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
-from taskgist.demonstrator import STUDIES
+from taskgist.demonstrator import STUDY
 from taskgist.recording import Label, Recording, import_recording, load_mapping, write
 from taskgist.study import check_grips, observe_recording, propose_label
 from taskgist.study.grip_forces import GRIP_N
@@ -37,9 +37,9 @@ def main() -> None:
     kth = parser.parse_args().kth
     if kth is not None:
         _handovers(kth)
-    for task, demonstrations in STUDIES.items():
+    for task, demonstrations in STUDY.items():
         for demonstration in demonstrations:
-            _write(demonstration.record(SEED), task, demonstration.name)
+            _write(demonstration.record(SEED), f"study/{task.replace(' ', '_')}", demonstration.name)
 
 
 def _handovers(kth: Path) -> None:
@@ -70,9 +70,9 @@ def _labelled(recording: Recording) -> Recording:
     return recording.with_label(Label("give", "P1", "P2", "baton", proposed.start_s, round(released, 3), how))
 
 
-def _write(recording: Recording, task: str, name: str) -> None:
+def _write(recording: Recording, within: str, name: str) -> None:
     recording = replace(recording, name=name)
-    folder = DATA / "recordings" / task
+    folder = DATA / "recordings" / within
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.mcap"
     write(recording, path)

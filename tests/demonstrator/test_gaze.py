@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from taskgist.demonstrator.attention import Onlooker
+from taskgist.demonstrator.attention import CLEAR_M, Onlooker
 from taskgist.demonstrator.gaze import TURN_S, Fixation, aimed, looked, subject_place
 from taskgist.demonstrator.living_room import TABLE, left, on_table, right
+from taskgist.demonstrator.motion import minimum_jerk
 from taskgist.demonstrator.room import Room
 from taskgist.errors import UnknownNameError
 from taskgist.world import Scene, Stage, State
@@ -45,7 +46,7 @@ def _off_rad(scene: Scene, frame: Array, name: str, angles: Array, subject: str)
 def test_an_aimed_head_faces_its_subject(scene: Scene, subject: str) -> None:
     frame = scene.initial.qpos[None]
     place = subject_place(Stage(scene), subject)
-    angles = aimed(scene, scene.agent("P2"), frame, place[None])[0]
+    angles = aimed(Stage(scene), scene.agent("P2"), frame, place[None])[0]
     off = _off_rad(scene, frame[0], "P2", angles, subject)
     low = scene.agent("P2").profile.tilt
     assert low is not None
@@ -56,7 +57,7 @@ def test_heads_stay_within_their_range(scene: Scene) -> None:
     behind = np.array([[2.0, 1.0, 0.0]])
     profile = scene.agent("P2").profile
     assert profile.pan is not None
-    angles = aimed(scene, scene.agent("P2"), scene.initial.qpos[None], behind)[0]
+    angles = aimed(Stage(scene), scene.agent("P2"), scene.initial.qpos[None], behind)[0]
     assert abs(angles[0]) == pytest.approx(profile.pan.range_rad[1])
 
 
@@ -67,6 +68,19 @@ def test_heads_turn_smoothly_from_subject_to_subject(scene: Scene) -> None:
     assert np.ptp(angles[TIMES > 1.0 + TURN_S], axis=0) == pytest.approx((0.0, 0.0))
     steps = np.abs(np.diff(angles, axis=0)).max(axis=0)
     assert steps == pytest.approx(np.ptp(angles, axis=0) * 1.875 / (TURN_S * 30), rel=0.05)
+
+
+def test_each_fixation_turns_the_head_from_where_the_ones_before_had_it(scene: Scene) -> None:
+    """The slow twin: every subject followed through all frames, one turn after the other; turns may overlap."""
+    way = np.linspace((-0.1, 0.1, 0.8), (0.1, -0.1, 1.1), len(TIMES))
+    frames, stage, agent = _frames(scene, way), Stage(scene), scene.agent("P2")
+    fixations = [Fixation(0.0, "P1"), Fixation(0.8, "cup"), Fixation(1.0, "book"), Fixation(2.0, "cup")]
+    expected = np.zeros((len(TIMES), 2))
+    for number, fixation in enumerate(fixations):
+        places = np.array([subject_place(stage.show(State(frame)), fixation.subject) for frame in frames])
+        turned = minimum_jerk((TIMES - fixation.from_s) / TURN_S)[:, None] if number else 1.0
+        expected = (1.0 - turned) * expected + turned * aimed(stage, agent, frames, places)
+    assert looked(scene, "P2", TIMES, frames, fixations) == pytest.approx(expected, abs=1e-12)
 
 
 def test_faces_things_and_hands_are_subjects(scene: Scene) -> None:
@@ -82,6 +96,20 @@ def test_what_moves_in_view_draws_the_eyes(scene: Scene) -> None:
     way = np.linspace((-0.1, 0.1, 0.8), (-0.1, 0.1, 1.2), len(TIMES))
     subjects = [f.subject for f in ONLOOKER.fixations(Stage(scene), TIMES, _frames(scene, way), "P1")]
     assert subjects == ["P1", "cup"]
+
+
+def test_a_tall_thing_that_is_seen_from_above_is_in_view() -> None:
+    """The line to its middle ends at its top, far before the middle."""
+    things = (on_table("bottle", 0.2, 0.0), on_table("cup", -0.2, 0.4), on_table("book", 0.2, 0.4))
+    near = Room("tall", (left(1.80, 0.67), right(1.80, 0.63, posture="standing")), things, TABLE).scene()
+    frames = np.tile(near.initial.qpos, (len(TIMES), 1))
+    frames[:, near.object_slice("bottle")][:, 0] += 0.1 * np.sin(2 * TIMES)
+    onlooker = Onlooker("P2", "P1", "P1/right_arm", "bottle")
+    stage = Stage(near)
+    line = subject_place(stage, "bottle") - stage.eye(near.agent("P2")).position
+    away = np.linalg.norm(line)
+    assert stage.cast(stage.eye(near.agent("P2")).position, (line / away)[None])[1][0] < away - CLEAR_M
+    assert [f.subject for f in onlooker.fixations(stage, TIMES, frames, "book")] == ["book", "bottle"]
 
 
 def test_what_moves_behind_the_box_draws_nobody(scene: Scene) -> None:

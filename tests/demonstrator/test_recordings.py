@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from taskgist.demonstrator import STUDIES, HoldUp, PutDown, Script, Take, Wait, Withdraw, demonstrate
+from taskgist.demonstrator import STUDY, HoldUp, PutDown, Script, Take, Wait, Withdraw, demonstrate
 from taskgist.errors import SceneError
 from taskgist.recording import Label, Recording
 from taskgist.settings import DEFAULT
 from taskgist.world import Stage, hand_gap_m, holding_of, posture_of, rests_on, support_of
 from tests.demonstrator.motions import assert_smooth, assert_through_nothing
+from tests.shipped import recording as recorded
 
 Array = NDArray[np.float64]
-Recorded = Callable[[str], Recording]
-DEMONSTRATIONS = {d.name: d for study in STUDIES.values() for d in study}
+DEMONSTRATIONS = {d.name: d for task in ("show", "hide") for d in STUDY[task]}
 NAMES = tuple(DEMONSTRATIONS)
 HELD_UP = ("show_a", "show_b", "show_c")
+ROUNDING = 1e-4
+"""Files keep tenths of a millimetre."""
 PUT_DOWN = tuple(name for name in NAMES if name not in HELD_UP)
 
 
@@ -60,7 +60,7 @@ def _off_rad(recording: Recording, time_s: float, name: str) -> float:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_they_are_marked_as_simulated_and_labelled_within(recorded: Recorded, name: str) -> None:
+def test_they_are_marked_as_simulated_and_labelled_within(name: str) -> None:
     recording, label = recorded(name), _label(recorded(name))
     assert recording.provenance.simulated
     assert recording.provenance.notes[0].startswith("means: ")
@@ -71,7 +71,7 @@ def test_they_are_marked_as_simulated_and_labelled_within(recorded: Recorded, na
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_thing_is_still_at_both_ends_of_the_label(recorded: Recorded, name: str) -> None:
+def test_the_thing_is_still_at_both_ends_of_the_label(name: str) -> None:
     recording, label = recorded(name), _label(recorded(name))
     times, speed = recording.times_s[1:], _speed_m_s(recorded(name))
     assert speed[times < label.start_s + 0.4].max() == 0.0
@@ -80,17 +80,17 @@ def test_the_thing_is_still_at_both_ends_of_the_label(recorded: Recorded, name: 
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_joints_move_within_limits_and_without_jerks(recorded: Recorded, name: str) -> None:
+def test_joints_move_within_limits_and_without_jerks(name: str) -> None:
     assert_smooth(recorded(name))
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_bodies_do_not_pass_through_what_is_around(recorded: Recorded, name: str) -> None:
+def test_bodies_do_not_pass_through_what_is_around(name: str) -> None:
     assert_through_nothing(recorded(name))
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_hand_closes_around_the_thing_and_carries_it_rigidly(recorded: Recorded, name: str) -> None:
+def test_the_hand_closes_around_the_thing_and_carries_it_rigidly(name: str) -> None:
     recording, label = recorded(name), _label(recorded(name))
     scene, frames = recording.scene, _carried(recorded(name))
     arm = scene.agent(label.performing_agent).arm(_side(recording))
@@ -102,11 +102,11 @@ def test_the_hand_closes_around_the_thing_and_carries_it_rigidly(recorded: Recor
         thing, hand = stage.body(scene.object_body(label.target_object)), stage.body(arm.hand_body)
         poses.append(np.concatenate((hand.to_local(thing.position), (hand.matrix.T @ thing.matrix).ravel())))
     assert len(poses) > 15
-    assert np.ptp(poses, axis=0).max() < 1e-6
+    assert np.ptp(poses, axis=0).max() < 4 * ROUNDING
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_it_ends_as_the_script_says(recorded: Recorded, name: str) -> None:
+def test_it_ends_as_the_script_says(name: str) -> None:
     recording, label = recorded(name), _label(recorded(name))
     stage = Stage(recording.scene, recording.at(label.start_s))
     assert support_of(stage, label.target_object, DEFAULT.contact) == "table"
@@ -120,7 +120,7 @@ def test_it_ends_as_the_script_says(recorded: Recorded, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", PUT_DOWN)
-def test_what_was_put_down_touches_its_support(recorded: Recorded, name: str) -> None:
+def test_what_was_put_down_touches_its_support(name: str) -> None:
     recording, label = recorded(name), _label(recorded(name))
     scene = recording.scene
     stage = Stage(scene, recording.at(label.end_s))
@@ -133,7 +133,7 @@ def test_what_was_put_down_touches_its_support(recorded: Recorded, name: str) ->
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_nothing_else_is_moved(recorded: Recorded, name: str) -> None:
+def test_nothing_else_is_moved(name: str) -> None:
     recording, label = recorded(name), _label(recorded(name))
     scene = recording.scene
     for thing in scene.objects:
@@ -144,7 +144,7 @@ def test_nothing_else_is_moved(recorded: Recorded, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_people_sit_or_stand_with_empty_hands_in_the_air(recorded: Recorded, name: str) -> None:
+def test_people_sit_or_stand_with_empty_hands_in_the_air(name: str) -> None:
     recording, label = recorded(name), _label(recorded(name))
     scene = recording.scene
     wanted = "standing" if name == "show_d" else "sitting"
@@ -157,7 +157,7 @@ def test_people_sit_or_stand_with_empty_hands_in_the_air(recorded: Recorded, nam
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_eyes_follow_what_happens(recorded: Recorded, name: str) -> None:
+def test_eyes_follow_what_happens(name: str) -> None:
     recording, label = recorded(name), _label(recorded(name))
     frames = _carried(recording)
     taken_s = float(recording.times_s[frames.start])
@@ -167,28 +167,27 @@ def test_eyes_follow_what_happens(recorded: Recorded, name: str) -> None:
     assert nearest < np.radians(15)
 
 
-@pytest.mark.parametrize("name", [d.name for d in STUDIES["show"]])
-def test_who_is_shown_something_looks_at_it_in_the_end_only(recorded: Recorded, name: str) -> None:
+@pytest.mark.parametrize("name", [d.name for d in STUDY["show"]])
+def test_who_is_shown_something_looks_at_it_in_the_end_only(name: str) -> None:
     recording, label = recorded(name), _label(recorded(name))
     assert _off_rad(recording, label.end_s, label.target_agent) < np.radians(20)
     assert _off_rad(recording, label.start_s, label.target_agent) > np.radians(25)
 
 
-@pytest.mark.parametrize("name", [d.name for d in STUDIES["hide"]])
-def test_who_has_lost_sight_of_it_looks_up_again(recorded: Recorded, name: str) -> None:
+@pytest.mark.parametrize("name", [d.name for d in STUDY["hide"]])
+def test_who_has_lost_sight_of_it_looks_up_again(name: str) -> None:
     recording, label = recorded(name), _label(recorded(name))
     assert _off_rad(recording, label.end_s, label.target_agent) > np.radians(25)
 
 
-def test_a_seed_decides_everything(recorded: Recorded) -> None:
-    again = DEMONSTRATIONS["show_a"].record(seed=1)
-    other = DEMONSTRATIONS["show_a"].record(seed=2)
-    assert again.digest == recorded("show_a").digest
+def test_a_seed_decides_everything() -> None:
+    first, again, other = (DEMONSTRATIONS["show_a"].record(seed) for seed in (1, 1, 2))
+    assert again.digest == first.digest
     assert other.digest != again.digest
     assert len(other) != len(again)
 
 
-def test_displaced_arrangements_stay_close(recorded: Recorded) -> None:
+def test_displaced_arrangements_stay_close() -> None:
     scene = DEMONSTRATIONS["hide_c"].room.varied(np.random.default_rng(4), distance_m=0.03, angle_rad=0.08).scene()
     plain = recorded("hide_c").scene
     for name in (*scene.agents, *scene.objects):
@@ -208,7 +207,7 @@ def test_displaced_demonstrations_still_work(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_things_lie_on_the_table_apart_from_each_other(recorded: Recorded, name: str) -> None:
+def test_things_lie_on_the_table_apart_from_each_other(name: str) -> None:
     scene = recorded(name).scene
     stage = Stage(scene)
     for thing in scene.objects:
@@ -218,13 +217,13 @@ def test_things_lie_on_the_table_apart_from_each_other(recorded: Recorded, name:
 
 
 @pytest.mark.parametrize("steps", [(), (Wait(0.5), Withdraw())])
-def test_a_script_must_take_something(recorded: Recorded, steps: tuple[Wait | Withdraw, ...]) -> None:
+def test_a_script_must_take_something(steps: tuple[Wait | Withdraw, ...]) -> None:
     script = Script("show", "P1", "P2", "cup", steps)
     with pytest.raises(SceneError, match="nothing has been taken; begin the script with Take"):
         demonstrate(script, recorded("show_a").scene, seed=0)
 
 
-def test_steps_can_be_chained_with_either_hand(recorded: Recorded) -> None:
+def test_steps_can_be_chained_with_either_hand() -> None:
     scene = recorded("show_a").scene
     steps = (
         Take("cup", "right"),
@@ -241,7 +240,7 @@ def test_steps_can_be_chained_with_either_hand(recorded: Recorded) -> None:
     assert _thing(recording)[:, 2].min() > 0.77 - 0.001
 
 
-def test_what_was_put_down_is_not_held_any_more(recorded: Recorded) -> None:
+def test_what_was_put_down_is_not_held_any_more() -> None:
     steps = (Take("cup", "right"), PutDown((-0.2, -0.1, 0.72)), HoldUp((-0.1, -0.2, 1.1), 0.5))
     with pytest.raises(SceneError, match="P1: cup: nothing is held any more; let a Take come before"):
         demonstrate(Script("show", "P1", "P2", "cup", steps), recorded("show_a").scene, seed=0)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -14,25 +12,20 @@ from taskgist.demonstrator.handing import HandOver, LayHand
 from taskgist.demonstrator.living_room import TABLE, left, on_table, right
 from taskgist.demonstrator.nearness import held_out, near
 from taskgist.demonstrator.room import Room
-from taskgist.demonstrator.study.accessible import ACCESSIBLE
-from taskgist.demonstrator.study.give import GIVE
+from taskgist.demonstrator.study import STUDY
 from taskgist.errors import SceneError
 from taskgist.recording import Label, Recording
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, hand_gap_m, holding_of, posture_of, rests_on, support_of
+from tests.shipped import recording as recorded
 
 Array = NDArray[np.float64]
-DEMONSTRATIONS = {d.name: d for d in (*ACCESSIBLE, *GIVE)}
+DEMONSTRATIONS = {d.name: d for task in ("make accessible", "give") for d in STUDY[task]}
 NAMES = tuple(DEMONSTRATIONS)
 GIVEN = {"give_a": "left", "give_b": "left", "give_c": "right"}
-PUT = tuple(d.name for d in ACCESSIBLE)
+PUT = tuple(d.name for d in STUDY["make accessible"])
 STANDING = ("accessible_d", "accessible_e", "give_b")
 PEOPLE = (left(1.80, 0.67), right(1.66, 0.67))
-
-
-@cache
-def recorded(name: str) -> Recording:
-    return DEMONSTRATIONS[name].record(seed=1)
 
 
 def _label(recording: Recording) -> Label:
@@ -121,7 +114,7 @@ def test_what_is_given_passes_from_hand_to_hand(name: str, side: str) -> None:
     holding = holding_of(stage, label.target_object, DEFAULT.contact)
     assert holding is not None
     assert holding.hands == ((taker, side),)
-    near = [_gaps_m(recording, agent, side) < 0.02 for agent in (giver, taker)]
+    near = [_gaps_m(recording, agent, side) < DEFAULT.contact.grip_m for agent in (giver, taker)]
     assert near[0].sum() > 60
     assert (near[0] & near[1]).sum() >= 10, "both hold it for a while"
     in_the_air = _thing(recording)[:, 2] > _thing(recording)[0, 2] + 0.01

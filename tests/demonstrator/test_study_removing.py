@@ -2,45 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from taskgist.demonstrator import Person, Roles, Room, Thing
+from taskgist.demonstrator import Person, Roles, Room, Thing, demonstrate
 from taskgist.demonstrator.living_room import TABLE, left, on_table, right
 from taskgist.demonstrator.removing import FARTHER_M, far_from, put_behind_far, put_far_from
-from taskgist.demonstrator.study.hiding_away import HIDE_AWAY
-from taskgist.demonstrator.study.occupied import Occupied
-from taskgist.demonstrator.study.putting_away import PUT_AWAY
+from taskgist.demonstrator.study import STUDY
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.recording import Label, Recording
 from taskgist.settings import DEFAULT
 from taskgist.world import Stage, hand_gap_m, holding_of, posture_of, rests_on, support_of
 from tests.demonstrator.motions import assert_smooth, assert_through_nothing
+from tests.shipped import recording as recorded
 
 Array = NDArray[np.float64]
-Recorded = Callable[[str], Recording]
-DEMONSTRATIONS = {d.name: d for d in (*PUT_AWAY, *HIDE_AWAY)}
+DEMONSTRATIONS = {d.name: d for task in ("put away", "hide away") for d in STUDY[task]}
 NAMES = tuple(DEMONSTRATIONS)
+PUT_AWAY = STUDY["put away"]
 STANDING = ("put_away_b", "put_away_c", "hide_away_b")
-BUSY = tuple(d.name for d in PUT_AWAY if isinstance(d, Occupied))
-WATCHING = tuple(d.name for d in PUT_AWAY if d.name not in BUSY)
+BUSY = ("put_away_b", "put_away_d")
+WATCHING = ("put_away_a", "put_away_c")
 PEOPLE = (left(1.80, 0.67), right(1.66, 0.67))
 ROLES = Roles("P1", "P2", "cup", "right")
-
-
-@pytest.fixture(scope="module")
-def played() -> Recorded:
-    made: dict[str, Recording] = {}
-
-    def get(name: str) -> Recording:
-        if name not in made:
-            made[name] = DEMONSTRATIONS[name].record(seed=1)
-        return made[name]
-
-    return get
 
 
 def _room(*things: Thing, people: tuple[Person, ...] = PEOPLE) -> Room:
@@ -81,8 +68,8 @@ def _from_pelvis_m(recording: Recording, time_s: float) -> float:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_they_are_labelled_while_everything_is_still(played: Recorded, name: str) -> None:
-    recording, label = played(name), _label(played(name))
+def test_they_are_labelled_while_everything_is_still(name: str) -> None:
+    recording, label = recorded(name), _label(recorded(name))
     times, speed = recording.times_s[1:], _speed_m_s(recording)
     assert recording.provenance.simulated
     assert label.task == " ".join(name.split("_")[:2])
@@ -92,18 +79,18 @@ def test_they_are_labelled_while_everything_is_still(played: Recorded, name: str
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_joints_move_within_limits_and_without_jerks(played: Recorded, name: str) -> None:
-    assert_smooth(played(name))
+def test_joints_move_within_limits_and_without_jerks(name: str) -> None:
+    assert_smooth(recorded(name))
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_bodies_do_not_pass_through_what_is_around(played: Recorded, name: str) -> None:
-    assert_through_nothing(played(name))
+def test_bodies_do_not_pass_through_what_is_around(name: str) -> None:
+    assert_through_nothing(recorded(name))
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_it_lies_on_the_table_before_and_after_and_nobody_holds_it(played: Recorded, name: str) -> None:
-    recording, label = played(name), _label(played(name))
+def test_it_lies_on_the_table_before_and_after_and_nobody_holds_it(name: str) -> None:
+    recording, label = recorded(name), _label(recorded(name))
     scene = recording.scene
     for time_s in (label.start_s, label.end_s):
         stage = Stage(scene, recording.at(time_s))
@@ -120,8 +107,8 @@ def test_it_lies_on_the_table_before_and_after_and_nobody_holds_it(played: Recor
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_target_agent_sits_or_stands_with_empty_hands(played: Recorded, name: str) -> None:
-    recording, label = played(name), _label(played(name))
+def test_the_target_agent_sits_or_stands_with_empty_hands(name: str) -> None:
+    recording, label = recorded(name), _label(recorded(name))
     target = recording.scene.agent(label.target_agent)
     for time_s in (label.start_s, label.end_s):
         stage = Stage(recording.scene, recording.at(time_s))
@@ -130,21 +117,21 @@ def test_the_target_agent_sits_or_stands_with_empty_hands(played: Recorded, name
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_things_end_farther_off(played: Recorded, name: str) -> None:
-    recording, label = played(name), _label(played(name))
+def test_things_end_farther_off(name: str) -> None:
+    recording, label = recorded(name), _label(recorded(name))
     assert _from_pelvis_m(recording, label.end_s) > _from_pelvis_m(recording, label.start_s) + FARTHER_M
 
 
 @pytest.mark.parametrize("name", WATCHING)
-def test_who_watches_has_it_before_the_eyes_at_both_ends(played: Recorded, name: str) -> None:
-    recording, label = played(name), _label(played(name))
+def test_who_watches_has_it_before_the_eyes_at_both_ends(name: str) -> None:
+    recording, label = recorded(name), _label(recorded(name))
     assert _off_rad(recording, label.start_s) < np.radians(29)
     assert _off_rad(recording, label.end_s) < np.radians(10)
 
 
 @pytest.mark.parametrize("name", BUSY)
-def test_who_is_busy_looks_up_only_while_it_moves(played: Recorded, name: str) -> None:
-    recording, label = played(name), _label(played(name))
+def test_who_is_busy_looks_up_only_while_it_moves(name: str) -> None:
+    recording, label = recorded(name), _label(recorded(name))
     moving = recording.times_s[1:][_speed_m_s(recording) > 0.1]
     assert _off_rad(recording, label.start_s) > np.radians(32)
     assert min(_off_rad(recording, float(t)) for t in moving[::5]) < np.radians(15)
@@ -152,8 +139,8 @@ def test_who_is_busy_looks_up_only_while_it_moves(played: Recorded, name: str) -
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_straight_lines_say_whether_it_is_hidden(played: Recorded, name: str) -> None:
-    recording, label = played(name), _label(played(name))
+def test_straight_lines_say_whether_it_is_hidden(name: str) -> None:
+    recording, label = recorded(name), _label(recorded(name))
     scene = recording.scene
     stage = Stage(scene, recording.at(label.end_s))
     eye, _, thing = _sight(recording, label.end_s)
@@ -205,6 +192,7 @@ def test_what_is_hidden_must_be_farther_off_too() -> None:
 
 
 def test_nobody_can_be_busy_with_what_is_not_there() -> None:
-    busy = Occupied(PUT_AWAY[0].room, PUT_AWAY[0].means, busy_with="boook")
+    scene = PUT_AWAY[0].room.scene()
+    script = replace(PUT_AWAY[0].means(scene), target_returns_to="boook")
     with pytest.raises(UnknownNameError, match="did you mean 'book'"):
-        busy.record(seed=0)
+        demonstrate(script, scene, seed=0)

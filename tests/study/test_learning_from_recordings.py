@@ -13,7 +13,7 @@ from taskgist.learning import Knowledge, clause_of
 from taskgist.settings import DEFAULT
 from taskgist.store import load, save, update
 from taskgist.study import explain_all, label_of, learn, shipped_recordings
-from tests.learning.test_paper_clauses import CLAUSES, predicates
+from tests.learning.test_paper_clauses import predicates
 from tests.shipped import NAMES, PATHS, TASKS, excerpt, explanation, knowledge, names_of, recording
 from tests.study.small import small
 
@@ -33,12 +33,6 @@ GIVE = {
     "Object_Final_Status": "In_Hand",
 }
 """Measured, not the paper's: all five people stood, took with the right hand, and walked off with the baton."""
-
-
-@pytest.mark.parametrize("task", ["show", "hide"])
-def test_simulated_demonstrations_teach_the_papers_clause(task: str) -> None:
-    """Eq. 37 and 38, predicate by predicate."""
-    assert predicates(clause_of(knowledge(task).understand(task))) == CLAUSES[task]
 
 
 def test_real_handovers_teach_to_give() -> None:
@@ -112,9 +106,9 @@ def test_nothing_can_be_learned_from_nothing() -> None:
 
 
 def test_shipped_recordings() -> None:
-    assert tuple(PATHS) == NAMES
+    assert set(NAMES) < set(PATHS)
     assert all(recording(name).label is not None for name in NAMES)
-    with pytest.raises(
-        UnknownNameError, match=r"no shipped task 'shw'; did you mean 'show'\? \(known: give, hide, show\)"
-    ):
+    assert not any(recording(name).provenance.simulated for name in names_of("give"))
+    known = "give, hide, hide away, make accessible, put away, show"
+    with pytest.raises(UnknownNameError, match=rf"no shipped task 'shw'; did you mean 'show'\? \(known: {known}\)"):
         shipped_recordings("shw")

@@ -7,45 +7,27 @@ a task takes two, the target agent acts, too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.demonstrator.body import Body
 from taskgist.demonstrator.carry import Carry
-from taskgist.demonstrator.gaze import Fixation
+from taskgist.demonstrator.flight import Flight
+from taskgist.demonstrator.following import Phase, followed, paced
+from taskgist.demonstrator.gaze import TURN_S, Fixation
 from taskgist.demonstrator.hand import HandPose
-from taskgist.demonstrator.motion import Motion
 from taskgist.demonstrator.moving import Moving
 from taskgist.errors import SceneError
 from taskgist.world import Scene, State
 
 Array = NDArray[np.float64]
 
-MEAN_SPEED_M_S = 0.45
-"""Mean speed of a hand; the peak is nearly twice as much (unhurried reaching [Flash & Hogan 1985])."""
-LEVER_M = 0.20
-"""Lever with which the largest turn of a joint counts like a way of the hand: it bounds the joints' speeds."""
-SHORTEST_S = 0.6
-WAY_ITERATIONS, GOAL_ITERATIONS = 10, 60
-"""Most steps of a fit on the way, where the next knot goes on from there, and at the goal, which must be met."""
-LARGEST_ERROR_M = 0.003
-"""How far a hand may end from its goal."""
-SHORTEST_STEP_M = 1e-4
-"""Keeps postures apart whose hands are at the same place."""
 TEMPO_SPREAD = 0.1
 """Natural variation of durations, as a share."""
-Phase = Literal["out", "over", "back"]
-LEANING: Mapping[Phase, Callable[[Array], Array]] = {
-    "out": lambda way: way**2,
-    "over": lambda way: way,
-    "back": lambda way: 1.0 - (1.0 - way) ** 2,
-}
-"""Share of the torso's movement after a share of the hand's way: near the body a hand needs no lean."""
 
 
 @dataclass(eq=False)
@@ -63,6 +45,8 @@ class Acting:
         motions: Motions of bodies, in the order in which they were worked out.
         carries: Things carried, in order.
         looks: Looks of the performer, in order.
+        flights: What moves by physics once it has been let go, in order.
+        over_s: When what is demonstrated is over; None: once everything rests.
     """
 
     scene: Scene
@@ -75,6 +59,9 @@ class Acting:
     motions: list[Moving] = field(default_factory=list)
     carries: list[Carry] = field(default_factory=list)
     looks: list[Fixation] = field(default_factory=list)
+    flights: list[Flight] = field(default_factory=list)
+    over_s: float | None = None
+    _last_side: str = ""
     _bodies: dict[str, Body] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -91,8 +78,12 @@ class Acting:
             self._bodies[agent] = Body(self.scene, agent, self.at_rest)
         return self._bodies[agent]
 
-    def begin(self, state: State) -> None:
+    def begin(self, state: State, *, returning: Body | None = None) -> None:
         """Let everything begin in another state than the scene's, as when hands rest elsewhere.
+
+        Args:
+            state: How it begins.
+            returning: A body that will not return to how it begins, but to where it rests.
 
         Raises:
             SceneError: Something has happened already.
@@ -100,11 +91,11 @@ class Acting:
         if self.motions:
             raise SceneError("it has begun already", where=self.performer, hint="say first how everybody is at rest")
         self.at_rest = self.state = state
-        self._bodies.clear()
+        self._bodies = {} if returning is None else {returning.agent.name: returning}
 
-    def look(self, subject: str, *, ahead_s: float = 0.0) -> None:
-        """Let the performer look at something from now on, or from a little earlier."""
-        self.looks.append(Fixation(max(0.0, self.now_s - ahead_s), subject))
+    def look(self, subject: str, *, ahead_s: float = 0.0, turn_s: float = TURN_S) -> None:
+        """Let the performer look at something from now on, or from a little earlier, and turn its head so long."""
+        self.looks.append(Fixation(max(0.0, self.now_s - ahead_s), subject, turn_s))
 
     def wait(self, seconds: float) -> None:
         """Let time pass."""
@@ -118,7 +109,14 @@ class Acting:
         self.now_s = max(now_s, self.now_s)
 
     def move(
-        self, side: str, way: Sequence[HandPose], *, torso_rad: Array, phase: Phase, agent: str | None = None
+        self,
+        side: str,
+        way: Sequence[HandPose],
+        *,
+        torso_rad: Array,
+        phase: Phase,
+        agent: str | None = None,
+        duration_s: float | None = None,
     ) -> None:
         """Move a hand through a way, and the body with it.
 
@@ -128,39 +126,20 @@ class Acting:
             torso_rad: Turn and lean of the torso at the goal, (2,).
             phase: Out from rest, over from place to place, or back to rest, which follows after the goal.
             agent: Whose; None: the performer's.
+            duration_s: How long it takes; None: as long as unhurried people take.
 
         Raises:
             SceneError: The hand does not get to its goal.
         """
         body = self.body_of(agent or self.performer)
-        states, error = self._following(body, side, way, torso_rad, phase)
-        if phase == "back":
-            states.append(body.with_posture(states[-1], body.posture(self.at_rest)))
-        elif error > LARGEST_ERROR_M:
-            who = "target" if agent == self.target else "performing"
-            raise SceneError(
-                f"the {side} hand ends {1000 * error:.0f} mm from where it shall be",
-                where=body.agent.name,
-                field=f"{side}_palm",
-                value=tuple(way[-1].palm.round(3).tolist()),
-                hint=f"put the thing or its goal nearer to the {who} agent",
-            )
-        self._append(body, side, [self.state, *states])
-        self.state = states[-1]
-
-    def _following(
-        self, body: Body, side: str, way: Sequence[HandPose], torso_rad: Array, phase: Phase
-    ) -> tuple[list[State], float]:
-        """States in which the hand follows a way, and how many metres the last one is from its goal."""
-        state, states, error = self.state, [], 0.0
-        begin = body.posture(state)[:2]
-        shares = LEANING[phase](np.linspace(0.0, 1.0, len(way) + 1)[1:])
-        for hand, share in zip(way, shares, strict=True):
-            torso = begin + share * (torso_rad - begin)
-            iterations = GOAL_ITERATIONS if hand is way[-1] else WAY_ITERATIONS
-            state, error = body.reaching(state, side, hand, torso, iterations=iterations)
-            states.append(state)
-        return states, error
+        role = "target" if agent == self.target else "performing"
+        states = followed(body, self.state, side, way, torso_rad=torso_rad, phase=phase, role=role)
+        tempo = self._tempo() if duration_s is None else 1.0
+        motion = paced(body, side, states, start_s=self.now_s, tempo=tempo, duration_s=duration_s)
+        self.motions.append(Moving(body.agent.name, motion))
+        self.now_s, self.state = motion.end_s, states[-1]
+        if body is self.body:
+            self._last_side = side
 
     def take(self, thing: str, side: str, grip: HandPose) -> None:
         """Close the hand, which is where ``grip`` says, around a thing."""
@@ -185,6 +164,15 @@ class Acting:
         self.carries[-1] = replace(carry, until_s=self.now_s, rest=rest)
         self.state = self.state.replace(at=self.scene.object_slice(carry.thing), to=rest)
 
+    @property
+    def acting_side(self) -> str:
+        """The hand that the performer moved last.
+
+        Raises:
+            SceneError: It has moved none yet.
+        """
+        return self._last_side or self.last_carry().side
+
     def last_carry(self) -> Carry:
         """What the performer holds now, or held last.
 
@@ -207,17 +195,6 @@ class Acting:
             hint = "let a Take come before"
             raise SceneError("nothing is held any more", where=self.performer, field=carry.thing, hint=hint)
         return carry
-
-    def _append(self, body: Body, side: str, states: Sequence[State]) -> None:
-        palms = np.array([body.hand(state, side).palm for state in states])
-        postures = np.array([body.posture(state) for state in states])
-        moved = np.linalg.norm(np.diff(palms, axis=0), axis=1)
-        turned = np.abs(np.diff(postures, axis=0)).max(axis=1)
-        steps = np.hypot(moved, LEVER_M * turned) + SHORTEST_STEP_M
-        ways = np.concatenate(([0.0], np.cumsum(steps)))
-        duration = max(SHORTEST_S, ways[-1] / MEAN_SPEED_M_S) * self._tempo()
-        self.motions.append(Moving(body.agent.name, Motion(postures, ways / ways[-1], self.now_s, duration)))
-        self.now_s += duration
 
     def _tempo(self) -> float:
         return float(1.0 + self.rng.uniform(-TEMPO_SPREAD, TEMPO_SPREAD))

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.demonstrator.gaze import Fixation, subject_place
+from taskgist.demonstrator.gaze import Fixation, shapes_of, subject_place
 from taskgist.world import Stage, State
 from taskgist.world.geometry.rotations import normalized
 
@@ -29,7 +29,7 @@ LOOK_EVERY = 3
 REACTION_S = 0.2
 """From what happens to the onset of the head's turn."""
 CLEAR_M = 0.06
-"""A line of sight may end so far before a thing's middle: on the thing's surface, or on the fingers around it."""
+"""A line of sight may end so far before a thing's middle: on the fingers around it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +86,9 @@ class Onlooker:
         line, sight = subject_place(stage, subject) - eye, subject_place(stage, present) - eye
         if normalized(line) @ normalized(sight) < math.cos(NOTICED_RAD):
             return False
-        _, distances = stage.cast(eye, normalized(line)[None], exclude_body=agent.eye_exclude_body)
-        return bool(distances[0] > np.linalg.norm(line) - CLEAR_M)
+        (geom,), (distance,) = stage.cast(eye, normalized(line)[None], exclude_body=agent.eye_exclude_body)
+        met = geom >= 0 and distance < np.linalg.norm(line) - CLEAR_M
+        return not met or geom in shapes_of(stage.scene, subject)
 
 
 def _moving(before: dict[str, Array] | None, now: dict[str, Array], seconds: float) -> set[str]:

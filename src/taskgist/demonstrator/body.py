@@ -7,6 +7,7 @@ other hand stays where it rests.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -34,6 +35,8 @@ DRAWN_BACK_M, DRAWN_UP_M = 0.11, 0.10
 ELBOW_OUT_M = 0.12
 ELBOW_WEIGHT = 0.03
 """The elbow's wish counts little beside the hand's goal: it chooses among the arm's ways to get there."""
+FIT_DAMPING = 1e-5
+"""Goals of hands are exact: with less damping than noisy keypoints need, fits get there in half the steps."""
 AHEAD_M = 0.3
 """How far behind the shoulder the fingers' direction starts: near the body hands point ahead rather than aside."""
 WRIST_BENT_RAD = math.radians(25.0)
@@ -66,15 +69,23 @@ class Body:
         arms = _arm_joints(scene, name)
         self.joints = (turn.joint, lean.joint, *arms)
         self.columns = np.array([self.agent.joints[joint] for joint in self.joints])
-        elbows = {f"{side}_elbow": ELBOW_WEIGHT for side in self.agent.sides}
         self.ranges_rad = np.array([scene.model.joint(f"{name}/{joint}").range for joint in self.joints])
-        self._fitter = Fitter(scene, name, moving=arms, weights=elbows)
         self._resting = at_rest or scene.initial
         self._at_rest = {side: self.hand(self._resting, side) for side in self.agent.sides}
+
+    @cached_property
+    def _fitter(self) -> Fitter:
+        elbows = {f"{side}_elbow": ELBOW_WEIGHT for side in self.agent.sides}
+        return Fitter(self._stage.scene, self.agent.name, moving=self.joints[2:], weights=elbows, damping=FIT_DAMPING)
 
     def posture(self, state: State) -> Array:
         """The posture (n,) in a state."""
         return np.array(state.qpos[self.columns])
+
+    @property
+    def resting_posture(self) -> Array:
+        """The posture (n,) at rest."""
+        return self.posture(self._resting)
 
     def with_posture(self, state: State, posture: Array) -> State:
         """A state with another posture."""

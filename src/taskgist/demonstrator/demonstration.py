@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from taskgist.demonstrator.acting import Acting
 from taskgist.demonstrator.attention import Onlooker
 from taskgist.demonstrator.filming import filmed
-from taskgist.demonstrator.gaze import looked
+from taskgist.demonstrator.gaze import Fixation, looked
 from taskgist.demonstrator.script import Script
 from taskgist.recording import Label, Provenance, Recording
 from taskgist.world import Scene, Stage
@@ -19,8 +19,11 @@ BEFORE_S, AFTER_S = 1.0, 1.0
 """Recorded before the first movement, and after the last one."""
 LABEL_BEFORE_S, LABEL_AFTER_S = 0.5, 0.7
 """The label begins so long before the first movement, and ends so long after everything has come to rest."""
+LINGERING_S = 0.5
+"""How long eyes that are busy with something else stay with what has come to rest."""
 SOURCE = "simulated by taskgist's scripted demonstrator"
-HOW = "set by the script: from {before:g} s before the performer moves to {after:g} s after its last movement has ended"
+HOW = "set by the script: from {before:g} s before the performer moves to {until}"
+AT_REST, MEANWHILE = "{after:g} s after its last movement has ended", "while the thing still moves"
 
 
 def demonstrate(script: Script, scene: Scene, *, seed: int, name: str = "") -> Recording:
@@ -62,26 +65,38 @@ def _played(script: Script, scene: Scene, rng: np.random.Generator) -> Acting:
 def _look(script: Script, acting: Acting, times: Array, frames: Array) -> None:
     """Turn the heads: the performer's by its script, the target agent's by what draws its attention."""
     scene = acting.scene
-    hand = f"{script.performer}/{acting.last_carry().side}_arm"
-    onlooker = Onlooker(script.target, script.performer, hand, script.thing)
+    hand = f"{script.performer}/{acting.acting_side}_arm"
+    onlooker = Onlooker(script.target, script.performer, hand, _moved(script, acting))
     drawn = onlooker.fixations(Stage(scene), times, frames, script.target_watches or script.performer)
+    if script.target_returns_to is not None:
+        drawn = _returning(drawn, acting.last_carry().until_s + LINGERING_S, script.target_returns_to)
     for name, fixations in ((script.performer, acting.looks), (script.target, drawn)):
         profile, joints = scene.agent(name).profile, scene.agent(name).joints
-        assert profile.pan is not None
-        assert profile.tilt is not None
-        angles = looked(scene, name, times, frames, fixations)
-        frames[:, [joints[profile.pan.joint], joints[profile.tilt.joint]]] = angles
+        if profile.pan is not None and profile.tilt is not None:  # some robots have no neck to turn
+            angles = looked(scene, name, times, frames, fixations)
+            frames[:, [joints[profile.pan.joint], joints[profile.tilt.joint]]] = angles
+
+
+def _moved(script: Script, acting: Acting) -> str:
+    """What the performer moves: what it carries, which need not be the thing that it is all about."""
+    return acting.carries[-1].thing if acting.carries else script.thing
+
+
+def _returning(drawn: list[Fixation], since_s: float, subject: str) -> list[Fixation]:
+    """Fixations of somebody who is busy with a subject: from some time on, nothing else draws its eyes."""
+    return [*(fixation for fixation in drawn if fixation.from_s < since_s), Fixation(since_s, subject)]
 
 
 def _label(script: Script, acting: Acting) -> Label:
+    until = AT_REST.format(after=LABEL_AFTER_S) if acting.over_s is None else MEANWHILE
     return Label(
         task=script.task,
         performing_agent=script.performer,
         target_agent=script.target,
         target_object=script.thing,
         start_s=round(float(acting.motions[0].start_s - LABEL_BEFORE_S), 3),
-        end_s=round(float(acting.motions[-1].end_s + LABEL_AFTER_S), 3),
-        how=HOW.format(before=LABEL_BEFORE_S, after=LABEL_AFTER_S),
+        end_s=round(float(acting.motions[-1].end_s + LABEL_AFTER_S if acting.over_s is None else acting.over_s), 3),
+        how=HOW.format(before=LABEL_BEFORE_S, until=until),
     )
 
 

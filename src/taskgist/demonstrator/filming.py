@@ -1,7 +1,7 @@
 """Filming: what was acted becomes frames, and frames a recording.
 
-Motions move bodies; what somebody carries moves rigidly with the hand; everybody sways a little and looks somewhere
-(``gaze``).
+Motions move bodies; what somebody carries moves rigidly with the hand, what was let go by physics; everybody sways a
+little and looks somewhere (``gaze``).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from taskgist.demonstrator.acting import Acting
 from taskgist.demonstrator.carry import Carry
-from taskgist.demonstrator.sway import sway
+from taskgist.demonstrator.sway import SWAYING, sway
 from taskgist.world import Stage, State
 
 Array = NDArray[np.float64]
@@ -38,10 +38,14 @@ def filmed(acting: Acting) -> tuple[Array, Array]:
         frames[np.ix_(since, body.columns)] = within
     for name in acting.scene.agents:
         joints = acting.scene.agent(name).joints
-        for joint, offsets in sway(times, acting.rng).items():
-            frames[:, joints[joint]] += offsets
+        if set(SWAYING) <= set(joints):  # robots keep still
+            for joint, offsets in sway(times, acting.rng).items():
+                frames[:, joints[joint]] += offsets
     for carry in acting.carries:
         _carry(acting, carry, times, frames)
+    for flight in acting.flights:
+        since = times >= flight.from_s
+        frames[since, acting.scene.object_slice(flight.thing)] = flight.poses(times[since])
     return times, frames
 
 

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from taskgist.demonstrator.motion import minimum_jerk
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world import Agent, Scene, Stage, State
+from taskgist.world import Agent, ArmIndices, Scene, Stage, State
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 TURN_S = 0.4
 """Duration of a turn of the head towards a new subject (for gaze shifts of 40° [Guitton & Volle 1987])."""
@@ -27,10 +28,17 @@ AIMING_ROUNDS = 2
 
 @dataclass(frozen=True)
 class Fixation:
-    """From some time on, a subject is looked at."""
+    """From some time on, a subject is looked at.
+
+    Attributes:
+        from_s: When the head begins to turn there.
+        subject: The subject.
+        turn_s: How long that takes.
+    """
 
     from_s: float
     subject: str
+    turn_s: float = TURN_S
 
 
 def looked(scene: Scene, name: str, times: Array, frames: Array, fixations: Sequence[Fixation]) -> Array:
@@ -46,23 +54,27 @@ def looked(scene: Scene, name: str, times: Array, frames: Array, fixations: Sequ
     Returns:
         Pan and tilt in radians, (n, 2).
     """
-    agent = scene.agent(name)
-    angles = aimed(scene, agent, frames, subject_places(scene, frames, fixations[0].subject))
-    for fixation in fixations[1:]:
-        wanted = aimed(scene, agent, frames, subject_places(scene, frames, fixation.subject))
-        turned = minimum_jerk((times - fixation.from_s) / TURN_S)[:, None]
-        angles = (1.0 - turned) * angles + turned * wanted
+    agent, stage = scene.agent(name), Stage(scene)
+    angles = np.zeros((len(frames), 2))
+    for fixation, shares in zip(fixations, _shares(times, fixations), strict=True):
+        during = shares > 0.0
+        angles[during] += shares[during, None] * _following(stage, agent, frames[during], fixation.subject)
     return angles
 
 
-def subject_places(scene: Scene, frames: Array, subject: str) -> Array:
-    """Where a subject is in each frame, metres, (n, 3).
+def _shares(times: Array, fixations: Sequence[Fixation]) -> Array:
+    """How much each of k fixations decides where the head points, (k, n): one turns it, the next turns it on."""
+    turned = np.array([minimum_jerk((times - fixation.from_s) / fixation.turn_s) for fixation in fixations])
+    turned[0] = 1.0
+    left = np.ones_like(turned)  # by those that come after
+    left[:-1] = np.cumprod((1.0 - turned)[:0:-1], axis=0)[::-1]
+    return np.asarray(turned * left)
 
-    Raises:
-        UnknownNameError: There is no such agent, object or hand.
-    """
-    stage = Stage(scene)
-    return np.array([subject_place(stage.show(State(frame)), subject) for frame in frames])
+
+def _following(stage: Stage, agent: Agent, frames: Array, subject: str) -> Array:
+    """Pan and tilt (n, 2) of a head that follows a subject through frames (n, nq)."""
+    places = [subject_place(stage.show(State(frame)), subject) for frame in frames]
+    return aimed(stage, agent, frames, np.reshape(places, (-1, 3)))
 
 
 def subject_place(stage: Stage, subject: str) -> Array:
@@ -76,14 +88,37 @@ def subject_place(stage: Stage, subject: str) -> Array:
         return stage.eye(scene.agent(subject)).position
     if subject in scene.objects:
         return stage.body_position(scene.object_body(subject))
+    return stage.site(_arm(scene, subject).palm_site).position
+
+
+def shapes_of(scene: Scene, subject: str) -> Indices:
+    """Shapes of a subject, (n,): who sees one of them sees the subject.
+
+    Raises:
+        UnknownNameError: There is no such agent, object or hand.
+    """
+    if subject in scene.agents or subject in scene.objects:
+        return np.asarray(scene.geoms_of(subject))
+    return np.asarray(_arm(scene, subject).hand_geoms)
+
+
+def _arm(scene: Scene, subject: str) -> ArmIndices:
+    """The arm whose hand is a subject."""
     name, _, part = subject.partition("/")
-    if name in scene.agents and part.endswith("_arm"):
-        return stage.site(scene.agent(name).arm(part.removesuffix("_arm")).palm_site).position
+    side = part.removesuffix("_arm")
+    if name in scene.agents and part.endswith("_arm") and side in scene.agent(name).sides:
+        return scene.agent(name).arm(side)
     raise UnknownNameError("subject to look at", subject, (*scene.agents, *scene.objects))
 
 
-def aimed(scene: Scene, agent: Agent, frames: Array, places: Array) -> Array:
+def aimed(stage: Stage, agent: Agent, frames: Array, places: Array) -> Array:
     """Pan and tilt in radians (n, 2) with which a head faces places (n, 3), within its comfortable range.
+
+    Args:
+        stage: The scene; it shows another state afterwards.
+        agent: Whose head.
+        frames: Positions, (n, nq).
+        places: What it faces in each, metres, (n, 3).
 
     Raises:
         SceneError: The agent has no head to turn.
@@ -93,16 +128,21 @@ def aimed(scene: Scene, agent: Agent, frames: Array, places: Array) -> Array:
         raise SceneError("demonstrators need a head that pans and tilts", where=agent.name)
     columns = [agent.joints[pan.joint], agent.joints[tilt.joint]]
     low, high = np.transpose((pan.range_rad, tilt.range_rad))
-    stage, angles = Stage(scene), np.zeros((len(frames), 2))
-    for i, (frame, place) in enumerate(zip(frames, places, strict=True)):
+    model = stage.scene.model
+    joints = [model.joint(f"{agent.name}/{axis.joint}").id for axis in (pan, tilt)]
+    carrier = int(model.body_parentid[model.jnt_bodyid[joints[0]]])
+    signs = np.copysign(1.0, (model.jnt_axis[joints[0]][2], -model.jnt_axis[joints[1]][1]))  # some heads tilt downwards
+    angles = np.zeros((len(frames), 2))
+    for frame, place, towards in zip(frames, places, angles, strict=True):
+        posed = np.array(frame)
         for _ in range(AIMING_ROUNDS):
-            state = State(frame).replace(dict(zip(columns, angles[i], strict=True)))
-            angles[i] = np.clip(_angles_to(stage.show(state), agent, place), low, high)
+            posed[columns] = towards
+            line = place - stage.show(State(posed)).eye(agent).position
+            towards[:] = np.clip(signs * _pan_and_tilt(line @ stage.body(carrier).matrix), low, high)
     return angles
 
 
-def _angles_to(stage: Stage, agent: Agent, place: Array) -> Array:
-    """Pan and tilt (2,) of the line from the eye to a place, in the frame of what carries the head."""
-    carrier = int(stage.scene.model.body_parentid[agent.eye_exclude_body])
-    x, y, z = (place - stage.eye(agent).position) @ stage.body(carrier).matrix
+def _pan_and_tilt(line: Array) -> Array:
+    """Angles to the left and upwards, (2,), of a line (3,) in the frame of what carries the head."""
+    x, y, z = line
     return np.array([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))])

@@ -8,7 +8,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.demonstrator.supports import POINT_SPACING_M, nearest_other_m, supported
+from taskgist.demonstrator.putting import Place, Putting
+from taskgist.demonstrator.supports import POINT_SPACING_M
 from taskgist.errors import SceneError
 from taskgist.world import Scene, Stage, object_points
 from taskgist.world.geometry.rotations import normalized
@@ -25,7 +26,7 @@ HEAD_MOVES_M = 0.05
 """Nobody keeps the head quite still: a thing is hidden from places so far around the eye, too."""
 
 
-def behind(scene: Scene, thing: str, occluder: str, target: str) -> tuple[float, float, float]:
+def behind(scene: Scene, thing: str, occluder: str, target: str) -> Place:
     """A place on the occluder's own support at which the occluder hides a thing from the target agent's eye.
 
     Candidates lie behind the occluder as the target agent sees it, the nearest to it first.
@@ -42,41 +43,35 @@ def behind(scene: Scene, thing: str, occluder: str, target: str) -> tuple[float,
     Raises:
         SceneError: No candidate is hidden, free and on the support.
     """
-    stage = Stage(scene)
-    shape = _upright_shape(stage, thing)
-    radius = float(np.linalg.norm(shape[:, :2], axis=1).max())
-    for place in _beyond(stage, occluder, target, radius):
-        free = nearest_other_m(stage, thing, place) > radius + HAND_ROOM_M / 2
-        if free and _hidden(stage, thing, shape + place, occluder, target):
-            return float(place[0]), float(place[1]), float(place[2])
-    raise SceneError(
-        f"no place behind {occluder!r} hides {thing!r} from {target!r}",
-        where=scene.name,
-        field=occluder,
-        hint="take a larger occluder, or clear the support behind it",
+    putting = Putting.of(scene, thing)
+    place = putting.first(
+        _beyond(putting, occluder, target),
+        around=np.zeros((1, 3)),
+        room_m=HAND_ROOM_M / 2,
+        suits=lambda place: _hidden(putting.stage, thing, putting.shape + place, occluder, target),
     )
+    if place is None:
+        raise SceneError(
+            f"no place behind {occluder!r} hides {thing!r} from {target!r}",
+            where=scene.name,
+            field=occluder,
+            hint="take a larger occluder, or clear the support behind it",
+        )
+    return place
 
 
-def _upright_shape(stage: Stage, thing: str) -> Array:
-    """Points of a thing's surface from the middle of its underside, (n, 3)."""
-    points = object_points(stage, thing, POINT_SPACING_M)
-    low, high = points.min(axis=0), points.max(axis=0)
-    return np.asarray(points - (*((low + high) / 2)[:2], low[2]))
-
-
-def _beyond(stage: Stage, occluder: str, target: str, radius_m: float) -> Iterator[Array]:
-    """Places on the occluder's support, behind it as seen by the target agent, near ones first."""
+def _beyond(putting: Putting, occluder: str, target: str) -> Iterator[Array]:
+    """Places behind the occluder as seen by the target agent, at the height of its underside, near ones first."""
+    stage = putting.stage
     eye = stage.eye(stage.scene.agent(target)).position
     points = object_points(stage, occluder, POINT_SPACING_M)
     low, high = points.min(axis=0), points.max(axis=0)
     middle = (low + high)[:2] / 2
     away = normalized(middle - eye[:2])
     across = np.array([-away[1], away[0]])
-    least = float(np.max((points[:, :2] - middle) @ away)) + HAND_ROOM_M + radius_m
+    least = float(np.max((points[:, :2] - middle) @ away)) + HAND_ROOM_M + putting.radius_m
     for gap, aside in product(GAPS_M, ASIDES_M):
-        place = np.array([*(middle + (least + gap) * away + aside * across), low[2]])
-        if supported(stage, place[None]):
-            yield place
+        yield np.array([*(middle + (least + gap) * away + aside * across), low[2]])
 
 
 def _hidden(stage: Stage, thing: str, points: Array, occluder: str, target: str) -> bool:

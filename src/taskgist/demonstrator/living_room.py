@@ -10,6 +10,11 @@ from taskgist.demonstrator.room import Person
 from taskgist.world import Posture
 
 TABLE = Table("table")
+HIGH_TABLE = Table("table", size_m=(*TABLE.size_m[:2], 0.92))
+"""As high as a kitchen's worktop: people stand at it."""
+CLOSE_M, BACK_M, STANDING_M = 0.67, 0.93, 0.63
+"""Distances of a pelvis from the middle of the table: sitting with the thighs under it, sitting back with the knees
+before it (room to stand up), standing at it."""
 RED, BLUE, GREEN, BLACK, PINE = (
     "0.78 0.16 0.13 1",
     "0.18 0.32 0.62 1",
@@ -29,7 +34,7 @@ SIZES_M: Mapping[str, tuple[tuple[float, ...], str]] = {
 """Full sizes (box, or diameter and height) and colours of the things."""
 
 
-def on_table(name: str, x: float, y: float, yaw_deg: float = 0.0) -> Thing:
+def on_table(name: str, x: float, y: float, yaw_deg: float = 0.0, *, table: Table = TABLE) -> Thing:
     """One of the things, on the table.
 
     Args:
@@ -37,9 +42,10 @@ def on_table(name: str, x: float, y: float, yaw_deg: float = 0.0) -> Thing:
         x: Place across the table, metres from its middle.
         y: Place along it.
         yaw_deg: Heading.
+        table: The table; its middle is that of the room.
     """
     size, rgba = SIZES_M[name]
-    return Thing(name, size, (x, y, TABLE.height_m), math.radians(yaw_deg), rgba)
+    return Thing(name, size, (x, y, table.height_m), math.radians(yaw_deg), rgba)
 
 
 def left(stature_m: float, away_m: float, y: float = 0.0, *, posture: Posture = "sitting") -> Person:

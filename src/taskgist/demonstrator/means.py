@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from taskgist.demonstrator.hiding import behind
 from taskgist.demonstrator.places import COMFORTABLE_VIEW_M, before_face, on_top
+from taskgist.demonstrator.putting import Place
 from taskgist.demonstrator.script import Script, Step
 from taskgist.demonstrator.steps import HoldUp, PutDown, Take, Withdraw
 from taskgist.world import Scene, Stage
@@ -27,6 +28,7 @@ class Roles:
         thing: The object.
         side: The acting hand.
         target_watches: What the target agent looks at in the beginning; None: the performer's face.
+        target_returns_to: What it is busy with, and looks at again when the thing rests; None: nothing.
     """
 
     performer: str
@@ -34,11 +36,24 @@ class Roles:
     thing: str
     side: str
     target_watches: str | None = None
+    target_returns_to: str | None = None
 
     def script(self, task: str, means: str, *steps: Step) -> Script:
         """A script with these roles, which begins with taking the thing."""
-        take = Take(self.thing, self.side)
-        return Script(task, self.performer, self.target, self.thing, (take, *steps), self.target_watches, means)
+        return Script(
+            task,
+            self.performer,
+            self.target,
+            self.thing,
+            (Take(self.thing, self.side), *steps),
+            self.target_watches,
+            means,
+            self.target_returns_to,
+        )
+
+    def putting(self, task: str, means: str, place: Callable[[Scene], Place]) -> Means:
+        """Means that are a putting down of the thing at a place, which is looked for in the scene at hand."""
+        return lambda scene: self.script(task, means, PutDown(place(scene)), Withdraw())
 
 
 def hold_up(roles: Roles, *, distance_m: float = COMFORTABLE_VIEW_M) -> Means:
@@ -53,19 +68,13 @@ def hold_up(roles: Roles, *, distance_m: float = COMFORTABLE_VIEW_M) -> Means:
 
 def put_on_top(roles: Roles, *, of: str) -> Means:
     """Show by putting on top of something."""
-
-    def script(scene: Scene) -> Script:
-        place = on_top(Stage(scene), of)
-        return roles.script("show", f"put on top of {of}", PutDown(place), Withdraw())
-
-    return script
+    return roles.putting("show", f"put on top of {of}", lambda scene: on_top(Stage(scene), of))
 
 
 def put_behind(roles: Roles, *, occluder: str) -> Means:
     """Hide by putting behind something, as seen by the target agent."""
 
-    def script(scene: Scene) -> Script:
-        place = behind(scene, roles.thing, occluder, roles.target)
-        return roles.script("hide", f"put behind {occluder}", PutDown(place), Withdraw())
+    def place(scene: Scene) -> Place:
+        return behind(scene, roles.thing, occluder, roles.target)
 
-    return script
+    return roles.putting("hide", f"put behind {occluder}", place)

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from taskgist.demonstrator.body import Body
 from taskgist.demonstrator.means import Roles
-from taskgist.demonstrator.places import GREATEST_LEAN_RAD, half_height_m
-from taskgist.demonstrator.supports import POINT_SPACING_M, nearest_other_m, supported
+from taskgist.demonstrator.places import GREATEST_LEAN_RAD
+from taskgist.demonstrator.putting import Place, Putting
 from taskgist.errors import SceneError
-from taskgist.world import Scene, Stage, object_points
+from taskgist.world import Scene, Stage
 from taskgist.world.geometry.rotations import about_z, normalized, rotate
 
 Array = NDArray[np.float64]
@@ -36,7 +36,7 @@ BELOW_SHOULDERS_M = 0.20
 """How far below shoulders a thing is held out: before the chest."""
 
 
-def near(scene: Scene, thing: str, performer: str, target: str, distance_m: float) -> tuple[float, float, float]:
+def near(scene: Scene, thing: str, performer: str, target: str, distance_m: float) -> Place:
     """A free place on the thing's own support, near somebody and in sight, best on the line to the performer.
 
     Args:
@@ -52,23 +52,24 @@ def near(scene: Scene, thing: str, performer: str, target: str, distance_m: floa
     Raises:
         SceneError: No candidate is supported, free and in sight.
     """
-    stage = Stage(scene)
-    points = object_points(stage, thing, POINT_SPACING_M)
-    bottom, middle = float(points[:, 2].min()), (points.min(axis=0) + points.max(axis=0))[:2] / 2
-    radius = float(np.linalg.norm(points[:, :2] - middle, axis=1).max())
-    for place in _around(stage, performer, target, distance_m, bottom):
-        free = nearest_other_m(stage, thing, place) > radius + HAND_ROOM_M
-        if free and supported(stage, place + AROUND_M) and _in_sight(stage, thing, target, place):
-            return float(place[0]), float(place[1]), float(place[2])
-    raise SceneError(
-        f"no place {distance_m:g} m from {target!r} for {thing!r}",
-        where=scene.name,
-        field=thing,
-        hint="clear the support before that agent, or take another distance",
+    putting = Putting.of(scene, thing)
+    place = putting.first(
+        _around(putting, performer, target, distance_m),
+        around=AROUND_M,
+        room_m=HAND_ROOM_M,
+        suits=lambda place: putting.in_view(place, target),
     )
+    if place is None:
+        raise SceneError(
+            f"no place {distance_m:g} m from {target!r} for {thing!r}",
+            where=scene.name,
+            field=thing,
+            hint="clear the support before that agent, or take another distance",
+        )
+    return place
 
 
-def held_out(scene: Scene, roles: Roles, taking: str, distance_m: float) -> tuple[float, float, float]:
+def held_out(scene: Scene, roles: Roles, taking: str, distance_m: float) -> Place:
     """A place before somebody's chest, towards the performer, where a thing is held out.
 
     It is as near to the wanted distance as the performer gets without leaning far; the other leans for the rest.
@@ -98,19 +99,9 @@ def _between_shoulders(stage: Stage, name: str) -> Array:
     return np.asarray(np.mean([stage.shoulder(arm).position for arm in stage.scene.agent(name).arms], axis=0))
 
 
-def _around(stage: Stage, performer: str, target: str, distance_m: float, height_m: float) -> Iterator[Array]:
-    """Places around somebody, at a distance and a height, those towards the performer first."""
-    start = _between_shoulders(stage, target) * (1.0, 1.0, 0.0)
-    ahead = normalized((_between_shoulders(stage, performer) - start) * (1.0, 1.0, 0.0))
+def _around(putting: Putting, performer: str, target: str, distance_m: float) -> Iterator[Array]:
+    """Places around somebody, at a distance and the height of a thing, those towards the performer first."""
+    start = _between_shoulders(putting.stage, target) * (1.0, 1.0, 0.0)
+    ahead = normalized((_between_shoulders(putting.stage, performer) - start) * (1.0, 1.0, 0.0))
     for aside, farther in product(ASIDES_RAD, FARTHER_M):
-        yield start + (distance_m + farther) * rotate(about_z(aside), ahead) + (0.0, 0.0, height_m)
-
-
-def _in_sight(stage: Stage, thing: str, target: str, place: Array) -> bool:
-    """Whether the straight line from the target agent's eye to the thing's middle there is free."""
-    agent, scene = stage.scene.agent(target), stage.scene
-    eye = stage.eye(agent).position
-    line = place + (0.0, 0.0, half_height_m(stage, thing)) - eye
-    geoms, distances = stage.cast(eye, normalized(line)[None], exclude_body=agent.eye_exclude_body)
-    owner = scene.owners[geoms[0]] if geoms[0] >= 0 else thing
-    return bool(owner == thing or distances[0] > np.linalg.norm(line))
+        yield start + (distance_m + farther) * rotate(about_z(aside), ahead) + (0.0, 0.0, putting.lies[2])

@@ -8,29 +8,24 @@ from taskgist.demonstrator.handing import HandOver, LayHand
 from taskgist.demonstrator.means import Means, Roles
 from taskgist.demonstrator.nearness import held_out, near
 from taskgist.demonstrator.places import on_top
+from taskgist.demonstrator.putting import Place
 from taskgist.demonstrator.script import Script
-from taskgist.demonstrator.steps import HoldUp, PutDown, Withdraw
+from taskgist.demonstrator.steps import HoldUp, Withdraw
 from taskgist.world import Scene, Stage
 
 
 def put_within_reach(roles: Roles, *, distance_m: float) -> Means:
     """Make accessible by putting near the target agent, at a horizontal distance from its shoulders."""
 
-    def script(scene: Scene) -> Script:
-        place = near(scene, roles.thing, roles.performer, roles.target, distance_m)
-        return roles.script("make accessible", f"put {distance_m:g} m before the shoulders", PutDown(place), Withdraw())
+    def place(scene: Scene) -> Place:
+        return near(scene, roles.thing, roles.performer, roles.target, distance_m)
 
-    return script
+    return roles.putting("make accessible", f"put {distance_m:g} m before the shoulders", place)
 
 
 def lift_onto(roles: Roles, *, of: str) -> Means:
     """Make accessible by putting on top of something that stands near the target agent, where hands are."""
-
-    def script(scene: Scene) -> Script:
-        place = on_top(Stage(scene), of)
-        return roles.script("make accessible", f"lifted onto {of}", PutDown(place), Withdraw())
-
-    return script
+    return roles.putting("make accessible", f"lifted onto {of}", lambda scene: on_top(Stage(scene), of))
 
 
 def hand_over(

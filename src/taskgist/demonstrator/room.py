@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -22,6 +24,7 @@ LAP = {
 HANGING = {"shoulder_abduction": 8.0, "elbow": 12.0}
 """Degrees with which the arms hang."""
 REST = {"sitting": LAP, "standing": HANGING}
+HUMAN = "human"
 SIDEBOARD_M = (0.0, 2.0)
 """Where the sideboard stands, out of everybody's way."""
 
@@ -36,6 +39,9 @@ class Person:
         position_m: Floor point beneath the pelvis, (2,).
         yaw_rad: Heading; 0 looks along x.
         posture: Sitting (a chair is put there) or standing.
+        head_deg: Pan and tilt of the head at rest; who acts, or is acted for, looks where the script says.
+        chair: Whether a chair is put there for somebody who sits; without it, furniture is to sit on.
+        profile: What body it has: that of a person, or a robot's, which stands and has the size that it has.
     """
 
     name: str
@@ -43,22 +49,40 @@ class Person:
     position_m: tuple[float, float]
     yaw_rad: float
     posture: Posture = "sitting"
+    head_deg: tuple[float, float] = (0.0, 0.0)
+    chair: bool = True
+    profile: str = HUMAN
+
+
+class Furniture(Protocol):
+    """Something that stands in a room and is not moved."""
+
+    def mjcf(self) -> str:
+        """A fixed body."""
 
 
 @dataclass(frozen=True)
 class Room:
-    """A room: a table, people around it, things on it."""
+    """A room: a table, people around it, things on it.
+
+    Attributes:
+        name: Its name.
+        people: Who is there.
+        things: What can be moved.
+        table: The table.
+        furniture: What else stands there; None: a sideboard at the wall.
+    """
 
     name: str
     people: tuple[Person, ...]
     things: tuple[Thing, ...]
     table: Table
+    furniture: tuple[Furniture, ...] | None = None
 
     def scene(self) -> Scene:
         """The room as a scene with everybody at rest."""
-        return Scene.from_bundle(
-            {"scene.toml": self._toml().encode(), "room.xml": self._mjcf().encode()}, where=self.name
-        )
+        texts = {"scene.toml": self._toml().encode(), "room.xml": self._mjcf().encode()}
+        return Scene.from_bundle({**texts, **self._meshes()}, where=self.name)
 
     def varied(self, rng: np.random.Generator, *, distance_m: float, angle_rad: float) -> Room:
         """The room with its people and things moved and turned at random.
@@ -86,13 +110,20 @@ class Room:
     def _mjcf(self) -> str:
         floor = '<geom name="floor" type="plane" size="4 4 0.1" rgba="0.75 0.72 0.68 1"/><light pos="0 0 3"/>'
         bodies = (floor, *self._furniture(), *(thing.mjcf() for thing in self.things))
-        return f'<mujoco model="{self.name}"><worldbody>{"".join(bodies)}</worldbody></mujoco>'
+        meshes = "".join(f'<mesh name="{Path(file).stem}" file="{file}"/>' for file in self._meshes())
+        assets = f"<asset>{meshes}</asset>" if meshes else ""
+        return f'<mujoco model="{self.name}">{assets}<worldbody>{"".join(bodies)}</worldbody></mujoco>'
+
+    def _meshes(self) -> dict[str, bytes]:
+        return {file: text for thing in self.things for file, text in thing.meshes().items()}
 
     def _furniture(self) -> Iterable[str]:
         yield self.table.mjcf()
-        yield sideboard("sideboard", SIDEBOARD_M, -math.pi / 2)
+        if self.furniture is None:
+            yield sideboard("sideboard", SIDEBOARD_M, -math.pi / 2)
+        yield from (piece.mjcf() for piece in self.furniture or ())
         for person in self.people:
-            if person.posture == "sitting":
+            if person.posture == "sitting" and person.chair:
                 yield chair(f"chair_{person.name}", person.position_m, person.yaw_rad)
 
 
@@ -102,16 +133,23 @@ def _shift(rng: np.random.Generator, distance_m: float, angle_rad: float) -> tup
 
 
 def _agent_toml(person: Person) -> str:
-    joints = {f"{side}_{joint}": angle for side in ("left", "right") for joint, angle in REST[person.posture].items()}
     return "\n".join(
         (
             f"[agents.{person.name}]",
-            'profile = "human"',
+            f'profile = "{person.profile}"',
             f"position_m = [{person.position_m[0]:.6f}, {person.position_m[1]:.6f}]",
             f"yaw_deg = {math.degrees(person.yaw_rad):.6f}",
             f'posture = "{person.posture}"',
-            f"body = {{ stature_m = {person.stature_m:.4f} }}",
-            f"joints_deg = {{ {', '.join(f'{joint} = {angle:.3f}' for joint, angle in joints.items())} }}",
+            *(_body_toml(person) if person.profile == HUMAN else ()),
             "",
         )
     )
+
+
+def _body_toml(person: Person) -> tuple[str, str]:
+    """A person's size, and how it rests; robots rest as their profiles have it."""
+    joints = {f"{side}_{joint}": angle for side in ("left", "right") for joint, angle in REST[person.posture].items()}
+    if person.head_deg != (0.0, 0.0):
+        joints |= dict(zip(("head_pan", "head_tilt"), person.head_deg, strict=True))
+    angles = ", ".join(f"{joint} = {angle:.3f}" for joint, angle in joints.items())
+    return f"body = {{ stature_m = {person.stature_m:.4f} }}", f"joints_deg = {{ {angles} }}"

@@ -34,6 +34,7 @@ class Script:
         steps: What the performer does.
         target_watches: What the target agent looks at in the beginning, as a subject of ``gaze``; None: the performer.
         means: How the performer reaches its intention, in words.
+        target_returns_to: What the target agent is busy with: it looks there again when the thing rests; None: nothing.
     """
 
     task: str
@@ -43,3 +44,4 @@ class Script:
     steps: tuple[Step, ...]
     target_watches: str | None = None
     means: str = ""
+    target_returns_to: str | None = None

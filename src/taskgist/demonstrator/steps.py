@@ -74,7 +74,7 @@ class HoldUp:
     def play(self, acting: Acting) -> None:
         """Carry it there, look at the target agent, hold still."""
         goal, _ = _carried_to(acting, np.array(self.place_m))
-        _carry(acting, goal, lower=False)
+        carry_to(acting, goal, lower=False)
         acting.look(acting.target)
         acting.wait(self.seconds)
 
@@ -94,7 +94,7 @@ class PutDown:
         half_m = half_height_m(Stage(acting.scene), acting.holding().thing)
         middle = np.array(self.place_m) + half_m * UP
         goal, rest = _carried_to(acting, middle)
-        _carry(acting, goal, lower=True)
+        carry_to(acting, goal, lower=True)
         acting.release(rest)
         acting.wait(CLOSING_S)
 
@@ -105,7 +105,7 @@ class Withdraw:
 
     def play(self, acting: Acting) -> None:
         """Take it off the thing and back, look at the target agent."""
-        body, side = acting.body, acting.last_carry().side
+        body, side = acting.body, acting.acting_side
         hand = body.hand(acting.state, side)
         way = sampled([hand, _open(hand), *reversed(body.raising(side))])[1:]
         acting.look(acting.target)
@@ -125,7 +125,7 @@ def _carried_to(acting: Acting, middle: Array) -> tuple[HandPose, Array]:
     return hand, np.concatenate((middle, multiply(about_z(turn), carry.taken[3:])))
 
 
-def _carry(acting: Acting, goal: HandPose, *, lower: bool) -> None:
+def carry_to(acting: Acting, goal: HandPose, *, lower: bool) -> None:
     """Carry what is held to where the hand is ``goal``: up, over what lies on the way, and down if it is lowered."""
     carry, body = acting.holding(), acting.body
     start = body.hand(acting.state, carry.side)

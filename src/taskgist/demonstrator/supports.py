@@ -1,13 +1,11 @@
-"""Where a thing can be put: on a support, and clear of others."""
+"""Where there is a support."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.world import Stage, object_points
+from taskgist.world import Stage
 
 Array = NDArray[np.float64]
 
@@ -17,12 +15,11 @@ LIFT_M, SUPPORT_M = 0.05, 0.005
 
 
 def supported(stage: Stage, points: Array) -> bool:
-    """Whether there is a support just beneath each of some points, metres, (n, 3)."""
-    down = [(0.0, 0.0, -1.0)]
-    return all(abs(stage.cast(point + (0.0, 0.0, LIFT_M), down)[1][0] - LIFT_M) < SUPPORT_M for point in points)
+    """Whether there is a support just beneath each of some points, metres, (n, 3); people's laps are none."""
+    return all(_is_support(stage, point) for point in points)
 
 
-def nearest_other_m(stage: Stage, thing: str, place: Array) -> float:
-    """How far the nearest other object is from a place, over the floor, metres; infinite if there is none."""
-    others = [object_points(stage, other, POINT_SPACING_M) for other in stage.scene.objects if other != thing]
-    return min((float(np.linalg.norm(points[:, :2] - place[:2], axis=1).min()) for points in others), default=math.inf)
+def _is_support(stage: Stage, point: Array) -> bool:
+    (geom,), (distance,) = stage.cast(point + (0.0, 0.0, LIFT_M), [(0.0, 0.0, -1.0)])
+    owner = stage.scene.owners[geom] if geom >= 0 else None
+    return bool(abs(distance - LIFT_M) < SUPPORT_M) and owner not in stage.scene.agents

@@ -5,7 +5,7 @@ from taskgist.study.episodes import episode_of, explain_recording, label_of, obs
 from taskgist.study.grip_forces import GripCheck, check_grips
 from taskgist.study.learn import explain_all, learn
 from taskgist.study.proposal import Grip, grips_of, propose_label
-from taskgist.study.shipped import shipped_recordings
+from taskgist.study.shipped import shipped_recordings, shipped_study
 from taskgist.study.timeline import Timeline, attribute_nodes, timeline
 
 __all__ = [
@@ -26,5 +26,6 @@ __all__ = [
     "observe_recording",
     "propose_label",
     "shipped_recordings",
+    "shipped_study",
     "timeline",
 ]

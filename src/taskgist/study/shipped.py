@@ -1,21 +1,41 @@
-"""The recordings that come with taskgist."""
+"""The recordings that come with taskgist: the paper's study, simulated, and real handovers."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 
 from taskgist.errors import UnknownNameError
 
+TASKS = ("show", "hide", "make accessible", "give", "put away", "hide away")
+"""Tasks of the study, in the paper's order."""
+REAL = "give"
+"""The task of which real recordings exist."""
+
 
 def shipped_recordings(task: str) -> tuple[Path, ...]:
-    """Paths of the shipped recordings of a task, by name.
+    """Paths of the shipped recordings of a task, by name: real ones where there are any, else those of the study.
 
     Raises:
         UnknownNameError: None are shipped for that task.
     """
-    root = Path(str(resources.files("taskgist") / "data" / "recordings"))
-    tasks = sorted(folder.name for folder in root.iterdir() if folder.is_dir())
-    if task not in tasks:
-        raise UnknownNameError("shipped task", task, tasks)
-    return tuple(sorted((root / task).glob("*.mcap")))
+    if task == REAL:
+        return _recordings(_root() / REAL)
+    study = shipped_study()
+    if task not in study:
+        raise UnknownNameError("shipped task", task, sorted(study))
+    return study[task]
+
+
+def shipped_study() -> Mapping[str, tuple[Path, ...]]:
+    """Paths of the 23 simulated recordings of the paper's study by task, in its order."""
+    return {task: _recordings(_root() / "study" / task.replace(" ", "_")) for task in TASKS}
+
+
+def _root() -> Path:
+    return Path(str(resources.files("taskgist") / "data" / "recordings"))
+
+
+def _recordings(folder: Path) -> tuple[Path, ...]:
+    return tuple(sorted(folder.glob("*.mcap")))

@@ -6,13 +6,11 @@ and to how far, on which table, and in whether the target agent watches what is 
 
 from __future__ import annotations
 
-from taskgist.demonstrator.living_room import TABLE, left, on_table, right
+from taskgist.demonstrator.living_room import BACK_M, CLOSE_M, HIGH_TABLE, STANDING_M, TABLE, left, on_table, right
 from taskgist.demonstrator.means import Roles
 from taskgist.demonstrator.removing import put_far_from
 from taskgist.demonstrator.room import Room
-from taskgist.demonstrator.studies import BACK_M, CLOSE_M, STANDING_M, Demonstration
-from taskgist.demonstrator.study.high_table import HIGH_TABLE, on_high_table
-from taskgist.demonstrator.study.occupied import Occupied
+from taskgist.demonstrator.study.demonstration import Demonstration
 
 PUT_AWAY = (
     Demonstration(  # from beside somebody's hands to the other side of the table, under its eyes
@@ -29,7 +27,7 @@ PUT_AWAY = (
         ),
         put_far_from(Roles("P1", "P2", "cup", "right", "cup"), distance_m=0.92),
     ),
-    Occupied(  # somebody stands and is busy; who sits puts it to its own side
+    Demonstration(  # somebody stands and is busy; who sits puts it to its own side
         Room(
             "put_away_b",
             (left(1.74, CLOSE_M, 0.35), right(1.70, STANDING_M, -0.25, posture="standing")),
@@ -41,37 +39,35 @@ PUT_AWAY = (
             ),
             TABLE,
         ),
-        put_far_from(Roles("P1", "P2", "cup", "left", "bottle"), distance_m=1.17),
-        busy_with="bottle",
+        put_far_from(Roles("P1", "P2", "cup", "left", "bottle", "bottle"), distance_m=1.17),
     ),
     Demonstration(  # both stand at a high table; from within arm's reach to its far corner, under the other's eyes
         Room(
             "put_away_c",
             (left(1.82, STANDING_M, 0.35, posture="standing"), right(1.70, STANDING_M, -0.25, posture="standing")),
             (
-                on_high_table("wooden_cube", 0.15, -0.10),
-                on_high_table("book", 0.20, -0.50, 20),
-                on_high_table("bottle", -0.20, -0.45),
-                on_high_table("tape", 0.10, 0.50),
+                on_table("wooden_cube", 0.15, -0.10, table=HIGH_TABLE),
+                on_table("book", 0.20, -0.50, 20, table=HIGH_TABLE),
+                on_table("bottle", -0.20, -0.45, table=HIGH_TABLE),
+                on_table("tape", 0.10, 0.50, table=HIGH_TABLE),
             ),
             HIGH_TABLE,
         ),
         put_far_from(Roles("P1", "P2", "wooden_cube", "left", "wooden_cube"), distance_m=1.17),
     ),
-    Occupied(  # from near somebody who sits back, busy with a book, to where it had to stand up
+    Demonstration(  # from near somebody who sits back, busy with a book, to where it had to stand up
         Room(
             "put_away_d",
             (left(1.78, CLOSE_M, 0.05), right(1.82, BACK_M, -0.15)),
             (
                 on_table("bottle", 0.12, 0.18),
-                on_table("book", 0.27, -0.50, 20),
+                on_table("book", 0.26, -0.42, 20),
                 on_table("cup", -0.20, -0.50),
                 on_table("wooden_cube", 0.10, 0.58),
             ),
             TABLE,
         ),
-        put_far_from(Roles("P1", "P2", "bottle", "right", "book"), distance_m=1.18),
-        busy_with="book",
+        put_far_from(Roles("P1", "P2", "bottle", "right", "book", "book"), distance_m=1.22),
     ),
 )
 """In order."""

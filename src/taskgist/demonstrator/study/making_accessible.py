@@ -8,11 +8,11 @@ two the target agent stands, and sees the bottle from the beginning.
 from __future__ import annotations
 
 from taskgist.demonstrator.furniture import Thing
-from taskgist.demonstrator.living_room import GREEN, TABLE, left, on_table, right
+from taskgist.demonstrator.living_room import BACK_M, CLOSE_M, GREEN, STANDING_M, TABLE, left, on_table, right
 from taskgist.demonstrator.means import Roles
 from taskgist.demonstrator.offering import lift_onto, put_within_reach
 from taskgist.demonstrator.room import Room
-from taskgist.demonstrator.studies import BACK_M, CLOSE_M, STANDING_M, Demonstration
+from taskgist.demonstrator.study.demonstration import Demonstration
 
 
 def bottle(x: float, y: float) -> Thing:
