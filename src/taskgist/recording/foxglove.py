@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from taskgist.recording.foxglove_shapes import LISTS, Message, primitives
 from taskgist.recording.recording import Recording
 from taskgist.recording.rounding import nanoseconds
-from taskgist.world import Pose, Stage, State
-from taskgist.world.geometry.rotations import matrix_from_wxyz, wxyz_from_matrix
+from taskgist.world import Pose, Stage
+from taskgist.world.geometry.rotations import matrix_from_wxyz, multiply, rotate
 
 Array = NDArray[np.float64]
 
@@ -33,9 +33,9 @@ class Viewer:
         self._times_ns = nanoseconds(recording.times_s)
         self._stage = Stage(recording.scene)
         self._names = [_body_name(recording, body) for body in range(recording.scene.model.nbody)]
-        poses = [self._poses(recording.state(frame)) for frame in range(len(recording))]
-        self._in_world = np.stack([in_world for in_world, _ in poses])
-        self._in_parent = np.stack([in_parent for _, in_parent in poses])
+        poses = np.array([self._stage.show(recording.state(frame)).bodies() for frame in range(len(recording))])
+        self._in_world = _rounded(poses)
+        self._in_parent = _rounded(_relative(poses, poses[:, self._scene.model.body_parentid]))
         self._moving = frozenset(np.flatnonzero(np.ptp(self._in_world, axis=0).any(axis=1)).tolist())
         self._stage.show(recording.state(0))
 
@@ -51,17 +51,6 @@ class Viewer:
         """
         entities = [self._entity(body) for body in range(len(self._names))]
         return {"deletions": [], "entities": [entity for entity in entities if any(entity[key] for key in LISTS)]}
-
-    def _poses(self, state: State) -> tuple[Array, Array]:
-        """Position and wxyz of every body in the world, and in its parent, (bodies, 7) each, rounded."""
-        self._stage.show(state)
-        poses = [self._stage.body(body) for body in range(len(self._names))]
-        parents = [poses[parent] for parent in self._scene.model.body_parentid]
-        in_parents = [
-            Pose(parent.to_local(pose.position), parent.matrix.T @ pose.matrix)
-            for parent, pose in zip(parents, poses, strict=True)
-        ]
-        return _rounded(poses), _rounded(in_parents)
 
     def _transform(self, frame: int, body: int, stamp: Message) -> Message:
         parent = int(self._scene.model.body_parentid[body])
@@ -105,10 +94,18 @@ def timestamp(time_ns: int) -> Message:
     return {"sec": seconds, "nsec": rest}
 
 
-def _rounded(poses: list[Pose]) -> Array:
-    position_m = np.array([pose.position for pose in poses])
-    wxyz = wxyz_from_matrix([pose.matrix for pose in poses])
-    return np.asarray(np.round(np.concatenate([position_m, wxyz], axis=1), DECIMALS) + 0.0)  # no -0.0
+def _relative(poses: Array, parents: Array) -> Array:
+    """Poses (..., 7), position and wxyz in the world, in the frames of others, (..., 7)."""
+    back = parents[..., 3:] * (1.0, -1.0, -1.0, -1.0)
+    positions_m = rotate(back, poses[..., :3] - parents[..., :3])
+    return np.concatenate((positions_m, multiply(back, poses[..., 3:])), axis=-1)
+
+
+def _rounded(poses: Array) -> Array:
+    """Poses (..., 7) for the eye, each orientation with its quaternion of w ≥ 0."""
+    same_side = np.where(poses[..., 3:4] < 0, -1.0, 1.0)
+    poses = np.concatenate((poses[..., :3], same_side * poses[..., 3:]), axis=-1)
+    return np.asarray(np.round(poses, DECIMALS) + 0.0)  # no -0.0
 
 
 def _body_name(recording: Recording, body: int) -> str:

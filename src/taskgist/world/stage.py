@@ -101,6 +101,10 @@ class Stage:
         """Pose of a body."""
         return Pose(self._data.xpos[body].copy(), self._data.xmat[body].reshape(3, 3).copy())
 
+    def bodies(self) -> Array:
+        """Position in metres and wxyz of every body, (bodies, 7)."""
+        return np.concatenate((self._data.xpos, self._data.xquat), axis=1)
+
     def body_position(self, body: int) -> Array:
         """Position of a body's frame in metres, (3,)."""
         return np.array(self._data.xpos[body])
