@@ -1,0 +1,74 @@
+"""All results of the paper beside ours."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from taskgist.facts import Json
+from taskgist.study.paper.ablations import ablations_section
+from taskgist.study.paper.clauses import clauses_section
+from taskgist.study.paper.demonstrations import Judged
+from taskgist.study.paper.draws import Draws, digest_of
+from taskgist.study.paper.draws_file import outdated
+from taskgist.study.paper.figures import figures_section
+from taskgist.study.paper.machine import machine
+from taskgist.study.paper.result import Result, Section, Verdict, tally
+from taskgist.study.paper.survival import draws_section
+from taskgist.study.paper.table_2 import table_2_section
+from taskgist.study.paper.table_3 import table_3_section
+from taskgist.study.paper.table_4 import table_4_section
+
+MEASURE = "not measured: taskgist paper --draws 200"
+
+
+@dataclass(frozen=True)
+class Report:
+    """Every result, section by section."""
+
+    sections: tuple[Section, ...]
+    machine: str
+    """What the times were measured on."""
+
+    @property
+    def results(self) -> tuple[Result, ...]:
+        """All results."""
+        return tuple(result for section in self.sections for result in section.results)
+
+    @property
+    def failed(self) -> bool:
+        """Whether any result differs without an explanation."""
+        return any(result.verdict is Verdict.FAILS for result in self.results)
+
+    def section(self, name: str) -> Section:
+        """The section of this name."""
+        return next(section for section in self.sections if section.name == name)
+
+    def to_json(self) -> dict[str, Json]:
+        """Plain data."""
+        return {
+            "machine": self.machine,
+            "verdicts": dict(tally(self.results)),
+            "sections": [section.to_json() for section in self.sections],
+        }
+
+
+def report(judged: Mapping[str, tuple[Judged, ...]], draws: Draws | None = None) -> Report:
+    """Compare everything that was measured with what the paper says.
+
+    Args:
+        judged: The demonstrations of the study, judged.
+        draws: The same, displaced; those made with other settings, tree or recordings do not count.
+    """
+    problem = "" if draws is None else outdated(draws, digest_of(judged))
+    why_not = f"{MEASURE} ({problem} since the last time)" if problem else MEASURE
+    sections = (
+        clauses_section(judged),
+        draws_section(None if problem else draws, why_not=why_not),
+        figures_section(judged),
+        table_2_section(judged),
+        table_3_section(judged),
+        table_4_section(judged),
+        ablations_section(judged),
+    )
+    return Report(sections, machine())

@@ -1,0 +1,184 @@
+"""The lines of docs/study.md: what the comparison with the paper says, as tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from taskgist.cli.paper_words import words
+from taskgist.facts import EFFORT_LEVELS, Json, Unknown
+from taskgist.language import meaning
+from taskgist.study.paper import Judged, Report, Result, Section, tally, understanding_of, wilson
+from taskgist.study.paper.table_2 import PRINTED
+from tools.markdown import header, row
+
+COLUMNS = ("see", "reach", "object", "all")
+
+JudgedStudy = Mapping[str, tuple[Judged, ...]]
+
+
+def verdicts(found: Report) -> Iterator[str]:
+    """How many results have which verdict."""
+    told = ", ".join(f"**{count}** {verdict}" for verdict, count in tally(found.results).items())
+    yield f"Of {len(found.results)} results: {told}."
+
+
+def demonstrations(judged: JudgedStudy) -> Iterator[str]:
+    """What changes for the target agent in each."""
+    yield from header(
+        "demonstration", "effort to reach", "effort to see", "visibility, of the image", "posture", "ends"
+    )
+    for of_task in judged.values():
+        for each in of_task:
+            nodes = {name: node.value for name, node in each.explanation.nodes.items()}
+            reach, see = (
+                " → ".join(level(nodes[f"{ability}.effort.{instant}"]) for instant in (1, 2))
+                for ability in ("reach", "see")
+            )
+            score = " → ".join(str(nodes[f"visibility.score.{instant}"]) for instant in (1, 2))
+            name = each.explanation.demonstration
+            yield row(name, reach, see, score, nodes["posture.value.1"], nodes["placement.status.2"])
+
+
+def level(effort: object) -> str:
+    """The level of an effort, from 0 for none to 5 for none known."""
+    return "unknown" if isinstance(effort, Unknown) else str(EFFORT_LEVELS[str(effort)])
+
+
+def meanings(judged: JudgedStudy) -> Iterator[str]:
+    """One sentence for each task."""
+    for task, of_task in judged.items():
+        yield f"- {meaning(understanding_of(task, of_task))}"
+
+
+def clauses(section: Section, draws: Section) -> Iterator[str]:
+    """Each clause: what the paper prints, what is learned, and how well it bears displacement."""
+    survival = {result.name: result for result in draws.results}
+    for task, drawn in ((task, draws.details.get(task)) for task in tasks(section)):
+        own = [each for each in section.results if each.name.startswith(f"{task}:") and each.where != "Eq. 36"]
+        yield f"**{task}** ({own[0].where})"
+        yield ""
+        yield from header("the paper prints", "learned", "survives", "verdict")
+        for result in own:
+            printed = f"`{result.paper}`" if result.paper else "-"
+            yield row(printed, f"`{result.ours}`", share(survival[result.name], drawn), mark(result))
+        yield ""
+
+
+def share(result: Result, drawn: Json) -> str:
+    """A share of draws with its interval."""
+    if not isinstance(result.ours, float) or not isinstance(drawn, Mapping):
+        return "not measured"
+    count = drawn["draws"]
+    assert isinstance(count, int)
+    low, high = wilson(round(result.ours * count), count)
+    return f"{result.ours:.1%} ({low:.0%}-{high:.0%})"
+
+
+def displacement(section: Section) -> Iterator[str]:
+    """The whole clauses, and what is lost where something is."""
+    if not section.details:
+        yield "Not measured yet: `taskgist paper --draws 200`."
+        return
+    yield from header(
+        "task", "draws", "whole clause", "least predicate", "lost, and what is learned instead", "not played"
+    )
+    for task, drawn in section.details.items():
+        counts = mapping(drawn)
+        draws, whole = (float(str(counts[key])) for key in ("draws", "whole_clause"))
+        least = min(float(str(each)) for each in mapping(counts["survived"]).values())
+        instead = (f"`{node}`: {often(found)}" for node, found in mapping(counts["instead"]).items())
+        cells = ("; ".join(instead), often(counts["unplayed"]))
+        yield row(task, f"{draws:.0f}", f"{whole / draws:.1%}", f"{least / draws:.1%}", *cells)
+
+
+def often(counts: Json) -> str:
+    """What happened, and how often."""
+    return "; ".join(f"{what} ({count})" for what, count in mapping(counts).items())
+
+
+def table_2(section: Section) -> Iterator[str]:
+    """Each row as printed, and ours below."""
+    columns = [column for column in PRINTED[0] if column != "value"]
+    yield from header("after demonstration", "", *columns, "verdict")
+    for result in section.results[: len(PRINTED)]:
+        name = result.name.removeprefix("demonstration ")
+        yield row(name, "paper", *(mapping(result.paper)[column] for column in columns), "")
+        yield row("", "ours", *(mapping(result.ours)[column] for column in columns), mark(result))
+
+
+def table_3(section: Section) -> Iterator[str]:
+    """Seconds per demonstration."""
+    named = {result.name: result for result in section.results}
+    yield from header("task", "demonstrations", "paper, s", "ours, s", "")
+    for task in section.details:
+        time = named[f"{task}: seconds"]
+        yield row(task, named[f"{task}: demonstrations"].ours, time.paper, f"{time.ours:.3f}", time.explanation)
+    yield ""
+    yield section.about
+
+
+def table_4(section: Section) -> Iterator[str]:
+    """Demonstrations needed: paper / ours, and over all orders."""
+    named = {result.name: result for result in section.results}
+    yield from header("paper / ours (fewest-most)", *COLUMNS)
+    for task, spans in section.details.items():
+        cells = []
+        for column in COLUMNS:
+            span, result = mapping(mapping(spans)[column]), named.get(f"{task}: {column}")
+            orders = "" if span["fewest"] == span["most"] else f" ({span['fewest']}-{span['most']})"
+            cells.append(f"{result.paper if result else '-'} / {span['ours']}{orders}")
+        yield row(task, *cells)
+
+
+def lost(section: Section) -> Iterator[str]:
+    """What each task loses in each smaller tree."""
+    yield from header("tree", "task", "loses", "has instead")
+    for tree, changes in section.details.items():
+        for task, change in mapping(changes).items():
+            texts = [
+                ", ".join(f"`{str(each).strip('()')}`" for each in listed(mapping(change)[key]))
+                for key in ("lost", "instead")
+            ]
+            if any(texts):
+                yield row(tree, task, *texts)
+
+
+def plain(section: Section) -> Iterator[str]:
+    """A row for each result."""
+    yield from header("what", "where", "the paper", "ours", "verdict")
+    for result in section.results:
+        yield row(result.name, result.where, words(result.paper), words(result.ours), mark(result))
+
+
+def differences(found: Report) -> Iterator[str]:
+    """Every difference that has an explanation, once, apart from times."""
+    told: dict[str, list[str]] = {}
+    for section in found.sections:
+        for result in section.results:
+            if result.explanation and result.verdict is not None and section.name != "table_3":
+                told.setdefault(result.explanation, []).append(f"{result.name} ({result.where})")
+    for explanation, names in told.items():
+        yield f"- **{'; '.join(names)}**: {explanation}."
+
+
+def tasks(section: Section) -> list[str]:
+    """The tasks of a section whose results begin with theirs."""
+    return list(dict.fromkeys(result.name.partition(":")[0] for result in section.results))
+
+
+def mark(result: Result) -> str:
+    """The verdict; a failure stands out."""
+    told = result.verdict.value if result.verdict else "not measured"
+    return f"**{told}**" if told == "fails" else told
+
+
+def mapping(value: Json) -> Mapping[str, Json]:
+    """A value that is known to be a mapping."""
+    assert isinstance(value, Mapping), value
+    return value
+
+
+def listed(value: Json) -> Sequence[Json]:
+    """A value that is known to be a list."""
+    assert isinstance(value, Sequence), value
+    return value
