@@ -292,7 +292,7 @@ CASES: dict[str, list[str]] = {
     "explain show -k cut.db": ["cut.db: cannot be used as knowledge: "],
     "explain shw": ["knowledge.db: no task 'shw'; did you mean 'show'? (known: show)"],
     "explain show --why see.clas": ["no node 'see.clas'; did you mean 'see.class'? (known: "],
-    "explain show --band wid": ["no band 'wid'; did you mean 'wide'? (known: narrow, wide)"],
+    "explain show --band wid": ["no band 'wid'; did you mean 'wide'? (known: narrow, sharp, wide)"],
     # importing
     "import none.toml -o out.mcap": ["none.toml: cannot read the mapping", NO_FILE],
     "import map_sound.toml -o nowhere/out.mcap": ["nowhere/out.mcap: --out: cannot be written: ", NO_FOLDER],

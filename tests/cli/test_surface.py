@@ -25,6 +25,15 @@ SURFACE: dict[str, set[str]] = {
     "agent check": {"profile", "--out", "-o"},
     "see": {"where", "--agent", "--at", "--object", "--out", "-o"},
     "query": {"where", "--agent", "--ability", "--object", "--actions", "--where", "--why", "--at"},
+    "paper": {"--draws", "--save", "--out", "-o"},
+    "simulate": {
+        *("task", "--count", "-n", "--seed", "-s", "--means", "--out", "-o"),
+        *("--replace", "--processes", "--picture", "--list"),
+    },
+    "evaluate": {
+        *("experiments", "--pool", "--demonstrations", "-n", "--seed", "--draws"),
+        *("--source", "--processes", "--out", "-o"),
+    },
     "map": {
         *("where", "--agent", "--ability", "--level", "--where", "--size"),
         *("--out", "-o", "--npz", "--at"),
@@ -52,7 +61,7 @@ def test_help_has_examples_that_parse(name: str) -> None:
     assert lines
     for line in lines:
         assert line in run(f"{name} --help"), "an example is never wrapped"
-        assert line.startswith(f"taskgist {name} ")
+        assert f"{line} ".startswith(f"taskgist {name} ")
         assert parse(line)
 
 

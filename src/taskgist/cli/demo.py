@@ -8,9 +8,9 @@ from typing import Annotated, Any
 import typer
 from rich.text import Text
 
+from taskgist.cli.files import make_folder
 from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
 from taskgist.cli.understanding import print_understanding, understanding_document
-from taskgist.errors import InputError
 from taskgist.facts import STANDARD_TREE, with_predicates
 from taskgist.learning import Explanation, Knowledge
 from taskgist.recording import Recording, read
@@ -38,7 +38,7 @@ def demo(
 
     Example: taskgist demo -o /tmp/demo
     """
-    _make_folder(out)
+    make_folder(out, "--out")
     from taskgist.store import update  # with sqlalchemy, which only knowledge should wait for
 
     update(out / "knowledge.db")  # what lies there must be usable, before any long work
@@ -83,10 +83,3 @@ def _picture(recording: Recording, path: Path) -> Path:
     return before_after_picture(
         Stage(recording.scene), states, label.target_agent, label.target_object, path, title=title
     )
-
-
-def _make_folder(out: Path) -> None:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"cannot be made: {error.strerror}", where=out, field="--out", hint="name a folder") from error

@@ -60,6 +60,20 @@ def about(path: Path | str, options: Mapping[str, str] = NO_OPTIONS) -> Iterator
         raise
 
 
+def make_folder(folder: Path, option: str) -> None:
+    """Make a folder unless it is there, before any long work.
+
+    Raises:
+        InputError: It cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"cannot be made: {error.strerror}", where=folder, field=option, hint="name a folder"
+        ) from error
+
+
 def check_target(path: Path, option: str) -> None:
     """Refuse a file that could not be written, before any long work.
 

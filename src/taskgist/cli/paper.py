@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from taskgist.cli.files import check_target
+from taskgist.cli.files import check_target, make_folder
 from taskgist.cli.output import FAILED, OK, JsonOption, command, print_json, progress_bar
 from taskgist.errors import InputError, KnowledgeError
 from taskgist.recording import Progress
@@ -83,11 +83,7 @@ def _check(draws: int | None, save: Path | None, out: Path | None) -> None:
             raise InputError("there are no new draws to keep", field="--save", value=str(save), hint=hint)
         check_target(save, "--save")
     if out is not None:
-        try:
-            out.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            problem = f"cannot be made: {error.strerror}"
-            raise InputError(problem, where=out, field="--out", hint="name a folder") from error
+        make_folder(out, "--out")
 
 
 def _drawn(judged: Mapping[str, tuple[Judged, ...]], count: int, save: Path | None, progress: Progress) -> Draws:

@@ -36,10 +36,11 @@ def simulate(
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Make demonstrations: random rooms in which scripted demonstrators reach their intention by several means.
+    """Make demonstrations of a task in random rooms.
 
-    Recordings are labelled and say that they are simulated. The same task, seed and number give the same demonstration,
-    whatever the count and however many cores.
+    Scripted demonstrators reach their intention by several means, and never ask for the facts. The recordings are
+    labelled and say that they are simulated. The same task, seed and number give the same demonstration, whatever the
+    count and however many cores.
 
     Example: taskgist simulate hide --count 20 --seed 7 -o hide
 

@@ -1,0 +1,1 @@
+"""Other learners on the very same facts, each behind a door of its own."""

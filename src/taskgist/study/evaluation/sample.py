@@ -1,0 +1,73 @@
+"""A sample: what one demonstration was judged to be, kept without its evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from taskgist.facts import UNKNOWN, Observation, Unknown
+from taskgist.learning import Context, Explanation
+
+CLEAN = "clean"
+"""Condition of recordings as the demonstrator made them."""
+
+
+@dataclass(frozen=True, order=True)
+class Sample:
+    """The value of each node in one demonstration, watched under one condition.
+
+    Args:
+        task: Name of the task.
+        number: Which demonstration of the pool's seed.
+        condition: How it was watched: ``CLEAN``, or one of ``conditions.CONDITIONS``.
+        means: How the task was performed.
+        values: Value of each of the pool's nodes, in their order; None is unknown.
+    """
+
+    task: str
+    number: int
+    condition: str
+    means: str
+    values: tuple[str | None, ...]
+
+    @staticmethod
+    def of(explanation: Explanation, nodes: Sequence[str], *, number: int, condition: str, means: str) -> Sample:
+        """The sample that an explanation gives."""
+        values = (explanation.nodes[name].value for name in nodes)
+        plain = tuple(None if isinstance(value, Unknown) else value for value in values)
+        return Sample(explanation.task, number, condition, means, plain)
+
+    def explanation(self, nodes: Sequence[str], context: Context) -> Explanation:
+        """The explanation again, without evidence, of the pool's nodes and under its context."""
+        return Explanation(
+            task=self.task,
+            demonstration=f"{self.task} {self.number}",
+            performing_agent="performer",
+            target_agent="target",
+            target_object="object",
+            source=f"pool: {self.task} {self.number} {self.condition}",
+            context=context,
+            nodes=_observations(nodes, self.values),
+        )
+
+
+@dataclass(frozen=True, order=True)
+class Failure:
+    """A demonstration that could not be played (no condition), or not be watched under one.
+
+    Args:
+        task: Name of the task.
+        number: Which demonstration.
+        condition: Under which condition; empty where it could not be played.
+        problem: Why.
+    """
+
+    task: str
+    number: int
+    condition: str
+    problem: str
+
+
+def _observations(nodes: Sequence[str], values: Sequence[str | None]) -> Mapping[str, Observation[str | Unknown]]:
+    pairs = zip(nodes, values, strict=True)
+    return {name: Observation(UNKNOWN if value is None else value) for name, value in pairs}

@@ -1,0 +1,136 @@
+"""Put the figures of an evaluation into docs/evaluation.md: ``python -m tools.evaluation_page --pool FILE``.
+
+What the pool lacks is made first, on all cores. The page's text stays; tables stand
+between marks, and pictures in docs/pictures.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from taskgist.study.evaluation.coded import Coded
+from taskgist.study.evaluation.comparison import Comparison, compared, makers
+from taskgist.study.evaluation.conditions import CONDITIONS
+from taskgist.study.evaluation.keeping import Wanted, kept_pool
+from taskgist.study.evaluation.needed import Needs, demonstrations_needed
+from taskgist.study.evaluation.pool import Pool
+from taskgist.study.evaluation.robustness import Robustness, robustness
+from taskgist.study.evaluation.sample import CLEAN
+from taskgist.study.evaluation.sheet import Sheet
+from taskgist.study.evaluation.sheets import (
+    curve_sheet,
+    misses_sheet,
+    needed_sheet,
+    peers_sheet,
+    robustness_sheet,
+    rules_sheet,
+    scores_sheet,
+    single_sheet,
+    table_sheet,
+)
+from taskgist.study.evaluation.sources import SOURCES
+from taskgist.study.evaluation.transfer import CLAUSE, EFFECTS, Transfer, transfer
+from taskgist.view.curves import picture_of
+
+PAGE, PICTURES = Path("docs/evaluation.md"), Path("docs/pictures")
+SEED, DRAWS, COUNT, STUDY_COUNT = 1000, 200, 150, 30
+
+
+def main() -> None:
+    """Make what is missing, measure, rewrite the page."""
+    wishes = arguments()
+    wanted = Wanted("generator", wishes.seed, wishes.demonstrations, tuple(CONDITIONS))
+    pool = kept_pool(wishes.pool, wanted, processes=wishes.processes, progress=told)
+    coded = Coded.of(pool)
+    needs = demonstrations_needed(coded, draws=wishes.draws, seed=wishes.seed)
+    found = transfer(coded, draws=wishes.draws, seed=wishes.seed)
+    rules = robustness(coded, draws=wishes.draws, seed=wishes.seed, progress=told)
+    peers = compared(coded, draws=wishes.draws, seed=wishes.seed, peers=makers(wishes.seed), progress=told)
+    for name, result in {"needed": needs, "transfer": found, "robustness": rules, "peers": peers}.items():
+        picture_of(result, PICTURES / f"evaluation_{name}.png")
+    parts = {"pool": about(pool, wishes.draws), **dict(tables(needs, found, rules, peers)), "study": study(wishes)}
+    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), parts), encoding="utf-8")
+
+
+def arguments() -> argparse.Namespace:
+    """What was asked for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--pool", type=Path, required=True, help="file of judged demonstrations, made if missing")
+    parser.add_argument("--study-pool", type=Path, default=None, help="the same of the paper's study, displaced")
+    parser.add_argument("--demonstrations", type=int, default=COUNT, help="of each task")
+    parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--draws", type=int, default=DRAWS)
+    parser.add_argument("--processes", type=int, default=None)
+    return parser.parse_args()
+
+
+def told(what: str, share: float) -> None:
+    """One line of progress that is written over."""
+    print(f"\r{share:4.0%} {what:60}", end="" if share < 1.0 else "\n", flush=True)
+
+
+def study(wishes: argparse.Namespace) -> str:
+    """Demonstrations needed of the paper's own study, displaced: where they are made, and the table."""
+    wanted = Wanted("study", wishes.seed, STUDY_COUNT, (CLEAN,))
+    pool = kept_pool(wishes.study_pool, wanted, processes=wishes.processes, progress=told)
+    needs = demonstrations_needed(Coded.of(pool), draws=wishes.draws, seed=wishes.seed)
+    return f"{about(pool, wishes.draws)}\n{markdown(needed_sheet(needs))}"
+
+
+def about(pool: Pool, draws: int) -> str:
+    """What was measured on."""
+    clean = [each.task for each in pool.samples if each.condition == CLEAN]
+    counts = ", ".join(f"{clean.count(task)} of *{task}*" for task in pool.tasks)
+    missed = len([each for each in pool.failures if not each.condition])
+    return (
+        f"Measured on {SOURCES[pool.source].text}, seed {pool.seed}: {counts} ({missed} more could not be played); "
+        f"{draws} draws; settings {pool.context.settings_digest}, tree {pool.context.tree_version}.\n"
+    )
+
+
+def tables(needs: Needs, found: Transfer, rules: Robustness, peers: Comparison) -> Iterator[tuple[str, str]]:
+    """Name and text of each table of the page."""
+    best = next(iter(rules.scores))
+    yield "needed", markdown(needed_sheet(needs))
+    yield "single", markdown(single_sheet(needs))
+    yield "curve", markdown(curve_sheet(needs))
+    yield "scores", markdown(scores_sheet(found))
+    for after in found.sizes:
+        yield f"after {after}", markdown(table_sheet(found.table(after, CLAUSE)))
+    yield "effects", markdown(table_sheet(found.table(found.sizes[-1], EFFECTS)))
+    yield "misses", markdown(misses_sheet(found))
+    yield "robustness", markdown(robustness_sheet(rules, "paper"))
+    yield "robustness of the best", markdown(robustness_sheet(rules, best))
+    yield "rules", markdown(rules_sheet(rules))
+    yield "peers", markdown(peers_sheet(peers))
+    tree = [each for each in peers.learners if each.name == "decision tree" and each.negatives]
+    yield "tree", markdown(table_sheet(tree[0].tables[-1])) if tree else "Not measured here.\n"
+
+
+def markdown(sheet: Sheet) -> str:
+    """A table in Markdown, its note below."""
+    lines = [f"**{sheet.title}**", "", row(sheet.header), row(["---"] + ["---:"] * (len(sheet.header) - 1))]
+    lines += [row(cells) for cells in sheet.rows]
+    if sheet.note:
+        lines += ["", f"*{sheet.note}*"]
+    return "\n".join(lines) + "\n"
+
+
+def row(cells: tuple[str, ...] | list[str]) -> str:
+    """One line of a table."""
+    return f"| {' | '.join(cell.replace('|', '/') for cell in cells)} |"
+
+
+def filled(page: str, parts: Mapping[str, str]) -> str:
+    """A page with a text between each ``<!-- NAME -->`` and the next ``<!-- end -->``; the rest stays as it is."""
+    for name, text in parts.items():
+        before, mark, rest = page.partition(f"<!-- {name} -->\n")
+        if mark:
+            page = before + mark + text + "<!-- end -->" + rest.partition("<!-- end -->")[2]
+    return page
+
+
+if __name__ == "__main__":
+    main()
