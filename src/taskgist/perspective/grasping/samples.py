@@ -4,8 +4,8 @@ The two points of a pair can be grasped if the hand opens that wide; it may come
 line between them. Before it closes it is open by little more than the width, or, where the object itself is then in
 its way (as the curved wall of a bowl in that of straight fingers), as wide as it goes.
 
-Grasps are sampled in the object's own frame, once for each scene, object, hand and settings (and, of an object with
-joints of its own, each position of these): wherever the object goes, they go with it.
+Grasps are sampled in the object's own frame, once for each form of object, hand and settings (and, of an object with
+joints of its own, each position of these): wherever the object goes, they go with it, into other scenes, too.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from taskgist.perspective.grasping.forms import form_of, shapes_of
 from taskgist.perspective.grasping.grasps import Array, Grasps
 from taskgist.perspective.grasping.pairs import Pairs, opposite_points
 from taskgist.perspective.grasping.touch import in_itself, met_by_all_fingers, touching
@@ -25,7 +26,7 @@ from taskgist.world import Hand, Scene, Stage
 
 ROUNDING = 1e-9
 REMEMBERED = 256
-"""Sampled objects kept for each scene."""
+"""Sampled objects kept for each scene, and forms kept for all of them."""
 IDENTITY = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
@@ -51,11 +52,27 @@ def grasps_in_object(stage: Stage, name: str, hand: Hand, settings: Grasp) -> Gr
         if len(known) >= REMEMBERED:
             known.pop(next(iter(known)))
         at_origin = scene.initial.replace(joints, at=scene.object_slice(name), to=IDENTITY)
-        known[key] = _sampled(Stage(scene, at_origin), name, hand, settings)
+        known[key] = _of_its_form(Stage(scene, at_origin), name, hand, settings)
     return known[key]
 
 
 _SAMPLED: WeakKeyDictionary[Scene, dict[Hashable, Grasps]] = WeakKeyDictionary()
+_BY_FORM: dict[Hashable, Grasps] = {}
+"""Grasps whose shapes are counted among those of their object."""
+
+
+def _of_its_form(bench: Stage, name: str, hand: Hand, settings: Grasp) -> Grasps:
+    """Grasps of an object; one of the same form may have been sampled in another scene."""
+    shapes = shapes_of(bench, name)
+    key = (form_of(bench, name), hand, settings)
+    if key not in _BY_FORM:
+        if len(_BY_FORM) >= REMEMBERED:
+            _BY_FORM.pop(next(iter(_BY_FORM)))
+        grasps = _sampled(bench, name, hand, settings)
+        counted = {field: np.searchsorted(shapes, getattr(grasps, field)) for field in ("shapes", "solids")}
+        _BY_FORM[key] = replace(grasps, **counted)
+    known = _BY_FORM[key]
+    return _frozen(replace(known, shapes=shapes[known.shapes], solids=shapes[known.solids]))
 
 
 def _sampled(bench: Stage, name: str, hand: Hand, settings: Grasp) -> Grasps:
