@@ -58,7 +58,7 @@ def observer(name: str) -> Observer:
 
 @cache
 def explanation(name: str) -> Explanation:
-    return explain(episode_of(recording(name), observer=observer(name)))
+    return explain(episode_of(recording(name)))
 
 
 @cache

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from taskgist.cli.paper_words import words
+from taskgist.cli.paper_words import share_words, words
 from taskgist.facts import EFFORT_LEVELS, Json, Unknown
 from taskgist.language import meaning
-from taskgist.study.paper import Judged, Report, Result, Section, tally, understanding_of, wilson
+from taskgist.study.paper import Goal, Judged, Report, Result, Section, tally, understanding_of
 from taskgist.study.paper.table_2 import PRINTED
 from tools.markdown import header, row
 
@@ -17,9 +17,14 @@ JudgedStudy = Mapping[str, tuple[Judged, ...]]
 
 
 def verdicts(found: Report) -> Iterator[str]:
-    """How many results have which verdict."""
-    told = ", ".join(f"**{count}** {verdict}" for verdict, count in tally(found.results).items())
-    yield f"Of {len(found.results)} results: {told}."
+    """How many published results have which verdict, and how many predicates meet the goal of displacement."""
+    yield f"Of {len(found.results)} published results: {counted(tally(found.results))}."
+    yield f"Of {len(found.goals)} predicates that shall survive displacement: {counted(tally(found.goals, Goal))}."
+
+
+def counted(counts: Mapping[str, int]) -> str:
+    """How often each verdict was met."""
+    return ", ".join(f"**{count}** {verdict}" for verdict, count in counts.items())
 
 
 def demonstrations(judged: JudgedStudy) -> Iterator[str]:
@@ -60,22 +65,14 @@ def clauses(section: Section, draws: Section) -> Iterator[str]:
         yield from header("the paper prints", "learned", "survives", "verdict")
         for result in own:
             printed = f"`{result.paper}`" if result.paper else "-"
-            yield row(printed, f"`{result.ours}`", share(survival[result.name], drawn), mark(result))
+            yield row(
+                printed, f"`{result.ours}`", share_words(survival[result.name], drawn) or "not measured", mark(result)
+            )
         yield ""
 
 
-def share(result: Result, drawn: Json) -> str:
-    """A share of draws with its interval."""
-    if not isinstance(result.ours, float) or not isinstance(drawn, Mapping):
-        return "not measured"
-    count = drawn["draws"]
-    assert isinstance(count, int)
-    low, high = wilson(round(result.ours * count), count)
-    return f"{result.ours:.1%} ({low:.0%}-{high:.0%})"
-
-
 def displacement(section: Section) -> Iterator[str]:
-    """The whole clauses, and what is lost where something is."""
+    """The whole clauses, what is lost where something is, and how the goal is met."""
     if not section.details:
         yield "Not measured yet: `taskgist paper --draws 200`."
         return
@@ -89,6 +86,12 @@ def displacement(section: Section) -> Iterator[str]:
         instead = (f"`{node}`: {often(found)}" for node, found in mapping(counts["instead"]).items())
         cells = ("; ".join(instead), often(counts["unplayed"]))
         yield row(task, f"{draws:.0f}", f"{whole / draws:.1%}", f"{least / draws:.1%}", *cells)
+    yield ""
+    yield f"Of {len(section.results)} predicates: {counted(tally(section.results, Goal))}."
+    yield ""
+    for result in section.results:
+        if result.explanation:
+            yield f"- **{result.name}**: {result.explanation}."
 
 
 def often(counts: Json) -> str:
@@ -115,6 +118,11 @@ def table_3(section: Section) -> Iterator[str]:
         yield row(task, named[f"{task}: demonstrations"].ours, time.paper, f"{time.ours:.3f}", time.explanation)
     yield ""
     yield section.about
+    yield ""
+    order = section.results[2 * len(section.details) :]  # after a count and a time of each task
+    yield from plain(order)
+    yield ""
+    yield from (f"- **{result.name}**: {result.explanation}." for result in order if result.explanation)
 
 
 def table_4(section: Section) -> Iterator[str]:
@@ -143,20 +151,20 @@ def lost(section: Section) -> Iterator[str]:
                 yield row(tree, task, *texts)
 
 
-def plain(section: Section) -> Iterator[str]:
+def plain(results: Iterable[Result]) -> Iterator[str]:
     """A row for each result."""
     yield from header("what", "where", "the paper", "ours", "verdict")
-    for result in section.results:
+    for result in results:
         yield row(result.name, result.where, words(result.paper), words(result.ours), mark(result))
 
 
 def differences(found: Report) -> Iterator[str]:
     """Every difference that has an explanation, once, apart from times."""
     told: dict[str, list[str]] = {}
-    for section in found.sections:
-        for result in section.results:
-            if result.explanation and result.verdict is not None and section.name != "table_3":
-                told.setdefault(result.explanation, []).append(f"{result.name} ({result.where})")
+    times = set(found.section("table_3").results)
+    for result in found.results:
+        if result.explanation and result not in times:
+            told.setdefault(result.explanation, []).append(f"{result.name} ({result.where})")
     for explanation, names in told.items():
         yield f"- **{'; '.join(names)}**: {explanation}."
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from PIL import Image
 
 from taskgist.recording import read
-from taskgist.study.paper import Report, judge_study, report, shipped_draws, tally, understanding_of
+from taskgist.study.paper import Report, judge_study, report, shipped_draws, understanding_of
 from taskgist.study.shipped import shipped_study
 from taskgist.view.study import demonstration_picture, task_picture
 from taskgist.view.trees import tree_picture
@@ -34,7 +34,7 @@ def main() -> None:
         draw_pictures(judged)
     found = report(judged, shipped_draws())
     PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), parts(found, judged)), encoding="utf-8")
-    print(f"{PAGE}: {', '.join(f'{count} {verdict}' for verdict, count in tally(found.results).items())}")
+    print(f"{PAGE}: {' '.join(lines.verdicts(found))}")
 
 
 def filled(page: str, texts: Mapping[str, Iterable[str]]) -> str:
@@ -56,12 +56,12 @@ def parts(found: Report, judged: JudgedStudy) -> dict[str, Iterable[str]]:
         "meanings": lines.meanings(judged),
         "clauses": lines.clauses(sections["clauses"], sections["draws"]),
         "displacement": lines.displacement(sections["draws"]),
-        "figures": lines.plain(sections["figures"]),
+        "figures": lines.plain(sections["figures"].results),
         "table 2": lines.table_2(sections["table_2"]),
         "question": [f"> {sections['table_2'].details['question']}"],
         "table 3": lines.table_3(sections["table_3"]),
         "table 4": lines.table_4(sections["table_4"]),
-        "smaller trees": lines.plain(sections["ablations"]),
+        "smaller trees": lines.plain(sections["ablations"].results),
         "lost": lines.lost(sections["ablations"]),
         "differences": lines.differences(found),
     }

@@ -26,7 +26,9 @@ def test_all_results_are_told_and_none_fails() -> None:
     text = run("paper")
     for title in ("The clauses", "Show after 2, 3 and 4", "Table 2", "Table 3", "Table 4", "Smaller trees"):
         assert title in text
-    assert "differs, explained; 0 fails; 60 not measured" in text.splitlines()[-1]
+    published, goals = text.splitlines()[-2:]
+    assert published.endswith("differs, explained; 0 fails")
+    assert goals.endswith("0 goal met; 0 not distinguishable; 0 goal not met; 60 not measured")
     assert "Relative_Effort_to_See = Maintained" in text
     assert "Remains_Same" in text
     assert "What does “show” mean: that the object ends in a hand" in text
@@ -57,11 +59,20 @@ def test_shipped_draws_are_shown_where_they_fit(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr("taskgist.cli.paper.shipped_draws", lambda: draws)
     text = run("paper")
     assert "survives 2 draws" in text
-    assert "100.0% (34%-100%)" in text
+    assert "100.0% (34.2-100.0%)" in text
+    assert text.splitlines()[-1].endswith("0 goal met; 60 not distinguishable; 0 goal not met")
     assert "not measured" not in text
     monkeypatch.setattr("taskgist.cli.paper.shipped_draws", lambda: Draws("another study"))
     text = run("paper")
     assert "not measured: taskgist paper --draws 200 (other recordings since the last time)" in text
+
+
+def test_a_goal_that_is_clearly_missed_gives_exit_code_1(monkeypatch: pytest.MonkeyPatch) -> None:
+    show = undisplaced("show")
+    unplayed = sample_draws(*[("show", ("show_a: no way", *show[1:]))] * 9, ("show", show))
+    monkeypatch.setattr("taskgist.cli.paper.shipped_draws", lambda: unplayed)
+    assert "goal 95 %: 1 of 10, goal not met; not played: show_a: no way (9 times)" in run("paper", exit_code=1)
+    assert run_json("paper", exit_code=1)["verdicts"]["fails"] == 0
 
 
 def test_draws_are_measured_and_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,9 +10,9 @@ from rich.text import Text
 
 from taskgist.cli.output import console
 from taskgist.cli.paper_numbers import lost_table, table_2, table_3, table_4
-from taskgist.cli.paper_words import STYLES, heading, paragraph, plain_table, show, verdict_text, words
+from taskgist.cli.paper_words import STYLES, heading, paragraph, plain_table, share_words, show, verdict_text, words
 from taskgist.facts import Json
-from taskgist.study.paper import Report, Result, Section, tally, wilson
+from taskgist.study.paper import Goal, Report, Result, Section, tally
 
 SHORT = "Eq. 36"
 """The clause of Eq. 37 in symbols: told in one line."""
@@ -56,7 +56,7 @@ def _clause_table(task: str, own: Iterable[Result], survival: Mapping[str, Resul
     table = plain_table(f"{task} ({own[0].where})", "the paper prints", "learned", survives, "verdict", numbers=1)
     for result in own:
         printed = Text(str(result.paper)) if result.paper else Text("-", style="dim")
-        table.add_row(printed, str(result.ours or "-"), _share(survival.get(result.name), count), verdict_text(result))
+        table.add_row(printed, str(result.ours or "-"), _share(survival.get(result.name), drawn), verdict_text(result))
     if isinstance(drawn, Mapping):
         whole = drawn["whole_clause"]
         assert isinstance(whole, int)
@@ -65,12 +65,12 @@ def _clause_table(task: str, own: Iterable[Result], survival: Mapping[str, Resul
     return table
 
 
-def _share(result: Result | None, count: Json) -> Text:
-    """The share of draws, with its interval."""
-    if result is None or result.verdict is None or not isinstance(result.ours, float) or not isinstance(count, int):
+def _share(result: Result | None, drawn: Json) -> Text:
+    """The share of draws with its interval, in the colour of whether it meets the goal."""
+    told = share_words(result, drawn) if result else ""
+    if result is None or result.verdict is None or not told:
         return Text("-", style="dim")
-    low, high = wilson(round(result.ours * count), count)
-    return Text(f"{result.ours:.1%} ({low:.0%}-{high:.0%})", STYLES[result.verdict])
+    return Text(told, STYLES[result.verdict])
 
 
 def _print_plain(section: Section, _report: Report) -> None:
@@ -89,8 +89,11 @@ def _print_table_2(section: Section, _report: Report) -> None:
 
 def _print_table_3(section: Section, _report: Report) -> None:
     show(table_3(section))
-    last = section.results[-1]
-    console.print(Text(f"  {last.name}: {last.paper}; ours: {last.ours}  ") + verdict_text(last))
+    for result in section.results[2 * len(section.details) :]:  # after a count and a time of each task
+        console.print(Text(f"  {result.name}: ") + verdict_text(result))
+        paragraph(f"the paper: {words(result.paper)}; ours: {words(result.ours)}", indent="    ", style="")
+        if result.explanation:
+            paragraph(result.explanation, indent="    ")
 
 
 def _print_table_4(section: Section, _report: Report) -> None:
@@ -127,5 +130,6 @@ def _print_explanations(results: Iterable[Result]) -> None:
 
 
 def _print_verdicts(report: Report) -> None:
-    counts = tally(report.results)
-    console.print(Text("; ".join(f"{count} {verdict}" for verdict, count in counts.items()), style="bold"))
+    published, goals = tally(report.results), tally(report.goals, Goal)
+    for told, counts in (("published results", published), ("survival of displacement, goal 95 %", goals)):
+        console.print(Text(f"{told}: " + "; ".join(f"{n} {verdict}" for verdict, n in counts.items()), style="bold"))

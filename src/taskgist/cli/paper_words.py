@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Mapping, Sequence
 
@@ -10,14 +11,17 @@ from rich.text import Text
 
 from taskgist.cli.output import console
 from taskgist.facts import Json
-from taskgist.study.paper import Result, Section, Verdict
+from taskgist.study.paper import Goal, Result, Section, Verdict, wilson
 
 WIDTH = 112
 """Columns of the widest table, and of paragraphs."""
-STYLES: Mapping[Verdict, str] = {
+STYLES: Mapping[Verdict | Goal, str] = {
     Verdict.EQUAL: "green",
     Verdict.DIFFERS_EXPLAINED: "yellow",
     Verdict.FAILS: "bold red",
+    Goal.MET: "green",
+    Goal.OPEN: "yellow",
+    Goal.NOT_MET: "bold red",
 }
 
 
@@ -53,6 +57,21 @@ def verdict_text(result: Result) -> Text:
     if result.verdict is None:
         return Text("not measured", style="dim")
     return Text(result.verdict.value, style=STYLES[result.verdict])
+
+
+def share_words(result: Result, drawn: Json) -> str:
+    """The share of draws with its 95 % interval, whose ends are rounded outwards; nothing if none was measured.
+
+    Args:
+        result: What is held to the goal.
+        drawn: What else is known of the draws of its task.
+    """
+    if not isinstance(result.ours, float) or not isinstance(drawn, Mapping):
+        return ""
+    count = drawn["draws"]
+    assert isinstance(count, int)
+    low, high = wilson(round(result.ours * count), count)
+    return f"{result.ours:.1%} ({math.floor(1000 * low) / 10:.1f}-{math.ceil(1000 * high) / 10:.1f}%)"
 
 
 def words(value: Json) -> str:

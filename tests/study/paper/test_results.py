@@ -91,9 +91,11 @@ def test_other_demonstrations_fail() -> None:
 def test_the_document_says_all_of_it() -> None:
     found = report(judged_study())
     document = json.loads(json.dumps(found.to_json()))
-    assert set(document) == {"machine", "verdicts", "sections"}
+    assert set(document) == {"machine", "verdicts", "goals", "sections"}
     results = [result for section in document["sections"] for result in section["results"]]
-    assert len(results) == len(found.results) == sum(document["verdicts"].values())
+    assert len(found.results) == sum(document["verdicts"].values())
+    assert len(found.goals) == sum(document["goals"].values()) > 50
+    assert len(results) == len(found.results) + len(found.goals)
     assert {frozenset(result) for result in results} == {
         frozenset({"name", "where", "paper", "ours", "verdict", "explanation"})
     }

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from taskgist.study.paper import Judged, Verdict, judge_study, report, shipped_draws
+from taskgist.errors import InputError
+from taskgist.study.paper import Goal, Judged, Verdict, judge_study, report, shipped_draws
 from taskgist.study.shipped import shipped_study
 from tools.paper_page import filled, parts
 
@@ -24,6 +25,8 @@ def judged() -> dict[str, tuple[Judged, ...]]:
 def test_no_result_of_the_paper_fails() -> None:
     found = report(judged(), shipped_draws())
     assert [result for result in found.results if result.verdict is Verdict.FAILS] == []
+    assert [result for result in found.goals if result.verdict is Goal.NOT_MET] == []
+    assert not found.failed
     assert {result.verdict for result in found.section("figures").results} == {Verdict.EQUAL}
     assert {result.verdict for result in found.section("ablations").results} == {Verdict.EQUAL}
 
@@ -37,6 +40,11 @@ def test_judging_tells_what_it_took() -> None:
             assert each.length_s > 1.0
 
 
+def test_no_process_is_refused() -> None:
+    with pytest.raises(InputError, match=r"processes: too small \(got 0\)"):
+        judge_study(processes=0)
+
+
 def test_processes_change_nothing_but_the_times() -> None:
     paths = {"hide": shipped_study()["hide"][:2]}
     apart = judge_study(paths, processes=2)
@@ -44,8 +52,8 @@ def test_processes_change_nothing_but_the_times() -> None:
 
 
 PAGE = Path(__file__).parents[3] / "docs" / "study.md"
-MEASURED_ELSEWHERE = {"table 3", "verdicts"}
-"""Parts of the page that hold times of the computer on which it was made."""
+MEASURED_ELSEWHERE = {"table 3"}
+"""What of the page holds times of the computer on which it was made."""
 
 
 def test_the_page_says_what_comes_out() -> None:

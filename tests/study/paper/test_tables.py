@@ -13,13 +13,14 @@ from hypothesis import strategies as st
 from taskgist.facts import Observation
 from taskgist.learning import Experience, understand
 from taskgist.learning import Verdict as Finding
-from taskgist.study.intuition import COLUMNS, NEEDED, understood
+from taskgist.study.intuition import COLUMNS, NEEDED, NEEDED_BY_COLUMN, understood
 from taskgist.study.paper import Judged, Verdict
 from taskgist.study.paper.ablations import ablations_section
 from taskgist.study.paper.figures import figures_section
 from taskgist.study.paper.table_2 import PRINTED, WIDE, agrees, table_2_section
+from taskgist.study.paper.table_3 import PRINTED as TIMES
 from taskgist.study.paper.table_3 import table_3_section
-from taskgist.study.paper.table_4 import ALL, lasting_from, needed_in_all_orders, table_4_section
+from taskgist.study.paper.table_4 import ALL, compared_row, lasting_from, needed_in_all_orders, table_4_section
 from tests.learning.learning_samples import STUDY, study
 from tests.study.paper.paper_samples import JudgedStudy, judged_study
 
@@ -88,7 +89,19 @@ def test_table_3_compares_numbers_and_never_calls_a_time_equal() -> None:
     assert {again[f"{task}: seconds"].verdict for task in STUDY} == {Verdict.DIFFERS_EXPLAINED}
 
 
-def test_the_slowest_task_is_the_one_that_needs_most_effort_in_the_end() -> None:
+def test_tasks_are_ordered_by_the_times_that_were_measured() -> None:
+    judged = judged_study()
+    for task, (_, seconds) in TIMES.items():
+        judged[task] = tuple(replace(each, seconds=seconds / 10) for each in judged[task])
+    assert table_3_section(judged).results[-2].verdict is Verdict.EQUAL
+    judged["give"] = tuple(replace(each, seconds=2.4) for each in judged["give"])
+    order = table_3_section(judged).results[-2]
+    assert order.verdict is Verdict.DIFFERS_EXPLAINED
+    assert order.ours == ("give", "hide away", "hide", "show", "put away", "make accessible")
+    assert order.explanation.startswith("ours takes longest for give, as measured (give 2.400 s, hide away 0.120 s, ")
+
+
+def test_hide_away_needs_most_effort_in_the_end() -> None:
     judged = judged_study()
     assert table_3_section(judged).results[-1].verdict is Verdict.EQUAL
     judged["hide away"] = tuple(_at_hand(each) for each in judged["hide away"])
@@ -127,6 +140,14 @@ def test_what_is_never_understood_fails() -> None:
     results = {result.name: result for result in table_4_section(judged).results}
     assert results["hide: all"].ours is None
     assert results["hide: all"].verdict is Verdict.FAILS
+
+
+def test_an_order_that_hardly_any_is_explains_nothing() -> None:
+    """Of 20 orders one is enough, of 21 it is not."""
+    ours = dict.fromkeys((*COLUMNS, ALL), 99)
+    theirs = {**NEEDED_BY_COLUMN["show"], ALL: NEEDED["show"]}
+    for others, verdict in ((19, Verdict.DIFFERS_EXPLAINED), (20, Verdict.FAILS)):
+        assert {each.verdict for each in compared_row("show", [*[ours] * others, theirs])} == {verdict}
 
 
 @given(st.lists(st.booleans(), max_size=8))

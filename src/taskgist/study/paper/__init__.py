@@ -4,11 +4,12 @@ from taskgist.study.paper.demonstrations import Judged, judge_study, understandi
 from taskgist.study.paper.draws import Draws, digest_of, measure
 from taskgist.study.paper.draws_file import outdated, read_draws, shipped_draws, write_draws
 from taskgist.study.paper.report import Report, report
-from taskgist.study.paper.result import Result, Section, Verdict, tally
+from taskgist.study.paper.result import Goal, Result, Section, Verdict, tally
 from taskgist.study.paper.survival import Survival, survival, wilson
 
 __all__ = [
     "Draws",
+    "Goal",
     "Judged",
     "Report",
     "Result",

@@ -56,7 +56,6 @@ def _opposites(clauses: Clauses) -> Iterator[Result]:
 def _without_action(clauses: Clauses) -> Iterator[Result]:
     for task, value in (("show", v.BECOMES_EASIER), ("hide", v.BECOMES_DIFFICULT)):
         yield compared(f"{task} without actions: effort to see", "8.4", value, _value(clauses[task], "see.class"))
-    yield compared("show without actions: action to see", "8.4", None, _value(clauses["show"], "see.action.2"))
 
 
 def _without_nature(clauses: Clauses) -> Iterator[Result]:

@@ -14,7 +14,7 @@ from taskgist.recording import Progress, Recording, read, silent
 from taskgist.settings import DEFAULT, Learning
 from taskgist.study.episodes import explain_recording, label_of
 from taskgist.study.shipped import shipped_study
-from taskgist.workers import cores, in_order
+from taskgist.workers import in_order
 from taskgist.world import Stage
 
 
@@ -50,12 +50,14 @@ def judge_study(
     Raises:
         RecordingError: One cannot be read.
         LabelError: One has no label.
+        InputError: The number of processes is less than one.
     """
     paths = shipped_study() if paths is None else paths
     files = [path for of_task in paths.values() for path in of_task]
+    coming = in_order(lambda number: judge(files[number]), len(files), processes)
     _timed(read(files[0]))  # what is loaded or compiled but once is paid for here, and not by each worker
     judged = []
-    for each in in_order(lambda number: judge(files[number]), len(files), processes or cores()):
+    for each in coming:
         judged.append(each)
         progress(f"judged {each.explanation.demonstration}", len(judged) / len(files))
     rest = iter(judged)

@@ -19,7 +19,7 @@ from taskgist.learning import Context
 from taskgist.recording import Progress, silent
 from taskgist.study.episodes import explain_recording
 from taskgist.study.paper.demonstrations import Judged
-from taskgist.workers import cores, in_order
+from taskgist.workers import in_order
 
 DISTANCE_M, ANGLE_RAD = 0.03, math.radians(5)
 """How far people and things are moved at most in x and in y, and turned."""
@@ -99,11 +99,14 @@ def measure(
 
     Yields:
         What is known after each draw of all tasks, so that it can be kept.
+
+    Raises:
+        InputError: The number of processes is less than one.
     """
     missing = {draw: [task for task in tasks if draw > known.count(task)] for draw in range(1, count + 1)}
     rounds = {draw: due for draw, due in missing.items() if due}
     jobs = [Job(task, n, draw) for draw, due in rounds.items() for task in due for n in range(1, len(STUDY[task]) + 1)]
-    outcomes = _played(jobs, processes or cores())
+    outcomes = _played(jobs, processes)
     for done, (draw, due) in enumerate(rounds.items()):
         for number, task in enumerate(due, start=1):
             known = known.add(task, tuple(next(outcomes) for _ in STUDY[task]))
@@ -111,10 +114,11 @@ def measure(
         yield known
 
 
-def _played(jobs: Sequence[Job], processes: int) -> Iterator[Outcome]:
-    if jobs:
-        yield play(jobs[0])  # what is compiled now, workers need not compile
-        yield from in_order(lambda number: play(jobs[number + 1]), len(jobs) - 1, processes)
+def _played(jobs: Sequence[Job], processes: int | None) -> Iterator[Outcome]:
+    first, rest = jobs[:1], jobs[1:]
+    coming = in_order(lambda number: play(rest[number]), len(rest), processes)
+    yield from map(play, first)  # what is compiled now, workers need not compile
+    yield from coming
 
 
 def play(job: Job) -> Outcome:

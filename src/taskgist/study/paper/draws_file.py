@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import zlib
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -70,7 +71,7 @@ def read_draws(path: Path) -> Draws:
         tasks = {str(task): tuple(_draw(draw, values) for draw in drawn) for task, drawn in document["draws"].items()}
         context = Context(str(document["settings"]), str(document["tree"]))
         return Draws(str(document["study"]), context, tasks)
-    except (OSError, EOFError, KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+    except (OSError, EOFError, zlib.error, KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
         raise KnowledgeError(f"no draws: {error}", where=path, hint=AGAIN) from error
 
 

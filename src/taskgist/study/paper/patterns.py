@@ -36,11 +36,6 @@ def learned_clauses(draws: Iterable[Draw]) -> Iterator[Values]:
             yield _clause(tuple(_pattern(column) for column in zip(*outcomes, strict=True)))
 
 
-def learned_from(draw: Draw) -> Values:
-    """The clause of one draw that was played, from its values as they are: slow, and what the patterns are held to."""
-    return _learned(tuple(outcome for outcome in draw if not isinstance(outcome, str)))
-
-
 def _pattern(column: tuple[Value, ...]) -> tuple[Value, ...]:
     """Values of one node: as they are where they agree, else as numbers, the most frequent one first."""
     known = [value for value in column if not isinstance(value, Unknown)]
@@ -52,10 +47,6 @@ def _pattern(column: tuple[Value, ...]) -> tuple[Value, ...]:
 
 @cache
 def _clause(columns: tuple[tuple[Value, ...], ...]) -> Values:
-    return _learned(tuple(zip(*columns, strict=True)))
-
-
-def _learned(outcomes: tuple[tuple[Value, ...], ...]) -> Values:
     explanations = [
         Explanation(
             task="any",
@@ -67,7 +58,7 @@ def _learned(outcomes: tuple[tuple[Value, ...], ...]) -> Values:
             context=Context.of(),
             nodes={node.name: Observation(value) for node, value in zip(STANDARD_TREE.nodes, outcome, strict=True)},
         )
-        for number, outcome in enumerate(outcomes, start=1)
+        for number, outcome in enumerate(zip(*columns, strict=True), start=1)
     ]
     clause = clause_of(understand(Experience.of("any", explanations)))
     return {literal.node: literal.value for literal in clause.literals}

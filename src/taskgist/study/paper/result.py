@@ -18,16 +18,24 @@ class Verdict(Enum):
     FAILS = "fails"
 
 
+class Goal(Enum):
+    """What comes of comparing a measured share with a goal of ours, of which the paper prints nothing."""
+
+    MET = "goal met"
+    OPEN = "not distinguishable"
+    NOT_MET = "goal not met"
+
+
 @dataclass(frozen=True)
 class Result:
-    """A published result and ours.
+    """A published result and ours; or ours alone, held to a goal.
 
     Args:
         name: What is compared.
         where: Where the paper has it: ``"Eq. 37"``, ``"Table 2"``, ``"7.3"``.
-        paper: What the paper says, as data.
+        paper: What the paper says, as data; None where it says nothing.
         ours: What was measured, as data; None if nothing was.
-        verdict: What the comparison says; None if nothing was measured.
+        verdict: What the comparison says, with the paper or with the goal; None if nothing was measured.
         explanation: Why the two differ, or what to know of the figures.
     """
 
@@ -35,7 +43,7 @@ class Result:
     where: str
     paper: Json
     ours: Json
-    verdict: Verdict | None
+    verdict: Verdict | Goal | None
     explanation: str = ""
 
     def __post_init__(self) -> None:
@@ -102,8 +110,8 @@ def compared(name: str, where: str, paper: Json, ours: Json, *, explanation: str
     return Result(name, where, paper, ours, Verdict.DIFFERS_EXPLAINED if explanation else Verdict.FAILS, explanation)
 
 
-def tally(results: Iterable[Result]) -> dict[str, int]:
-    """How many results have each verdict, those without any as "not measured"."""
+def tally(results: Iterable[Result], kind: type[Verdict] | type[Goal] = Verdict) -> dict[str, int]:
+    """How many results have each verdict of a kind, those without any as "not measured"."""
     counts = Counter(result.verdict for result in results)
-    told = {verdict.value: counts[verdict] for verdict in Verdict}
+    told = {verdict.value: counts[verdict] for verdict in kind}
     return told | ({"not measured": counts[None]} if counts[None] else {})

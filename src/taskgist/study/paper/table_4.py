@@ -14,6 +14,9 @@ from taskgist.study.paper.result import Result, Section, compared
 
 ALL = "all"
 """All columns together: the table's last one."""
+LEAST_SHARE = 0.05
+"""Of all orders that must give the paper's number before their order explains ours: what hardly any does, an order of
+theirs is no likely reason for."""
 ABOUT = (
     "The first demonstration from which on the cell holds to the end, in the study's order; in brackets the fewest and "
     "the most over all orders of the same demonstrations. Cells that are blank in the paper are not compared."
@@ -38,7 +41,7 @@ def table_4_section(judged: Mapping[str, tuple[Judged, ...]]) -> Section:
     for task in INTUITION:
         explanations = [each.explanation for each in judged[task]]
         orders = list(needed_in_all_orders(task, explanations))
-        results += _compared_row(task, orders)
+        results += compared_row(task, orders)
         details[task] = {column: _span(orders, column) for column in (*COLUMNS, ALL)}
     return Section("table_4", "Table 4: demonstrations until understood as people do", tuple(results), ABOUT, details)
 
@@ -69,10 +72,11 @@ def lasting_from(history: Sequence[bool]) -> int | None:
     return None if lasting == len(history) else lasting + 1
 
 
-def _compared_row(task: str, orders: Sequence[Needed]) -> Iterator[Result]:
+def compared_row(task: str, orders: Sequence[Needed]) -> Iterator[Result]:
+    """A result for each cell that the paper prints; orders other than the first one are what may explain it."""
     for column, theirs in {**NEEDED_BY_COLUMN[task], ALL: NEEDED[task]}.items():
         share = sum(order[column] == theirs for order in orders) / len(orders)
-        explanation = OTHER_ORDER.format(percent=100 * share) if share else ""
+        explanation = OTHER_ORDER.format(percent=100 * share) if share >= LEAST_SHARE else ""
         yield compared(f"{task}: {column}", "Table 4", theirs, orders[0][column], explanation=explanation)
 
 
