@@ -1,8 +1,8 @@
-"""Tables in Markdown."""
+"""Pages in Markdown: tables, and parts that are measured."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 
 def header(*titles: str) -> Iterator[str]:
@@ -14,3 +14,16 @@ def header(*titles: str) -> Iterator[str]:
 def row(*cells: object) -> str:
     """One line of a table."""
     return f"| {' | '.join(map(str, cells))} |"
+
+
+def filled(page: str, parts: Mapping[str, Iterable[str]]) -> str:
+    """A page with lines between each ``<!-- NAME -->`` and the next ``<!-- end -->``; the rest stays as it is.
+
+    Parts that the page has no place for are left out.
+    """
+    for name, lines in parts.items():
+        before, mark, rest = page.partition(f"<!-- {name} -->\n")
+        if mark:
+            text = "".join(f"{line}\n" for line in lines)
+            page = before + mark + text + "<!-- end -->" + rest.partition("<!-- end -->")[2]
+    return page

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import io
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 
 from PIL import Image
@@ -15,6 +15,7 @@ from taskgist.study.shipped import shipped_study
 from taskgist.view.study import demonstration_picture, task_picture
 from taskgist.view.trees import tree_picture
 from tools import paper_lines as lines
+from tools.markdown import filled
 from tools.paper_lines import JudgedStudy
 
 PAGE, PICTURES = Path("docs/study.md"), Path("docs/pictures")
@@ -35,16 +36,6 @@ def main() -> None:
     found = report(judged, shipped_draws())
     PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), parts(found, judged)), encoding="utf-8")
     print(f"{PAGE}: {' '.join(lines.verdicts(found))}")
-
-
-def filled(page: str, texts: Mapping[str, Iterable[str]]) -> str:
-    """A page with lines between each ``<!-- NAME -->`` and the next ``<!-- end -->``; the rest stays as it is."""
-    for name, told in texts.items():
-        before, mark, rest = page.partition(f"<!-- {name} -->\n")
-        assert mark, f"the page has no place for {name!r}"
-        text = "".join(f"{line}\n" for line in told)
-        page = before + mark + text + "<!-- end -->" + rest.partition("<!-- end -->")[2]
-    return page
 
 
 def parts(found: Report, judged: JudgedStudy) -> dict[str, Iterable[str]]:

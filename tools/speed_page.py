@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+from tools.markdown import filled
+
 SOURCE, PAGE = Path("benchmarks.json"), Path("docs/speed.md")
 MARKS = {True: "met", False: "not met", None: ""}
 
@@ -14,21 +16,17 @@ MARKS = {True: "met", False: "not met", None: ""}
 def main() -> None:
     """Rewrite the page."""
     document = json.loads(SOURCE.read_text(encoding="utf-8"))
-    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), document), encoding="utf-8")
+    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), measured(document)), encoding="utf-8")
 
 
-def filled(page: str, document: dict[str, Any]) -> str:
-    """A page with figures between each ``<!-- NAME -->`` and the next ``<!-- end -->``; the rest stays as it is."""
+def measured(document: dict[str, Any]) -> dict[str, Iterable[str]]:
+    """The parts of the page that are measured, by name."""
     topics = dict.fromkeys(figure["topic"] for figure in document["figures"])
-    parts = {topic: figures([each for each in document["figures"] if each["topic"] == topic]) for topic in topics}
+    parts: dict[str, Iterable[str]] = {
+        topic: figures([each for each in document["figures"] if each["topic"] == topic]) for topic in topics
+    }
     parts |= {name: show(document[name]) for name, show in OTHERS.items()}
-    parts |= {f"profile of {name}": profile(rows) for name, rows in document["profile"].items()}
-    for name, lines in parts.items():
-        before, mark, rest = page.partition(f"<!-- {name} -->\n")
-        if mark:
-            text = "".join(f"{line}\n" for line in lines)
-            page = before + mark + text + "<!-- end -->" + rest.partition("<!-- end -->")[2]
-    return page
+    return parts | {f"profile of {name}": profile(rows) for name, rows in document["profile"].items()}
 
 
 def machine(facts: dict[str, Any]) -> Iterator[str]:

@@ -15,7 +15,8 @@ from benchmarks.rooms import furnished, moved
 from benchmarks.timing import in_turn, share
 from taskgist.perspective import view_of
 from taskgist.world import Stage, overlaps
-from tools.speed_page import duration, figures, filled, remarks
+from tools.markdown import filled
+from tools.speed_page import duration, figures, measured, remarks
 
 
 @pytest.mark.parametrize(("agents", "objects"), [(1, 1), (3, 12), (5, 60)])
@@ -123,7 +124,7 @@ def test_each_topic_comes_to_its_own_place() -> None:
         "growth": [],
     }
     empty = "".join(f"# {name}\n<!-- {name} -->\n<!-- end -->\nafter {name}\n" for name in NAMES)
-    page = filled(empty, document)
+    page = filled(empty, measured(document))
     first, machine, second, profiled = (page.partition(f"# {name}")[2] for name in NAMES)
     assert (
         first.index("one time") < first.index("after one") < first.index("P, one of 2 cores") < first.index("two time")
@@ -131,4 +132,4 @@ def test_each_topic_comes_to_its_own_place() -> None:
     assert "one time" not in machine
     assert "| `f` | 3 | 50.0% | 100.0% |" not in second.partition("after two")[0]
     assert profiled.index("| `f` | 3 | 50.0% | 100.0% |") < profiled.index("after profile of maps")
-    assert filled(page, document) == page
+    assert filled(page, measured(document)) == page

@@ -11,7 +11,8 @@ import pytest
 from taskgist.errors import InputError
 from taskgist.study.paper import Goal, Judged, Verdict, judge_study, report, shipped_draws
 from taskgist.study.shipped import shipped_study
-from tools.paper_page import filled, parts
+from tools.markdown import filled
+from tools.paper_page import parts
 
 
 @cache
