@@ -7,7 +7,7 @@ between marks, and pictures in docs/pictures.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
 from taskgist.study.evaluation.coded import Coded
@@ -17,6 +17,7 @@ from taskgist.study.evaluation.keeping import Wanted, kept_pool
 from taskgist.study.evaluation.needed import Needs, demonstrations_needed
 from taskgist.study.evaluation.pool import Pool
 from taskgist.study.evaluation.robustness import Robustness, robustness
+from taskgist.study.evaluation.robustness_sheets import robustness_sheet, rules_sheet
 from taskgist.study.evaluation.sample import CLEAN
 from taskgist.study.evaluation.sheet import Sheet
 from taskgist.study.evaluation.sheets import (
@@ -24,8 +25,6 @@ from taskgist.study.evaluation.sheets import (
     misses_sheet,
     needed_sheet,
     peers_sheet,
-    robustness_sheet,
-    rules_sheet,
     scores_sheet,
     single_sheet,
     table_sheet,
@@ -33,6 +32,7 @@ from taskgist.study.evaluation.sheets import (
 from taskgist.study.evaluation.sources import SOURCES
 from taskgist.study.evaluation.transfer import CLAUSE, EFFECTS, Transfer, transfer
 from taskgist.view.curves import picture_of
+from tools.markdown import filled
 
 PAGE, PICTURES = Path("docs/evaluation.md"), Path("docs/pictures")
 SEED, DRAWS, COUNT, STUDY_COUNT = 1000, 200, 150, 30
@@ -51,7 +51,8 @@ def main() -> None:
     for name, result in {"needed": needs, "transfer": found, "robustness": rules, "peers": peers}.items():
         picture_of(result, PICTURES / f"evaluation_{name}.png")
     parts = {"pool": about(pool, wishes.draws), **dict(tables(needs, found, rules, peers)), "study": study(wishes)}
-    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), parts), encoding="utf-8")
+    lines = {name: text.splitlines() for name, text in parts.items()}
+    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), lines), encoding="utf-8")
 
 
 def arguments() -> argparse.Namespace:
@@ -76,17 +77,20 @@ def study(wishes: argparse.Namespace) -> str:
     wanted = Wanted("study", wishes.seed, STUDY_COUNT, (CLEAN,))
     pool = kept_pool(wishes.study_pool, wanted, processes=wishes.processes, progress=told)
     needs = demonstrations_needed(Coded.of(pool), draws=wishes.draws, seed=wishes.seed)
-    return f"{about(pool, wishes.draws)}\n{markdown(needed_sheet(needs))}"
+    return f"{about(pool, wishes.draws, 'needed')}\n{markdown(needed_sheet(needs))}"
 
 
-def about(pool: Pool, draws: int) -> str:
-    """What was measured on."""
+def about(pool: Pool, draws: int, experiments: str = "needed transfer robustness peers") -> str:
+    """What was measured on, and the command that measures it again."""
     clean = [each.task for each in pool.samples if each.condition == CLEAN]
     counts = ", ".join(f"{clean.count(task)} of *{task}*" for task in pool.tasks)
+    numbers = [each.number for each in pool.samples] + [each.number for each in pool.failures]
+    count = max(numbers) + 1
     missed = len([each for each in pool.failures if not each.condition])
     return (
         f"Measured on {SOURCES[pool.source].text}, seed {pool.seed}: {counts} ({missed} more could not be played); "
-        f"{draws} draws; settings {pool.context.settings_digest}, tree {pool.context.tree_version}.\n"
+        f"{draws} draws; settings {pool.context.settings_digest}, tree {pool.context.tree_version}:\n\n"
+        f"    taskgist evaluate {experiments} --source {pool.source} -n {count} --seed {pool.seed} --draws {draws}\n"
     )
 
 
@@ -121,15 +125,6 @@ def markdown(sheet: Sheet) -> str:
 def row(cells: tuple[str, ...] | list[str]) -> str:
     """One line of a table."""
     return f"| {' | '.join(cell.replace('|', '/') for cell in cells)} |"
-
-
-def filled(page: str, parts: Mapping[str, str]) -> str:
-    """A page with a text between each ``<!-- NAME -->`` and the next ``<!-- end -->``; the rest stays as it is."""
-    for name, text in parts.items():
-        before, mark, rest = page.partition(f"<!-- {name} -->\n")
-        if mark:
-            page = before + mark + text + "<!-- end -->" + rest.partition("<!-- end -->")[2]
-    return page
 
 
 if __name__ == "__main__":

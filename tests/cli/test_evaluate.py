@@ -87,8 +87,9 @@ def test_help_names_experiments_seed_and_an_example() -> None:
         (("needed", "-n", 2), "--demonstrations"),
         (("needed", "--draws", 0), "--draws"),
         (("needed", "--source", "dreams"), "no source 'dreams'"),
-        (("needed", "--pool", "nowhere/pool.json.gz"), "no such folder"),
+        (("needed", "--pool", "nowhere/pool.json.gz"), "--pool: cannot be written: there is no folder"),
         (("needed", "--processes", 0), "--processes"),
+        (("needed", "--seed", -1), "--seed: negative"),
     ],
 )
 def test_misuse_is_refused(words: tuple[object, ...], message: str) -> None:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table as RichTable
 
-from taskgist.cli.files import make_folder
+from taskgist.cli.files import check_target, make_folder
 from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.recording import Progress
@@ -85,6 +85,8 @@ def evaluate(
     """
     chosen = _chosen(experiments)
     _check(demonstrations, draws, processes, out)
+    if pool is not None:
+        check_target(pool, "--pool")
     conditions = tuple(CONDITIONS) if "robustness" in chosen else (CLEAN,)
     wanted = Wanted(source, seed, demonstrations, conditions)
     with progress_bar(quiet=as_json) as progress:

@@ -7,11 +7,10 @@ which nodes of the tree must be kept, with which value, and which must have been
 **The level matters.** A task is understood at a level of abstraction. *Supportive* is the nature of a change: as long
 as all demonstrations agree on *Becomes_Easier*, too, the learner still believes that it must become easier, and has
 not reached the intuitive understanding yet. So such a cell holds when its node is the deepest one kept that speaks of
-the final state. (That is why the paper finds that higher abstraction takes more demonstrations, and it is the reading
-that gives its numbers: *hide away* reaches *Difficult* with its third demonstration, the first that ends with another
-effort.) *Directly* and *No action* name values at the bottom of the tree, and hold as soon as these are kept. The
-object's states are where it ends, wherever it was: the nature of its placement names that status (Eq. 21), and its
-final motion must be kept.
+the final state. (So higher abstraction takes more demonstrations, as the paper finds: *Difficult* is reached only when
+efforts have been seen to differ.) *Directly* and *No action* name values at the bottom of the tree, and hold as soon as
+these are kept. The object's states are where it ends, wherever it was: the nature of its placement names that status
+(Eq. 21), and its final motion must be kept.
 """
 
 from __future__ import annotations

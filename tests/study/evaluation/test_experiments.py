@@ -15,7 +15,7 @@ from taskgist.study.evaluation.conditions import CONDITIONS
 from taskgist.study.evaluation.draws import drawn
 from taskgist.study.evaluation.holding import HeldOut, scores_of, table_of
 from taskgist.study.evaluation.learned import learned
-from taskgist.study.evaluation.needed import ALL, demonstrations_needed
+from taskgist.study.evaluation.needed import ALL, Waiting, demonstrations_needed, lasting_from
 from taskgist.study.evaluation.report import sheets_of
 from taskgist.study.evaluation.robustness import JUDGED_AFTER, robustness
 from taskgist.study.evaluation.rules import RULES
@@ -53,9 +53,16 @@ def test_the_curve_is_what_the_learner_says_of_each_order() -> None:
 @pytest.mark.parametrize("task", STUDY)
 def test_everything_is_understood_in_the_end(task: str) -> None:
     row = demonstrations_needed(CODED, draws=DRAWS, seed=0).row(task)
-    assert (row.reached, row.curve[-1], row.paper) == (1.0, 1.0, NEEDED[task])
-    assert row.needed.mean is not None
-    assert 1 <= row.needed.mean <= 10
+    assert (row.ever, row.curve[-1], row.paper) == (1.0, 1.0, NEEDED[task])
+    assert row.needed.median is not None
+    assert 1 <= row.needed.median <= 10
+
+
+def test_it_is_needed_from_where_on_it_lasts() -> None:
+    held = np.array([[0, 1, 0, 1, 1], [1, 1, 1, 1, 1], [1, 1, 1, 1, 0], [0, 0, 0, 0, 1]], dtype=bool)
+    assert lasting_from(held).tolist() == [4.0, 1.0, np.inf, 5.0]
+    assert Waiting.of(lasting_from(held)) == Waiting(4, 1, None)
+    assert Waiting.of([np.inf, np.inf, 2.0]) == Waiting(None, 2, None)
 
 
 def test_what_single_demonstrations_show() -> None:
@@ -111,7 +118,7 @@ def test_a_table_is_what_clauses_say_of_each_demonstration() -> None:
 
 def test_scores_by_hand() -> None:
     scores = scores_of(np.array([[0.5, 0.25, 0.25], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]), 0)
-    assert scores == pytest.approx(np.array([[0.5, 0.0, 1.0], [0.5, np.nan, 1.0], [0.5, 0.0, 1.0]]), nan_ok=True)
+    assert scores == pytest.approx(np.array([[0.5, 0.0, 1.0], [0.5, 0.0, 1.0], [0.5, 0.0, 1.0]]))
 
 
 def test_unknown_is_neither_true_nor_false() -> None:
@@ -141,7 +148,7 @@ def test_conditions_without_effect_change_nothing() -> None:
     clean, *others = (found.outcome(name, "paper") for name in (CLEAN, "gap", "noise-3cm"))
     assert {each.setting for each in found.outcomes} >= {CLEAN, "gap", "noise-3cm"}
     for other in others:
-        assert (other.needed, other.reached, other.after) == (clean.needed, clean.reached, clean.after)
+        assert (other.understood, other.after) == (clean.understood, clean.after)
     assert found.changed == {CLEAN: 0.0, "gap": 0.0, "noise-3cm": 0.0}
     spoiled = [replace(each, condition="gap", values=(None, *each.values[1:])) for each in pool.samples[::3]]
     part = replace(pool, samples=tuple(each for each in pool.samples if each.condition != "gap")).with_more(spoiled)

@@ -27,14 +27,17 @@ from taskgist.learning import (
     weigh,
 )
 from taskgist.settings import Learning
-from taskgist.study.evaluation.coded import Coded
+from taskgist.study.evaluation.coded import Coded, Codes
 from taskgist.study.evaluation.draws import drawn
-from taskgist.study.evaluation.learned import Learned, learned, oracle_of, truths
+from taskgist.study.evaluation.learned import Learned, learned, truths
+from taskgist.study.evaluation.oracle import Oracle, published_oracle
 from taskgist.study.evaluation.pool import Pool
 from taskgist.study.evaluation.rules import INTERSECTION, NARROW, PAPER, RULES, VERDICTS, Judging
+from taskgist.study.evaluation.sources import turn
 from taskgist.study.evaluation.tally import Tally
 from taskgist.study.evaluation.transfer import CLAUSE, EFFECTS, mask_of
 from taskgist.study.intuition import INTUITION
+from taskgist.study.paper.published import CLAUSES
 from tests.learning.learning_samples import STUDY, explanations
 from tests.study.evaluation.pools import NODES, sample, study_pool
 
@@ -110,7 +113,7 @@ def test_questions_are_answered_as_people_would(given: list[Explanation], known:
     both = pool_of([*given, *known])
     coded = Coded.of(both)
     codes = coded.codes(both.samples)
-    found = learned(codes[None, : len(given)], coded, RULES["wide-asked"], oracle_of(codes[len(given) :], coded))
+    found = learned(codes[None, : len(given)], coded, RULES["wide-asked"], who_learned(codes[len(given) :], coded))
     told = understand(
         Experience.of("show", [each.explanation(NODES, both.context) for each in both.samples[len(given) :]])
     )
@@ -120,6 +123,29 @@ def test_questions_are_answered_as_people_would(given: list[Explanation], known:
             answers += [answered(each.node.name, told) for each in questions]
         agree(found, count - 1, coded, slow)
         assert found.asked[0, count - 1] == len(answers)
+
+
+def who_learned(samples: Codes, coded: Coded) -> Oracle:
+    known = learned(samples[None], coded)
+    return Oracle(known.kept[0, -1], known.values[0, -1])
+
+
+@pytest.mark.parametrize("task", STUDY)
+def test_the_oracle_knows_the_printed_clause(task: str) -> None:
+    """Asked about everything, it leaves what the paper printed; what stands above is kept without a value."""
+    coded = Coded.of(study_pool(3))
+    oracle = published_oracle(task, coded)
+    printed = {each.node: each.value for each in CLAUSES[task].predicates}
+    for column, node in enumerate(coded.nodes):
+        below = [name for name in printed if name == node.name or node.name in above(name)]
+        assert oracle.kept[column] == bool(below)
+        told = None if oracle.values[column] < 0 else coded.values[column][oracle.values[column]]
+        assert told == printed.get(node.name)
+
+
+def above(name: str) -> list[str]:
+    parent = STANDARD_TREE.node(name).parent
+    return [] if parent is None else [parent, *above(parent)]
 
 
 def asked(pool: Pool, count: int, answers: list[Answer]) -> Understanding:
@@ -205,6 +231,21 @@ def test_draws_are_the_same_for_the_same_seed_and_repeat_no_demonstration() -> N
     assert not (once == other).all()
     for draw in once:
         assert len(np.unique(draw, axis=0)) == len(draw)
+
+
+def test_distinct_demonstrations_come_by_turns() -> None:
+    """The paper has three demonstrations of *hide*: any three that follow each other in a draw's rounds are they."""
+    pool = study_pool(18)
+    kinds = {each.values: turn(each.number, 3) for each in pool.of("hide", held_out=False)}
+    coded = Coded.of(pool)
+    for draw in drawn(coded, "hide", draws=20, seed=1):
+        rows = (tuple(None if c < 0 else coded.values[i][c] for i, c in enumerate(row)) for row in draw)
+        told = [kinds[row] for row in rows]
+        assert all(set(told[i : i + 3]) == {0, 1, 2} for i in range(0, 12, 3))
+    assert [turn(number, 3) for number in range(9)] == [0, 1, 2, 1, 2, 0, 2, 0, 1]
+    for count in (3, 4, 5):
+        held = [turn(number, count) for number in range(2, 60, 3)]
+        assert max(map(held.count, range(count))) - min(map(held.count, range(count))) <= 1
 
 
 def test_wrong_demonstrations_are_of_other_tasks() -> None:

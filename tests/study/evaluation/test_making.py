@@ -110,6 +110,22 @@ def test_a_source_that_is_none_and_a_folder_that_is_not_there() -> None:
         kept_pool(Path("nowhere") / "pool.json.gz", Wanted("study", 0, 3, (CLEAN,)))
 
 
+def test_a_negative_seed_is_refused() -> None:
+    with pytest.raises(InputError, match=r"--seed: negative"):
+        Wanted("study", -1, 3, (CLEAN,))
+
+
+def test_a_pool_without_any_demonstration_tells_why(player: Counting, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuses(*_: object, **__: object) -> None:
+        raise SceneError("no such thing")
+
+    monkeypatch.setattr(making, "explain_recording", refuses)
+    with pytest.raises(InputError, match="no demonstration could be played") as error:
+        kept_pool(None, Wanted("still", 7, 2, (CLEAN,)), processes=1)
+    assert "no such thing" in str(error.value)
+    assert player.played == [0, 1]
+
+
 def test_means_come_from_the_demonstrators_note() -> None:
     assert means_of(still()) == "standing still"
     assert means_of(replace(still(), provenance=type(still().provenance)())) == "still"

@@ -12,7 +12,8 @@ from taskgist.study.evaluation.robustness import robustness
 from taskgist.study.evaluation.rules import PAPER
 from taskgist.study.evaluation.transfer import transfer
 from tests.study.evaluation.pools import study_pool
-from tools.evaluation_page import about, filled, tables
+from tools.evaluation_page import about, tables
+from tools.markdown import filled
 
 PAGE = Path(__file__).parents[3] / "docs" / "evaluation.md"
 MARK = re.compile(r"^<!-- (?!end)(.+) -->$", re.MULTILINE)
@@ -39,7 +40,7 @@ def test_marks_and_tables_are_the_same() -> None:
 
 def test_filling_changes_the_tables_alone_and_can_be_repeated() -> None:
     page = "before\n<!-- scores -->\nold\n<!-- end -->\nbetween\n<!-- peers -->\n<!-- end -->\nafter\n"
-    texts = {"scores": "| new |\n", "peers": "| also |\n", "elsewhere": "nothing"}
+    texts = {"scores": ["| new |"], "peers": ["| also |"], "elsewhere": ["nothing"]}
     once = filled(page, texts)
     assert (
         once

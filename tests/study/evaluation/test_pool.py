@@ -79,6 +79,18 @@ def test_a_changed_file_is_noticed(tmp_path: Path) -> None:
         read_pool(path)
 
 
+def test_a_flipped_byte_is_noticed_wherever_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "pool.json.gz"
+    write_pool(POOL, path)
+    whole = path.read_bytes()
+    for place in range(10, len(whole), 97):  # behind the header, whose time stamp nobody reads
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 0xFF]) + whole[place + 1 :])
+        with pytest.raises(InputError, match="not a pool") as error:
+            read_pool(path)
+        assert str(path) in str(error.value)
+        assert "another file" in str(error.value)
+
+
 @pytest.mark.parametrize(
     "content",
     [b"", b"nothing", gzip.compress(b"[]"), gzip.compress(b'{"format": "x"}')],

@@ -58,7 +58,7 @@ class Comparison(Result):
     """Why, by name."""
 
 
-POPPER = "pip finds no distribution of it; it needs SWI-Prolog and a solver beside it"
+POPPER = "not compared; docs/evaluation.md says why"
 
 
 def compared(

@@ -64,7 +64,7 @@ def _all() -> tuple[Condition, ...]:
         Condition("lost-30", "30 % of the frames lost", lambda recording, rng: thinned(recording, rng, share=0.30)),
         Condition("gap", f"{GAP_S:g} s lost in one piece", lambda recording, rng: gapped(recording, rng, gap_s=GAP_S)),
         *(
-            Condition(name, f"label off by ±{offset_s:g} s", _mistimed(offset_s))
+            Condition(name, f"label ends off by ±{offset_s:g} s, within what was recorded", _mistimed(offset_s))
             for name, offset_s in OFFSETS_S.items()
         ),
     )

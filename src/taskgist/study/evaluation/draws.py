@@ -12,6 +12,7 @@ from taskgist.errors import InputError
 from taskgist.study.evaluation.coded import Coded, Codes
 from taskgist.study.evaluation.pool import HELD_OUT_EVERY
 from taskgist.study.evaluation.sample import CLEAN
+from taskgist.study.evaluation.sources import SOURCES
 
 LONGEST = 20
 """Demonstrations of a draw."""
@@ -20,7 +21,8 @@ LONGEST = 20
 def drawn(coded: Coded, task: str, *, draws: int, seed: int, condition: str = CLEAN, wrong_share: float = 0.0) -> Codes:
     """Demonstrations in random order, none twice in a draw, (draws, up to ``LONGEST``, nodes).
 
-    The same task and seed give the same orders whatever is compared.
+    The same task and seed give the same orders whatever is compared. Where the source has a few distinct
+    demonstrations, each displaced many times, all of them come, in random order, before one comes again.
 
     Args:
         coded: A pool.
@@ -38,7 +40,9 @@ def drawn(coded: Coded, task: str, *, draws: int, seed: int, condition: str = CL
         hint = f"make more demonstrations: every {HELD_OUT_EVERY}rd is held out, and some cannot be played"
         raise InputError("no demonstrations to learn from", where=f"{task}, {condition}", field="pool", hint=hint)
     rng = np.random.default_rng([seed, zlib.crc32(task.encode())])
-    chosen = own[_orders(rng, len(own), draws)]
+    source = SOURCES[coded.pool.source]
+    kinds = [source.kind(task, each.number) for each in coded.pool.of(task, condition, held_out=False)]
+    chosen = own[_by_turns(rng, kinds, draws)]
     others = _others(coded, task, condition)
     return _with_wrong(chosen, others, rng, wrong_share) if wrong_share and len(others) else chosen
 
@@ -60,6 +64,15 @@ def sizes_within(sizes: Sequence[int], orders: Iterable[Codes]) -> tuple[int, ..
 def _orders(rng: np.random.Generator, count: int, draws: int) -> NDArray[np.intp]:
     """Orders of indices, (draws, up to ``LONGEST``)."""
     return np.asarray(rng.permuted(np.tile(np.arange(count), (draws, 1)), axis=1)[:, :LONGEST])
+
+
+def _by_turns(rng: np.random.Generator, kinds: Sequence[int], draws: int) -> NDArray[np.intp]:
+    """Orders of indices in rounds, each with every kind once as long as there are any; all kinds differ: one round."""
+    rounds = np.empty((draws, len(kinds)))
+    for kind in sorted(set(kinds)):
+        members = np.flatnonzero(np.equal(kinds, kind))
+        rounds[:, members] = rng.permuted(np.tile(np.arange(len(members)), (draws, 1)), axis=1)
+    return np.argsort(rounds + rng.random(rounds.shape), axis=1)[:, :LONGEST]
 
 
 def _others(coded: Coded, task: str, condition: str) -> Codes:

@@ -2,8 +2,8 @@
 
 Rows are the clauses of the learned tasks, columns the demonstrations that are judged; each task weighs the same,
 however many of its demonstrations were held out. *Recall* is the share of the task's own demonstrations in which its
-clause holds; *precision* the share of its own among those in which it holds. A clause that is unknown in a
-demonstration, because something was not observed, does not hold there.
+clause holds; *precision* the share of its own among those in which it holds, 0 where it holds nowhere. A clause that
+is unknown in a demonstration, because something was not observed, does not hold there.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Scores:
 
     recall: Spread
     precision: Spread
-    """Over the draws whose clause holds anywhere."""
+    """0 where the clause holds nowhere."""
     f1: Spread
     """Harmonic mean of both; 0 where the clause holds in none of its own."""
 
@@ -82,8 +82,7 @@ class Table:
         true: Share of demonstrations in which the clause holds, by row and column.
         unknown: Share in which that is unknown.
         scores: By task.
-        overall: Means over tasks, with their spread over draws; a clause that holds nowhere has no precision: it
-            counts as 0.
+        overall: Means over tasks, with their spread over draws.
     """
 
     after: int
@@ -107,7 +106,7 @@ def table_of(held: Mapping[str, Held], judges: HeldOut, *, after: int, part: str
     true = {task: judges.shares(held[task], 1) for task in judges.tasks}
     unknown = {task: judges.shares(held[task], UNKNOWN_CODE) for task in judges.tasks}
     by_draw = {task: scores_of(true[task], own) for own, task in enumerate(judges.tasks)}
-    means = np.mean([np.nan_to_num(each) for each in by_draw.values()], axis=0)
+    means = np.mean(list(by_draw.values()), axis=0)
     return Table(
         after=after,
         part=part,
@@ -127,9 +126,9 @@ def scores_of(true: NDArray[np.float64], own: int) -> NDArray[np.float64]:
         own: Index of the task.
     """
     recall, everywhere = true[:, own], true.sum(axis=1)
-    precision = np.divide(recall, everywhere, out=np.full(len(true), np.nan), where=everywhere > 0)
-    both = recall + np.nan_to_num(precision)
-    f1 = np.divide(2 * recall * np.nan_to_num(precision), both, out=np.zeros(len(true)), where=both > 0)
+    precision = np.divide(recall, everywhere, out=np.zeros(len(true)), where=everywhere > 0)
+    both = recall + precision
+    f1 = np.divide(2 * recall * precision, both, out=np.zeros(len(true)), where=both > 0)
     return np.stack((recall, precision, f1))
 
 

@@ -29,6 +29,7 @@ class Wanted:
 
     Raises:
         UnknownNameError: There is no such source.
+        InputError: The seed is negative.
     """
 
     source: str
@@ -39,6 +40,8 @@ class Wanted:
     def __post_init__(self) -> None:
         if self.source not in SOURCES:
             raise UnknownNameError("source", self.source, SOURCES)
+        if self.seed < 0:
+            raise InputError("negative", field="--seed", value=self.seed, hint="give 0 or more")
 
 
 def kept_pool(path: Path | None, wanted: Wanted, *, processes: int | None = None, progress: Progress = silent) -> Pool:
@@ -51,11 +54,13 @@ def kept_pool(path: Path | None, wanted: Wanted, *, processes: int | None = None
         progress: Told how far it is.
 
     Raises:
-        InputError: The file is no pool, another one than wanted, or cannot be written.
+        InputError: The file is no pool, another one than wanted, or cannot be written; or no demonstration at all
+            could be played and judged.
     """
     fresh = empty_pool(wanted.source, wanted.seed)
     if path is None:
-        return extended(fresh, wanted.count, conditions=wanted.conditions, processes=processes, progress=progress)
+        made = extended(fresh, wanted.count, conditions=wanted.conditions, processes=processes, progress=progress)
+        return _checked(made)
     if not path.parent.is_dir():
         raise InputError("no such folder", where=path, field="pool", hint="name a file in a folder that exists")
     known = read_pool(path) if path.exists() else fresh
@@ -69,4 +74,14 @@ def kept_pool(path: Path | None, wanted: Wanted, *, processes: int | None = None
         if whole != known:
             write_pool(whole, path)
         known = whole
-    return known.restricted(wanted.count)
+    return _checked(known.restricted(wanted.count))
+
+
+def _checked(pool: Pool) -> Pool:
+    """Refuse a pool in which there is nothing to learn from, and say why that is so."""
+    if not pool.samples:
+        first = pool.failures[0]
+        where = f"{first.task} {first.number} of seed {pool.seed}"
+        hint = f"the first problem is: {first.problem}; try another --seed and another --pool file"
+        raise InputError("no demonstration could be played and judged", where=where, field="pool", hint=hint)
+    return pool

@@ -12,24 +12,12 @@ from numpy.typing import NDArray
 
 from taskgist.facts import Node
 from taskgist.study.evaluation.coded import UNKNOWN_CODE, Coded, Codes
+from taskgist.study.evaluation.oracle import Oracle
 from taskgist.study.evaluation.rules import CONFUSING, PAPER, RELEVANT, Judging
 from taskgist.study.evaluation.tally import Tally, tally
 from taskgist.study.intuition import Cell
 
 Truths = NDArray[np.bool_]
-
-
-@dataclass(frozen=True, eq=False)
-class Oracle:
-    """Somebody who knows what a task means and answers questions.
-
-    Attributes:
-        kept: Whether each node is part of the task, (nodes,).
-        values: Code of the value that each must have, (nodes,).
-    """
-
-    kept: Truths
-    values: Codes
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,12 +89,6 @@ def from_tally(counted: Tally, coded: Coded, judging: Judging, oracle: Oracle | 
     return Learned(coded.nodes, kept, counted.best, np.zeros(kept.shape[:2], dtype=np.int32))
 
 
-def oracle_of(samples: Codes, coded: Coded) -> Oracle:
-    """Who has learned a task from all these demonstrations, (demonstrations, nodes), by the paper's rule."""
-    known = learned(samples[None], coded)
-    return Oracle(known.kept[0, -1], known.values[0, -1])
-
-
 def _asking(counted: Tally, nodes: tuple[Node, ...], verdicts: NDArray[np.int8], oracle: Oracle) -> Learned:
     """Whatever is confusing below what is kept is asked at once, and stays as answered."""
     draws, demonstrations, count = verdicts.shape
@@ -120,7 +102,7 @@ def _asking(counted: Tally, nodes: tuple[Node, ...], verdicts: NDArray[np.int8],
             answered[:, column] |= above & (verdicts[:, step, column] == CONFUSING)
             relevant = np.where(answered[:, column], oracle.kept[column], verdicts[:, step, column] == RELEVANT)
             kept[:, step, column] = above & relevant
-        told = answered & oracle.kept
+        told = answered & oracle.kept & (oracle.values != UNKNOWN_CODE)
         values[:, step] = np.where(told, oracle.values, values[:, step])
         asked[:, step] = answered.sum(axis=1)
     return Learned(nodes, kept, values, asked)

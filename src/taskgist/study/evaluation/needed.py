@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from taskgist.study.evaluation.coded import UNKNOWN_CODE, Coded, Codes
 from taskgist.study.evaluation.draws import drawn
@@ -13,11 +14,28 @@ from taskgist.study.evaluation.learned import Learned, Truths, learned
 from taskgist.study.evaluation.result import Result
 from taskgist.study.evaluation.rules import PAPER, Judging
 from taskgist.study.evaluation.sample import CLEAN
-from taskgist.study.evaluation.spread import Spread, rounded
+from taskgist.study.evaluation.spread import HIGH, LOW, rounded
 from taskgist.study.intuition import INTUITION, NEEDED, NEEDED_BY_COLUMN, Cell
 
 ALL = "all"
 """Column that asks for all three cells of a row."""
+
+
+@dataclass(frozen=True)
+class Waiting:
+    """How many demonstrations it takes, over all draws; None: never within the draw."""
+
+    median: int | None
+    low: int | None
+    """10 % quantile."""
+    high: int | None
+    """90 % quantile."""
+
+    @staticmethod
+    def of(counts: ArrayLike) -> Waiting:
+        """Of numbers of demonstrations, infinite where a draw never gets there."""
+        found = np.quantile(np.asarray(counts, dtype=np.float64), (0.5, LOW, HIGH), method="inverted_cdf")
+        return Waiting(*(int(count) if np.isfinite(count) else None for count in found))
 
 
 @dataclass(frozen=True)
@@ -29,9 +47,8 @@ class Needed:
         column: Its column, or ``ALL``.
         wording: The paper's words.
         paper: Demonstrations that the paper needed, where the table says so.
-        needed: Demonstrations after which it held for the first time, over the draws in which it ever did.
-        median: Median over all draws; None where it is beyond the longest draw.
-        reached: Share of draws in which it ever held.
+        needed: The first demonstration from which on it holds to the end of the draw, as in Table 4; over all draws.
+        ever: Share of draws in which it ever held, be it lost again.
         curve: Share of draws in which it held after 1, 2, 3 ... demonstrations.
         agreeing: Share of single demonstrations that show what must be kept; None where nothing must.
         alike: Share of the most frequent value of what must be pruned: near 1, hardly anything tells that it varies.
@@ -42,9 +59,8 @@ class Needed:
     column: str
     wording: str
     paper: int | None
-    needed: Spread
-    median: float | None
-    reached: float
+    needed: Waiting
+    ever: float
     curve: tuple[float, ...]
     agreeing: float | None = None
     alike: float | None = None
@@ -93,22 +109,21 @@ def rows_of(task: str, known: Learned, coded: Coded) -> Iterator[Needed]:
     yield _row(task, ALL, "all three", NEEDED[task], np.all(list(held.values()), axis=0))
 
 
-def first_held(held: Truths) -> np.ndarray:
-    """Demonstrations after which each draw holds for the first time, (draws,); NaN where it never does."""
-    return np.where(held.any(axis=1), held.argmax(axis=1) + 1.0, np.nan)
+def lasting_from(held: Truths) -> NDArray[np.float64]:
+    """The first demonstration from which on each draw holds to its end, (draws,); infinite where it does not."""
+    steps = np.arange(1, held.shape[1] + 1)
+    last_without = np.where(held, 0, steps).max(axis=1)
+    return np.where(held[:, -1], last_without + 1.0, np.inf)
 
 
 def _row(task: str, column: str, wording: str, paper: int | None, held: Truths) -> Needed:
-    first = first_held(held)
-    median = float(np.median(np.where(np.isnan(first), np.inf, first)))
     return Needed(
         task=task,
         column=column,
         wording=wording,
         paper=paper,
-        needed=Spread.of(first),
-        median=median if np.isfinite(median) else None,
-        reached=rounded(held.any(axis=1).mean()),
+        needed=Waiting.of(lasting_from(held)),
+        ever=rounded(held.any(axis=1).mean()),
         curve=tuple(rounded(share) for share in held.mean(axis=0)),
     )
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import json
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +46,7 @@ def read_pool(path: Path) -> Pool:
     try:
         document = json.loads(gzip.decompress(path.read_bytes()))
         pool = _pool(document)
-    except (OSError, EOFError, ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
+    except (OSError, EOFError, zlib.error, ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
         hint = "name a pool that taskgist evaluate made, or another file to make one"
         raise InputError(f"not a pool: {error!r}", where=path, field="pool", hint=hint) from error
     return pool

@@ -8,14 +8,13 @@ from taskgist.study.evaluation.comparison import Comparison
 from taskgist.study.evaluation.needed import Needs
 from taskgist.study.evaluation.result import Result
 from taskgist.study.evaluation.robustness import Robustness
+from taskgist.study.evaluation.robustness_sheets import robustness_sheet, rules_sheet
 from taskgist.study.evaluation.rules import PAPER
 from taskgist.study.evaluation.sheet import Sheet
 from taskgist.study.evaluation.sheets import (
     curve_sheet,
     needed_sheet,
     peers_sheet,
-    robustness_sheet,
-    rules_sheet,
     single_sheet,
     transfer_sheets,
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from taskgist.study.evaluation.needed import Waiting
 from taskgist.study.evaluation.spread import Spread
 
 NONE = "-"
@@ -26,21 +27,17 @@ class Sheet:
     note: str = ""
 
 
-def until(needed: Spread, reached: float, *, spread: bool = True) -> str:
-    """Demonstrations needed, with the share of draws that reached it where that is not all."""
-    if needed.mean is None:
-        return "never"
-    text = spread_text(needed, as_percent=False) if spread else f"{needed.mean:.1f}"
-    return text if reached == 1.0 else f"{text} [{percent(reached)}]"
+def waiting_text(needed: Waiting) -> str:
+    """Median, and the quantiles on both sides in brackets."""
+    median, low, high = ("never" if each is None else str(each) for each in (needed.median, needed.low, needed.high))
+    return median if median == low == high else f"{median} ({low}-{high})"
 
 
-def spread_text(value: Spread, *, as_percent: bool = True) -> str:
-    """Mean, and the quantiles on both sides in brackets."""
+def spread_text(value: Spread) -> str:
+    """Mean, and the quantiles on both sides in brackets, in percent."""
     if value.mean is None or value.low is None or value.high is None:
         return NONE
-    if as_percent:
-        return f"{percent(value.mean)} ({value.low:.0%}-{value.high:.0%})"
-    return f"{value.mean:.1f} ({value.low:.0f}-{value.high:.0f})"
+    return f"{percent(value.mean)} ({value.low:.0%}-{value.high:.0%})"
 
 
 def mean_text(value: Spread) -> str:

@@ -7,15 +7,9 @@ from collections.abc import Iterator
 from taskgist.study.evaluation.comparison import Comparison
 from taskgist.study.evaluation.holding import Table
 from taskgist.study.evaluation.needed import ALL, Needed, Needs
-from taskgist.study.evaluation.robustness import Robustness
-from taskgist.study.evaluation.rules import RULES
-from taskgist.study.evaluation.setting import SETTINGS
-from taskgist.study.evaluation.sheet import NONE, Sheet, mean_text, percent, spread_text, truth_text, until
+from taskgist.study.evaluation.sheet import NONE, Sheet, mean_text, percent, spread_text, truth_text, waiting_text
 from taskgist.study.evaluation.transfer import CLAUSE, PARTS, SIZES, Transfer
 from taskgist.study.intuition import COLUMNS
-
-SHOWN_AFTER = (5, 10)
-"""Demonstrations after which robustness is shown."""
 
 
 def needed_sheet(needs: Needs) -> Sheet:
@@ -24,16 +18,24 @@ def needed_sheet(needs: Needs) -> Sheet:
     rows = []
     for task in tasks:
         whole = needs.row(task)
-        by_column = (until(needs.row(task, column).needed, needs.row(task, column).reached) for column in COLUMNS)
-        paper = str(whole.paper)
-        rows.append((task, paper, until(whole.needed, whole.reached), *by_column, percent(whole.curve[-1])))
+        by_column = (waiting_text(needs.row(task, column).needed) for column in COLUMNS)
+        shares = (percent(whole.ever), percent(whole.curve[-1]))
+        rows.append((task, str(whole.paper), waiting_text(whole.needed), *by_column, *shares))
     longest = len(needs.rows[0].curve)
     return Sheet(
         "Demonstrations needed until the intuitive understanding of Table 4",
-        ("task", "paper", "all three", *(f"to {each}" if each != "object" else each for each in COLUMNS), "kept"),
+        (
+            "task",
+            "paper",
+            "all three",
+            *(f"to {each}" if each != "object" else each for each in COLUMNS),
+            "ever",
+            "in the end",
+        ),
         tuple(rows),
-        "Mean over draws (10 % to 90 % of the draws); in brackets the share of draws that reached it at all, where it "
-        f"is not all; kept: share of draws that have it after {longest} demonstrations.",
+        "The first demonstration from which on it holds to the end of the draw, as in the paper's table: median over "
+        "all draws (10 % and 90 % quantile); never: not in the end. Ever: share of draws that have all three at some "
+        f"time, be it lost again; in the end: after {longest} demonstrations.",
     )
 
 
@@ -42,7 +44,7 @@ def curve_sheet(needs: Needs, after: tuple[int, ...] = (1, 2, 3, 4, 5, 7, 10, 15
     whole = [row for row in needs.rows if row.column == ALL]
     shown = [count for count in after if count <= min(len(row.curve) for row in whole)]
     return Sheet(
-        "Share of draws that have reached it",
+        "Share of draws that have all three after so many demonstrations",
         ("task", *map(str, shown)),
         tuple((row.task, *(percent(row.curve[count - 1]) for count in shown)) for row in whole),
     )
@@ -53,7 +55,7 @@ def single_sheet(needs: Needs) -> Sheet:
     tasks = tuple(dict.fromkeys(row.task for row in needs.rows))
     return Sheet(
         "What single demonstrations show of Table 4",
-        ("task", *(f"to {each}" if each != "object" else each for each in COLUMNS)),
+        ("task", *_columns()),
         tuple((task, *(_single(needs.row(task, column)) for column in COLUMNS)) for task in tasks),
         "Share of demonstrations that show what must be learned, by the paper's word for it; then, where a node must "
         "be found to vary, the share of its most frequent value: the nearer to 100 %, the later it is found.",
@@ -87,7 +89,8 @@ def table_sheet(table: Table) -> Sheet:
         f"Which demonstrations fit each task ({table.part}), after {count}",
         ("learned", *table.tasks, "recall", "precision"),
         tuple(rows),
-        "Columns: demonstrations that were held out. Mean share in which it holds (?: in which that is unknown).",
+        "Columns: demonstrations that were held out. Mean share in which it holds (?: in which that is unknown). A "
+        "clause that holds nowhere has precision 0.",
     )
 
 
@@ -103,55 +106,6 @@ def misses_sheet(found: Transfer, most: int = 3) -> Sheet:
         f"Recall by means, after {found.sizes[-1]} demonstrations, and why it is not more",
         ("task", "recall by means", "predicates of the clause that fail (share of demonstrations)"),
         tuple(rows),
-    )
-
-
-def robustness_sheet(found: Robustness, rule: str) -> Sheet:
-    """All settings under one rule."""
-    rows = []
-    for setting in (each for each in SETTINGS if any(each.name == one.setting for one in found.outcomes)):
-        outcome = found.outcome(setting.name, rule)
-        after = {each.demonstrations: each for each in outcome.after}
-        scores = [
-            mean_text(getattr(after[count], score)) if count in after else NONE
-            for count in SHOWN_AFTER
-            for score in ("recall", "precision")
-        ]
-        same = mean_text(outcome.after[-1].recall_same)
-        facts = NONE if setting.wrong_share else f"{found.changed[setting.condition]:.1%}"
-        rows.append((setting.text, facts, until(outcome.needed, outcome.reached, spread=False), *scores, same))
-    shown = (f"{score} {count}" for count in SHOWN_AFTER for score in ("recall", "precision"))
-    return Sheet(
-        f"What worse demonstrations cost: rule {rule!r}, {RULES[rule].text}",
-        ("setting", "facts", "needed", *shown, "same tracker"),
-        tuple(rows),
-        "facts: share of facts that changed; needed: mean over tasks, in brackets the share of draws that reach "
-        "Table 4; recall and precision of the clause after so many demonstrations, judged by clean ones; same tracker: "
-        "recall after the most, judged by demonstrations watched in the same way.",
-    )
-
-
-def rules_sheet(found: Robustness) -> Sheet:
-    """All rules: F1 in each setting, score, questions."""
-    settings = tuple(dict.fromkeys(each.setting for each in found.outcomes))
-    groups = {
-        "clean": ["clean"],
-        "noise": [each for each in settings if each.startswith("noise")],
-        "lost, gap, label": [each for each in settings if each.startswith(("lost", "gap", "label"))],
-        "wrong": [each for each in settings if each.startswith("wrong")],
-    }
-    groups = {name: members for name, members in groups.items() if members}
-    rows = []
-    for rule, score in found.scores.items():
-        means = (percent(_mean_f1(found, members, rule)) for members in groups.values())
-        reached = percent(found.outcome(settings[0], rule).reached)
-        rows.append((rule, RULES[rule].text, *means, percent(score), f"{found.questions[rule]:.1f}", reached))
-    return Sheet(
-        "Rules, by score",
-        ("rule", "what it is", *groups, "score", "questions", "Table 4"),
-        tuple(rows),
-        "Score: mean F1 over settings and over clauses from 3, 5, 10 and 20 demonstrations; questions: asked for each "
-        "task within the longest draw; Table 4: share of clean draws that reach it.",
     )
 
 
@@ -180,9 +134,8 @@ def transfer_sheets(found: Transfer, after: tuple[int, ...] = SIZES) -> Iterator
     yield misses_sheet(found)
 
 
-def _mean_f1(found: Robustness, settings: list[str], rule: str) -> float:
-    values = [after.f1.mean or 0.0 for name in settings for after in found.outcome(name, rule).after]
-    return sum(values) / len(values)
+def _columns() -> tuple[str, ...]:
+    return tuple(each if each == "object" else f"to {each}" for each in COLUMNS)
 
 
 def _single(row: Needed) -> str:
