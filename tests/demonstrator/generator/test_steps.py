@@ -129,7 +129,7 @@ def test_outcomes_are_looked_at() -> None:
     with pytest.raises(SceneError, match="played: 'cube' is not hidden in the end"):
         check_hidden(shown)
     with pytest.raises(SceneError, match="'cube' is not farther off in the end"):
-        check_farther(shown, least_m=0.15)
+        check_farther(shown)
     away = played(script(Take("cube", "right"), PutInto((-0.25, -0.35, 0.74)), LiftAway(0.1)), CUBE)
     with pytest.raises(SceneError, match="is not brought before the eyes"):
         check_before_eyes(away)

@@ -73,7 +73,7 @@ def check_away_and_hidden(recording: Recording) -> None:
         SceneError: So it is.
     """
     check_put_out_of_view(recording)
-    check_farther(recording, least_m=0.15)
+    check_farther(recording)
 
 
 HIDE_AWAY = (

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from taskgist.demonstrator.generator.sight import SHOWN_SHARE, share_in_view
+from taskgist.demonstrator.removing import FARTHER_M
 from taskgist.errors import SceneError
 from taskgist.recording import Recording
 from taskgist.world import Stage
@@ -13,6 +16,8 @@ HIDDEN_SHARE = 0.2
 """What comes into view was in view to no more before."""
 NEARER_SHARE = 0.6
 """What is held before the eyes is at most this share as far from them as it was."""
+When = Literal["beginning", "end"]
+"""Of the labelled task."""
 
 
 def check_shown(recording: Recording) -> None:
@@ -21,9 +26,7 @@ def check_shown(recording: Recording) -> None:
     Raises:
         SceneError: It has none.
     """
-    share = _share_at(recording, "end")
-    if share < SHOWN_SHARE:
-        raise _missed(recording, "is not in view in the end", share)
+    _check_in_view(recording, "end")
 
 
 def check_comes_into_view(recording: Recording) -> None:
@@ -32,7 +35,7 @@ def check_comes_into_view(recording: Recording) -> None:
     Raises:
         SceneError: So it is.
     """
-    before = _share_at(recording, "start")
+    before = _share_at(recording, "beginning")
     if before > HIDDEN_SHARE:
         raise _missed(recording, "is in view in the beginning", before)
     check_shown(recording)
@@ -55,9 +58,7 @@ def check_seen_before(recording: Recording) -> None:
     Raises:
         SceneError: It has none.
     """
-    share = _share_at(recording, "start")
-    if share < SHOWN_SHARE:
-        raise _missed(recording, "is not in view in the beginning", share)
+    _check_in_view(recording, "beginning")
 
 
 def check_before_eyes(recording: Recording) -> None:
@@ -83,8 +84,8 @@ def _from_eye_m(recording: Recording, time_s: float) -> float:
     return float(np.linalg.norm(place - stage.eye(scene.agent(label.target_agent)).position))
 
 
-def check_farther(recording: Recording, *, least_m: float) -> None:
-    """Refuse a demonstration at whose end the thing is not so much farther from the target agent than before.
+def check_farther(recording: Recording) -> None:
+    """Refuse a demonstration at whose end the thing is not ``FARTHER_M`` farther from the target agent than before.
 
     Raises:
         SceneError: It is not.
@@ -96,14 +97,20 @@ def check_farther(recording: Recording, *, least_m: float) -> None:
     ]
     pelvis = scene.initial.qpos[scene.base_slice(label.target_agent)][:2]
     before, after = (float(np.linalg.norm(place - pelvis)) for place in places)
-    if after - before < least_m:
+    if after - before < FARTHER_M:
         raise _missed(recording, "is not farther off in the end", after - before)
 
 
-def _share_at(recording: Recording, when: str) -> float:
+def _check_in_view(recording: Recording, when: When) -> None:
+    share = _share_at(recording, when)
+    if share < SHOWN_SHARE:
+        raise _missed(recording, f"is not in view in the {when}", share)
+
+
+def _share_at(recording: Recording, when: When) -> float:
     label = recording.label
     assert label is not None
-    state = recording.at(label.start_s if when == "start" else label.end_s)
+    state = recording.at(label.start_s if when == "beginning" else label.end_s)
     return share_in_view(Stage(recording.scene, state), label.target_agent, label.target_object)
 
 

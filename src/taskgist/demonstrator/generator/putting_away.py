@@ -122,7 +122,7 @@ def check_away_in_view(recording: Recording) -> None:
     """
     check_seen_before(recording)
     check_shown(recording)
-    check_farther(recording, least_m=0.15)
+    check_farther(recording)
     check_stands(recording)
 
 

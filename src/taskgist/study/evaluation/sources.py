@@ -16,9 +16,8 @@ from taskgist.demonstrator.study import STUDY
 from taskgist.recording import Recording
 from taskgist.study.evaluation.pool import HELD_OUT_EVERY
 from taskgist.study.intuition import INTUITION
+from taskgist.study.paper.draws import ANGLE_RAD, DISTANCE_M
 
-DISTANCE_M, ANGLE_RAD = 0.03, math.radians(5.0)
-"""How far people and things of the study are displaced at most."""
 MEANS = "means: "
 """How a demonstrator's note on the means begins."""
 
