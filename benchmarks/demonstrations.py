@@ -11,9 +11,9 @@ from benchmarks.rooms import furnished, moved
 from benchmarks.timing import once, share, work
 from taskgist.observe import ability_observations
 from taskgist.perspective import ABILITIES, Standpoint, effort_from
+from taskgist.pipeline import label_of, shipped_recordings
 from taskgist.recording import read
 from taskgist.settings import DEFAULT
-from taskgist.study import label_of, shipped_recordings
 from taskgist.world import Scene, Stage, State
 
 PAPER_S = {"Table 3, fastest": 0.56, "Table 3, slowest": 1.2}

@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 
 from benchmarks.figure import Figure
 from benchmarks.timing import in_turn, once
-from taskgist.demonstrator.generator import simulate_all
 from taskgist.learning import explain
 from taskgist.observe import LazyObserver
+from taskgist.pipeline import episode_of, explain_all, observe_recording, shipped_study
 from taskgist.recording import Recording, read
 from taskgist.settings import DEFAULT
-from taskgist.study import episode_of, explain_all, observe_recording
-from taskgist.study.shipped import shipped_study
 from taskgist.world import State
+from taskgist_lab.generator import simulate_all
 
 REPEATS = 3
 TENTH, STUDY_S, MINUTE_S = 10.0, 10.0, 60.0

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from benchmarks.figure import Figure
 from benchmarks.timing import in_turn, seconds
 from taskgist.learning import Experience, Explanation
+from taskgist.pipeline import explain_recording, observe_recording, shipped_recordings
 from taskgist.recording import read
-from taskgist.study import explain_recording, observe_recording, shipped_recordings
 
 
 def figures() -> Iterator[Figure]:

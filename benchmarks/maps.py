@@ -11,8 +11,8 @@ import numpy as np
 from benchmarks.figure import Figure
 from benchmarks.rooms import furnished
 from benchmarks.timing import once, seconds, work
+from taskgist.maps.ability_map import ability_map
 from taskgist.perspective import Standpoint, effort_from
-from taskgist.perspective.maps.ability_map import ability_map
 from taskgist.settings import DEFAULT
 from taskgist.world import Stage
 

@@ -9,7 +9,7 @@ from types import CodeType
 
 from benchmarks import demonstrations, maps, scenes
 from benchmarks.rooms import furnished
-from taskgist.perspective.everyone import Follower
+from taskgist.perspective.scene_efforts import Follower
 from taskgist.world import Stage
 
 MOST = 12

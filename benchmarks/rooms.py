@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from taskgist.world import Scene, State
-from tests.perspective.rooms import Person, Room, Shape, Thing, chair
+from tools.rooms import Person, Room, Shape, Thing, chair
 
 Generator = np.random.Generator
 ON_A_TABLE, TABLE_M, SPACING_M = 12, (0.75, 0.45), 1.9

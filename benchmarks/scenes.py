@@ -10,8 +10,8 @@ from benchmarks.figure import Figure
 from benchmarks.rooms import furnished
 from benchmarks.timing import once, seconds, share
 from taskgist.perspective import ABILITIES, Standpoint, effort_from, visibility_from
-from taskgist.perspective.everyone import Follower, all_efforts
-from taskgist.perspective.target import Target
+from taskgist.perspective.scene_efforts import Follower, all_efforts
+from taskgist.perspective.viewpoint import Target
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, State
 

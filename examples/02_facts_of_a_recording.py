@@ -2,8 +2,9 @@
 
 from taskgist.facts import STANDARD_TREE
 from taskgist.learning import explain
+from taskgist.pipeline import episode_of, label_of, observe_recording, shipped_recordings
+from taskgist.recognition import grips_of
 from taskgist.recording import read
-from taskgist.study import episode_of, grips_of, label_of, observe_recording, shipped_recordings
 
 
 def main() -> None:

@@ -2,8 +2,8 @@
 
 from taskgist.language import meaning, why
 from taskgist.learning import Knowledge, clause_of, questions_of
+from taskgist.pipeline import explain_all, shipped_recordings
 from taskgist.recording import read
-from taskgist.study import explain_all, shipped_recordings
 
 
 def main() -> None:

@@ -1,9 +1,9 @@
 """A predicate of your own, added from outside: is the object on top of the white box?"""
 
 from taskgist.facts import Predicate, predicate_subtree
+from taskgist.pipeline import explain_recording, shipped_recordings
 from taskgist.recording import read
 from taskgist.settings import DEFAULT
-from taskgist.study import explain_recording, shipped_recordings
 from taskgist.world import Stage, support_of
 
 

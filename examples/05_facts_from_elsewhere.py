@@ -1,6 +1,7 @@
 """Facts from elsewhere: learning from what an annotator wrote down, without any geometry."""
 
-from taskgist.facts import STANDARD_TREE, Json, parse_facts
+from taskgist.common.frozen import Json
+from taskgist.facts import STANDARD_TREE, parse_facts
 from taskgist.language import meaning
 from taskgist.learning import Experience, explain, understand
 

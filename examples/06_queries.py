@@ -1,9 +1,8 @@
 """Questions about a room: who reaches what by which actions, what A reaches and B does not see, and why."""
 
-from taskgist.perspective.queries.asking import Perspectives, becoming_able_by
-from taskgist.perspective.queries.grammar import parse_question
-from taskgist.perspective.queries.sets import Condition, objects_where
-from taskgist.perspective.queries.why import why
+from taskgist.language.efforts import why
+from taskgist.perspective.queries import Condition, objects_where, parse_question
+from taskgist.perspective.scene_efforts import Perspectives, becoming_able_by
 from taskgist.world import Scene, Stage
 
 ROOM = """<mujoco><worldbody>

@@ -1,8 +1,8 @@
 """Ability maps: where to put a cup so that P1 reaches it easily and P2 does not see it at once."""
 
-from taskgist.perspective.maps.ability_map import ability_map
-from taskgist.perspective.maps.grid import Grid
-from taskgist.perspective.maps.places import places_for
+from taskgist.maps.ability_map import ability_map
+from taskgist.maps.grid import Grid
+from taskgist.maps.places import places_for
 from taskgist.settings import Maps
 from taskgist.world import Scene, Stage
 

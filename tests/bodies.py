@@ -6,7 +6,7 @@ import pytest
 
 from taskgist.errors import SceneError
 from taskgist.world import Scene, builtin_profiles
-from taskgist.world.body.packages import find_file
+from taskgist.world.bodies.model_files import find_file
 
 FLOOR = '<geom name="floor" type="plane" size="9 9 0.1"/>'
 CUP = '<body name="cup" pos="{} {} {}"><freejoint/><geom type="cylinder" size="0.03 0.05" rgba="1 0 0 1"/></body>'

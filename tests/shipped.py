@@ -10,9 +10,8 @@ import numpy as np
 
 from taskgist.learning import Explanation, Knowledge, explain
 from taskgist.observe import Observer
+from taskgist.pipeline import episode_of, label_of, observe_recording, shipped_recordings, shipped_study
 from taskgist.recording import Label, Recording, read
-from taskgist.study import episode_of, label_of, observe_recording, shipped_recordings
-from taskgist.study.shipped import shipped_study
 
 TASKS = ("give", "show", "hide")
 NAMES = tuple(path.stem for task in TASKS for path in shipped_recordings(task))

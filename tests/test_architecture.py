@@ -1,98 +1,161 @@
-"""Who may import whom: the rooms of the house (docs/architecture.md)."""
+"""Who may import whom: the rooms of the house (docs/architecture.md), no circles, one engine that knows no lab."""
+
+from __future__ import annotations
 
 import ast
+import sys
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
 
-SOURCE = Path(__file__).parent.parent / "src" / "taskgist"
+ROOT = Path(__file__).parent.parent
+SOURCE = ROOT / "src"
 
-CORE = {"errors", "settings"}
+CORE = {"errors", "settings", "common"}
 FACTS = CORE | {"facts"}
 LEARNING = FACTS | {"learning"}
 WORLD = CORE | {"world"}
-OBSERVE = WORLD | {"facts", "perspective", "observe"}
+PERSPECTIVE = WORLD | {"perspective"}
 RECORDING = WORLD | {"recording"}
-STUDY = OBSERVE | LEARNING | RECORDING | {"files", "demonstrator", "store", "language", "study", "workers"}
+OBSERVE = PERSPECTIVE | {"facts", "observe"}
+RECOGNITION = OBSERVE | RECORDING | {"recognition"}
+LANGUAGE = LEARNING | {"perspective", "language"}
+PIPELINE = RECOGNITION | LANGUAGE | {"store", "moving", "maps", "importing", "pipeline"}
+SIMULATOR = RECORDING | {"moving", "lab simulator"}
+GENERATOR = SIMULATOR | {"lab generator"}
+PAPER = PIPELINE | {"lab simulator", "lab paper"}
+EVALUATION = PAPER | {"lab generator", "lab evaluation"}
 
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
     "settings": {"errors"},
-    "files": set(),
-    "workers": {"errors"},
+    "common": {"errors"},
     "facts": FACTS,
     "learning": LEARNING,
-    "world": WORLD | {"files"},
-    "perspective": WORLD | {"perspective"},
-    "observe": OBSERVE,
-    "recording": RECORDING | {"files"},
-    "demonstrator": RECORDING | {"demonstrator", "workers"},
     "store": LEARNING | {"store"},
-    "language": LEARNING | {"language"},
-    "study": STUDY,
-    "view": STUDY | {"view"},
-    "cli": STUDY | {"view", "cli"},
+    "world": WORLD,
+    "moving": WORLD | {"moving"},
+    "perspective": PERSPECTIVE,
+    "maps": PERSPECTIVE | {"maps"},
+    "observe": OBSERVE,
+    "recording": RECORDING,
+    "importing": RECORDING | {"importing"},
+    "recognition": RECOGNITION,
+    "language": LANGUAGE,
+    "pipeline": PIPELINE,
+    "view": PIPELINE | {"view"},
+    "cli": PIPELINE | {"view", "cli"},
+    "lab simulator": SIMULATOR,
+    "lab generator": GENERATOR,
+    "lab paper": PAPER,
+    "lab evaluation": EVALUATION,
+    "lab view": EVALUATION | {"view", "lab view"},
+    "lab cli": EVALUATION | {"view", "cli", "lab view", "lab cli"},
 }
 THIRD_PARTY: dict[str, set[str]] = {
     "errors": set(),
     "settings": set(),
-    "files": set(),
-    "workers": set(),
+    "common": {"numpy", "numba"},
     "facts": set(),
     "learning": set(),
-    "language": set(),
     "store": {"sqlalchemy"},
     "world": {"numpy", "numba", "mujoco", "mink", "coacd"},
+    "moving": {"numpy", "scipy"},
     "perspective": {"numpy"},
+    "maps": {"numpy"},
     "observe": {"numpy"},
     "recording": {"numpy", "mcap", "zstandard"},
-    "demonstrator": {"numpy"},
-    "study": {"numpy"},
+    "importing": {"numpy"},
+    "recognition": {"numpy"},
+    "language": set(),
+    "pipeline": {"numpy"},
     "view": {"numpy", "matplotlib"},
     "cli": {"typer", "rich"},
+    "lab simulator": {"numpy"},
+    "lab generator": {"numpy"},
+    "lab paper": {"numpy"},
+    "lab evaluation": {"numpy"},
+    "lab view": {"numpy", "matplotlib"},
+    "lab cli": {"typer", "rich"},
 }
+FACES = {"lazy_loader"}
+"""What a room's face is made with; it may stand in every ``__init__``."""
 
 
 def modules() -> list[Path]:
     return sorted(SOURCE.rglob("*.py"))
 
 
-def room_of(path: Path) -> str:
-    return path.relative_to(SOURCE).parts[0].removesuffix(".py")
+def module_name(path: Path) -> str:
+    return ".".join(path.relative_to(SOURCE).with_suffix("").parts).removesuffix(".__init__")
+
+
+KNOWN = {module_name(path): path for path in modules()}
+
+
+def room_of(module: str) -> str:
+    """The room of a module; none for the two packages' own faces."""
+    package, _, rest = module.partition(".")
+    room = rest.partition(".")[0]
+    return f"lab {room}" if package == "taskgist_lab" and room else room
 
 
 def imports_of(path: Path) -> set[str]:
-    """Every imported module, at the top or lazily inside functions."""
+    """Every imported module, at the top, lazily inside functions, or for types alone."""
     names: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
             assert node.level == 0, f"{path}: relative import"
-            names |= {
-                f"{node.module}.{alias.name}" if node.module == "taskgist" else node.module for alias in node.names
-            }
+            whole = {f"{node.module}.{alias.name}" for alias in node.names}
+            names |= {name if name in KNOWN else node.module for name in whole}
     return names
 
 
-@pytest.mark.parametrize("path", modules(), ids=lambda path: str(path.relative_to(SOURCE)))
-def test_imports_are_allowed(path: Path) -> None:
-    room = room_of(path)
-    if room == "__init__":
-        return
+def is_ours(name: str) -> bool:
+    return name.partition(".")[0] in ("taskgist", "taskgist_lab")
+
+
+@pytest.mark.parametrize("module", sorted(KNOWN))
+def test_imports_are_allowed(module: str) -> None:
+    room, path = room_of(module), KNOWN[module]
     for name in imports_of(path):
-        top, _, rest = name.partition(".")
-        if top == "taskgist":
-            assert rest.partition(".")[0] in ROOMS[room], f"{room} may not import {name}"
-        elif top not in _standard_library():
-            assert top in THIRD_PARTY[room], f"{room} may not import {name}"
+        top = name.partition(".")[0]
+        if is_ours(name):
+            assert room, f"{module}, a face, may not import {name}"
+            assert room_of(name) in ROOMS[room] | {room}, f"{room} may not import {name}"
+        elif top not in sys.stdlib_module_names:
+            faces = FACES if path.name == "__init__.py" else set()
+            assert top in THIRD_PARTY.get(room, set()) | faces, f"{room} may not import {name}"
+
+
+def test_the_engine_never_imports_the_lab() -> None:
+    for module, path in KNOWN.items():
+        if module.partition(".")[0] == "taskgist":
+            assert not any(name.partition(".")[0] == "taskgist_lab" for name in imports_of(path)), module
 
 
 def test_every_room_is_listed() -> None:
-    assert {room_of(path) for path in modules()} - {"__init__"} == set(ROOMS)
+    assert {room_of(module) for module in KNOWN} - {""} == set(ROOMS) == set(THIRD_PARTY)
 
 
-def _standard_library() -> frozenset[str]:
-    import sys
+def test_no_imports_go_in_a_circle() -> None:
+    graph = {module: imports_of(path) & set(KNOWN) - {module} for module, path in KNOWN.items()}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        pytest.fail(" imports ".join(reversed(error.args[1])))
 
-    return sys.stdlib_module_names | {"__future__"}
+
+def test_benchmarks_import_nothing_from_tests() -> None:
+    for path in sorted((ROOT / "benchmarks").rglob("*.py")):
+        assert not any(name.partition(".")[0] == "tests" for name in imports_of(path)), path
+
+
+def test_no_name_of_a_face_is_a_module_beside_it() -> None:
+    """A loaded module would stand in the name's place."""
+    for face in sorted(SOURCE.rglob("__init__.pyi")):
+        names = {alias.name for node in ast.walk(ast.parse(face.read_text())) for alias in getattr(node, "names", [])}
+        assert not names & {path.stem for path in face.parent.glob("*.py")}, face

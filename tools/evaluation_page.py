@@ -10,28 +10,25 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from taskgist.study.evaluation.coded import Coded
-from taskgist.study.evaluation.comparison import Comparison, compared, makers
-from taskgist.study.evaluation.conditions import CONDITIONS
-from taskgist.study.evaluation.keeping import Wanted, kept_pool
-from taskgist.study.evaluation.needed import Needs, demonstrations_needed
-from taskgist.study.evaluation.pool import Pool
-from taskgist.study.evaluation.robustness import Robustness, robustness
-from taskgist.study.evaluation.robustness_sheets import robustness_sheet, rules_sheet
-from taskgist.study.evaluation.sample import CLEAN
-from taskgist.study.evaluation.sheet import Sheet
-from taskgist.study.evaluation.sheets import (
+from taskgist_lab.evaluation.experiments import CLAUSE, EFFECTS, Needs, Transfer, demonstrations_needed, transfer
+from taskgist_lab.evaluation.learner import Coded
+from taskgist_lab.evaluation.noise import CONDITIONS
+from taskgist_lab.evaluation.pool import SOURCES, Pool, Wanted, kept_pool
+from taskgist_lab.evaluation.robustness import Comparison, Robustness, compared, makers, robustness
+from taskgist_lab.evaluation.sheets import (
+    Sheet,
     curve_sheet,
     misses_sheet,
     needed_sheet,
     peers_sheet,
+    robustness_sheet,
+    rules_sheet,
     scores_sheet,
     single_sheet,
     table_sheet,
 )
-from taskgist.study.evaluation.sources import SOURCES
-from taskgist.study.evaluation.transfer import CLAUSE, EFFECTS, Transfer, transfer
-from taskgist.view.curves import picture_of
+from taskgist_lab.evaluation.values import CLEAN
+from taskgist_lab.view import picture_of
 from tools.markdown import filled
 
 PAGE, PICTURES = Path("docs/evaluation.md"), Path("docs/pictures")

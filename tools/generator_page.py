@@ -12,10 +12,9 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from taskgist.study.evaluation.pool import Pool
-from taskgist.study.evaluation.pool_file import read_pool
-from taskgist.study.evaluation.sample import CLEAN, Sample
-from taskgist.study.paper.published import CLAUSES
+from taskgist_lab.evaluation.pool import Pool, read_pool
+from taskgist_lab.evaluation.values import CLEAN, Sample
+from taskgist_lab.paper.published import CLAUSES
 from tools.markdown import filled, header, row
 
 PAGE = Path("docs/generator.md")

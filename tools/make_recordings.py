@@ -12,11 +12,13 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
-from taskgist.demonstrator import STUDY
-from taskgist.recording import Label, Recording, import_recording, load_mapping, write
-from taskgist.study import check_grips, observe_recording, propose_label
-from taskgist.study.grip_forces import GRIP_N
-from taskgist.study.proposal import SETTLED_S
+from taskgist.importing import import_recording, load_mapping
+from taskgist.pipeline import observe_recording
+from taskgist.recognition import propose_label
+from taskgist.recognition.label_proposal import SETTLED_S
+from taskgist.recording import Label, Recording, write
+from taskgist_lab.paper import STUDY, check_grips
+from taskgist_lab.paper.grip_forces import GRIP_N
 
 DATA = Path(__file__).parent.parent / "src" / "taskgist" / "data"
 HANDOVERS = {

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from taskgist.cli.paper_words import share_words, words
-from taskgist.facts import EFFORT_LEVELS, Json, Unknown
+from taskgist.common.frozen import Json
+from taskgist.facts import EFFORT_LEVELS, Unknown
 from taskgist.language import meaning
-from taskgist.study.paper import Goal, Judged, Report, Result, Section, tally, understanding_of
-from taskgist.study.paper.table_2 import PRINTED
+from taskgist_lab.cli.paper import share_words, words
+from taskgist_lab.paper import Goal, Judged, Report, Result, Section, tally, understanding_of
+from taskgist_lab.paper.tables import TABLE_2_PRINTED
 from tools.markdown import header, row
 
 COLUMNS = ("see", "reach", "object", "all")
@@ -101,9 +102,9 @@ def often(counts: Json) -> str:
 
 def table_2(section: Section) -> Iterator[str]:
     """Each row as printed, and ours below."""
-    columns = [column for column in PRINTED[0] if column != "value"]
+    columns = [column for column in TABLE_2_PRINTED[0] if column != "value"]
     yield from header("after demonstration", "", *columns, "verdict")
-    for result in section.results[: len(PRINTED)]:
+    for result in section.results[: len(TABLE_2_PRINTED)]:
         name = result.name.removeprefix("demonstration ")
         yield row(name, "paper", *(mapping(result.paper)[column] for column in columns), "")
         yield row("", "ours", *(mapping(result.ours)[column] for column in columns), mark(result))

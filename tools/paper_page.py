@@ -9,11 +9,10 @@ from pathlib import Path
 
 from PIL import Image
 
+from taskgist.pipeline import shipped_study
 from taskgist.recording import read
-from taskgist.study.paper import Report, judge_study, report, shipped_draws, understanding_of
-from taskgist.study.shipped import shipped_study
-from taskgist.view.study import demonstration_picture, task_picture
-from taskgist.view.trees import tree_picture
+from taskgist_lab.paper import Report, judge_study, report, shipped_draws, understanding_of
+from taskgist_lab.view import demonstration_picture, task_picture, tree_picture
 from tools import paper_lines as lines
 from tools.markdown import filled
 from tools.paper_lines import JudgedStudy

@@ -15,7 +15,7 @@ import time
 from taskgist.settings import DEFAULT, Settings
 from tests.perspective.comparing import Comparison, compare_levels, compare_pixels
 from tests.perspective.random_rooms import random_case
-from tests.perspective.rooms import COARSE
+from tools.rooms import COARSE
 
 
 def compare(seed: int, settings: Settings = COARSE) -> tuple[Comparison, Comparison]:

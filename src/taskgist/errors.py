@@ -128,3 +128,14 @@ def _rebuild(
     kind: type[InputError], problem: str, where: str | None, field: str | None, value: object, hint: str | None
 ) -> InputError:
     return kind(problem, where=where, field=field, value=value, hint=hint)
+
+
+# --- The way out of a wrong name: the nearest right one, and all of them.
+
+
+def allowed_names(given: object, allowed: Iterable[str]) -> str:
+    """Text such as "did you mean 'Sitting'? (allowed: Standing, Sitting)"."""
+    names = tuple(allowed)
+    near = nearest(str(given), names)
+    guess = f"did you mean {near!r}? " if near else ""
+    return f"{guess}(allowed: {', '.join(names)})"

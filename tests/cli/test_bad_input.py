@@ -21,7 +21,7 @@ from taskgist.settings import DEFAULT, Vision
 from taskgist.store import save
 from tests.cli.running import refusal
 from tests.cli.tampering import Metadata, odometry, tampered
-from tests.recording.skeletons import TIMES_S, cup_position, cup_wxyz, keypoints, npz_mapping
+from tests.importing.skeletons import TIMES_S, cup_position, cup_wxyz, keypoints, npz_mapping
 from tests.shipped import PATHS
 
 ROOM = '<mujoco><worldbody><body name="cup" pos="1 0 1"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>'

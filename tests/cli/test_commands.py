@@ -13,7 +13,7 @@ from taskgist.learning import Knowledge
 from taskgist.recording import read, write
 from taskgist.store import load, save
 from tests.cli.running import contents, run, run_json
-from tests.recording.skeletons import mapping_file, npz_mapping
+from tests.importing.skeletons import mapping_file, npz_mapping
 from tests.shipped import PATHS, excerpt, explanation
 
 SHOW = PATHS["show_a"]

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from taskgist.perspective.maps.ability_map import ability_map
-from taskgist.perspective.maps.file import read_maps
+from taskgist.maps.ability_map import ability_map, read_maps
 from taskgist.world import Scene, Stage
 from tests.cli.running import contents, refusal, run, run_json
 from tests.cli.test_query import ROOM, SCENE

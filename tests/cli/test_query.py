@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from taskgist.language.efforts import why
 from taskgist.perspective import ABILITIES, EFFORT_NAMES
-from taskgist.perspective.queries.asking import Perspectives
-from taskgist.perspective.queries.why import why
+from taskgist.perspective.scene_efforts import Perspectives
 from taskgist.world import Scene, Stage
 from tests.cli.running import refusal, run, run_json
 from tests.shipped import PATHS

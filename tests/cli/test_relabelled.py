@@ -8,8 +8,8 @@ import pytest
 from typer.testing import CliRunner
 
 from taskgist.cli.app import app
+from taskgist.pipeline import shipped_recordings
 from taskgist.store import load
-from taskgist.study import shipped_recordings
 
 
 def run(*words: str) -> tuple[int, str]:

@@ -8,7 +8,8 @@ import pickle
 
 import pytest
 
-from taskgist.facts import UNKNOWN, FrozenMap, Json, Observation, canonical_text, freeze, thaw
+from taskgist.common.frozen import FrozenMap, Json, canonical_text, freeze, thaw
+from taskgist.facts import UNKNOWN, Observation
 
 
 def test_unknown_has_no_truth_value() -> None:

@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from taskgist.common.frozen import FrozenMap
 from taskgist.errors import KnowledgeError, UnknownNameError
-from taskgist.facts import UNKNOWN, FrozenMap, Observation
+from taskgist.facts import UNKNOWN, Observation
 from taskgist.learning import Context, Experience, Explanation, Knowledge, clause_of, understand
 from tests.learning.learning_samples import STUDY, Told, explained, explanations, study
 

@@ -8,11 +8,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taskgist.observe import Confirmation, Lookup, MotionLookup, MotionWatch
+from taskgist.observe import Confirmation, Lookup, MotionLookup, MotionWatch, SlidingWindow
+from taskgist.observe.motion import followed, window_at
 from taskgist.settings import DEFAULT
-from taskgist.world import SlidingWindow
-from taskgist.world.hysteresis import followed
-from taskgist.world.window import window_at
 
 TIMING = DEFAULT.timing
 GAPS_S = st.sampled_from([1 / 120, 1 / 30, 0.05, 0.1, 0.2, 0.4]) | st.floats(0.004, 0.5)
@@ -74,7 +72,7 @@ def test_what_is_looked_up_is_what_was_confirmed(
 
 
 def test_no_more_frames_are_looked_at_than_it_takes() -> None:
-    """The example of ``observe/lookup.py``, within a longer sequence."""
+    """The example of ``observe/history.py``, within a longer sequence."""
     asked: set[int] = set()
     values: list[str] = [*"AAAAAAAAAA", *"AAABAAABBBB", *"BBBBBBBBBB"]
 

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from taskgist.settings import DEFAULT
 from taskgist.world import Fitter, Scene, Stage, State
-from taskgist.world.contacts import Rest, rest_of
-from taskgist.world.resting import RestingMemory
+from taskgist.world.contacts import Rest, RestingMemory, rest_of
 from tests.scenes import TABLE, agent, box, cylinder, scene
 from tests.shipped import recording
 

@@ -12,9 +12,9 @@ from taskgist.perspective import ABILITIES, Standpoint, effort_from, view_of, vi
 from taskgist.settings import Settings
 from taskgist.world import Stage
 from tests.perspective.random_rooms import Case
-from tests.perspective.rooms import COARSE
 from tests.perspective.twin import Twin, disagreement
 from tests.perspective.twin_world import World, pixel_rays
+from tools.rooms import COARSE
 
 
 @dataclass

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from taskgist.world import Scene, Stage, State
-from tests.perspective.rooms import Person, Room, Shape, Thing, chair, table
+from tools.rooms import Person, Room, Shape, Thing, chair, table
 
 Generator = np.random.Generator
 IMAGES_PX = ((32, 24), (48, 36), (64, 48))

@@ -9,9 +9,9 @@ from taskgist.errors import SceneError, TaskgistError
 from taskgist.facts import UNKNOWN
 from taskgist.observe import ability_observations
 from taskgist.perspective import ABILITIES, Ability, Standpoint, effort_from, least_effort, view_of, visibility
-from taskgist.perspective.everyone import Follower, all_efforts
+from taskgist.perspective.scene_efforts import Follower, all_efforts
 from taskgist.world import Scene, Stage, holding_of
-from tests.perspective.rooms import COARSE, Person, Room, Thing, table, wall
+from tools.rooms import COARSE, Person, Room, Thing, table, wall
 
 CUP = Thing("cup", (0.03, 0.05), (0.5, 0.2, 0.77), "cylinder")
 P1 = Person("P1", (0.0, 0.0))

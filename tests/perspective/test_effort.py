@@ -9,7 +9,7 @@ import pytest
 from taskgist.perspective import ABILITIES, Standpoint, effort_from
 from taskgist.settings import DEFAULT
 from tests.perspective.random_rooms import random_case
-from tests.perspective.rooms import COARSE
+from tools.rooms import COARSE
 
 SEEDS = range(800, 803)
 

@@ -15,21 +15,15 @@ import pytest
 from numpy.typing import NDArray
 
 from taskgist.errors import UnknownNameError
-from taskgist.perspective import Standpoint, effort_from, visibility
-from taskgist.perspective.acting.frames import UsableHead
-from taskgist.perspective.acting.stances import Stances
-from taskgist.perspective.judge import Among
-from taskgist.perspective.seeing.aim import aimed, turned_heads
-from taskgist.perspective.seeing.from_eye import from_eye, in_shadow
-from taskgist.perspective.seeing.glimpse import next_glimpse
-from taskgist.perspective.seeing.image import lens_of
-from taskgist.perspective.seeing.see import See
-from taskgist.perspective.seeing.sight import look
-from taskgist.perspective.seeing.visibility import visibility_from
+from taskgist.perspective import Standpoint, effort_from, visibility, visibility_from
+from taskgist.perspective.candidates import Stances, UsableHead
+from taskgist.perspective.effort import Among
+from taskgist.perspective.image import from_eye, in_shadow, lens_of, look
+from taskgist.perspective.see import See, aimed, next_glimpse, turned_heads
 from taskgist.world import Scene, Stage, State
-from taskgist.world.geometry.raycast import NO_GEOM
+from taskgist.world.geometry.rays import NO_GEOM
 from tests.perspective.random_rooms import OCTAHEDRON, WEDGE, random_case
-from tests.perspective.rooms import COARSE, Person, Room, Shape, Thing
+from tools.rooms import COARSE, Person, Room, Shape, Thing
 
 Array = NDArray[np.float64]
 Generator = np.random.Generator

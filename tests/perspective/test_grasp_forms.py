@@ -5,13 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from taskgist.demonstrator.generator.meshes import SHAPES
-from taskgist.perspective.grasping import samples
-from taskgist.perspective.grasping.forms import form_of
-from taskgist.perspective.grasping.grasps import Grasps
-from taskgist.perspective.grasping.samples import grasps_in_object
+from taskgist.perspective.grasp import sampling as samples
+from taskgist.perspective.grasp.grasps import Grasps
+from taskgist.perspective.grasp.sampling import form_of, grasps_in_object
 from taskgist.settings import DEFAULT
 from taskgist.world import Hand, Scene, Stage
+from taskgist_lab.generator.things import SHAPES
 from tests import meshes
 from tests.meshes import mesh_scene
 from tests.scenes import agent, cylinder

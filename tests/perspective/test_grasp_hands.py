@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import Effort, least_effort
-from taskgist.perspective.grasping.grasps import Grasps
-from taskgist.perspective.grasping.hand import hand_centers, hand_frames
-from taskgist.perspective.grasping.samples import grasps_in_object, sample_grasps
+from taskgist.perspective.grasp.grasps import Grasps, hand_centers, hand_frames
+from taskgist.perspective.grasp.sampling import grasps_in_object, sample_grasps
 from taskgist.settings import DEFAULT
 from taskgist.world import HAND_KINDS, Hand, HandKind, Scene, Stage, hand_boxes
-from taskgist.world.body.profile import builtin_profile_text
-from tests.perspective.rooms import Person, Room, Thing
+from taskgist.world.bodies.profile import builtin_profile_text
 from tests.perspective.twin_grasp import hand_poses
+from tools.rooms import Person, Room, Thing
 
 HERE_ONLY = replace(DEFAULT, efforts=replace(DEFAULT.efforts, move_radius_m=0.0))
 STANDING = Person("P1", (0.0, 0.0))

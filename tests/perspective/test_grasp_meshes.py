@@ -7,11 +7,8 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import Effort, least_effort
-from taskgist.perspective.grasping.grasps import Grasps
-from taskgist.perspective.grasping.hand import hand_centers, hand_frames
-from taskgist.perspective.grasping.pairs import MOST, opposite_points
-from taskgist.perspective.grasping.samples import grasps_in_object
-from taskgist.perspective.grasping.touch import TOUCH_M
+from taskgist.perspective.grasp.grasps import MOST, Grasps, hand_centers, hand_frames, opposite_points
+from taskgist.perspective.grasp.sampling import TOUCH_M, grasps_in_object
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, distances_outside_m
 from tests import meshes

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import Standpoint
-from taskgist.perspective.grasping.grasps import Grasps
-from taskgist.perspective.grasping.hand import Hands
-from taskgist.perspective.grasping.samples import grasps_in_object
-from taskgist.perspective.grasping.touch import TOUCH_M
-from taskgist.perspective.grasping.tries import Tries
+from taskgist.perspective.grasp.grasps import Grasps, Hands
+from taskgist.perspective.grasp.judge import Tries
+from taskgist.perspective.grasp.sampling import TOUCH_M, grasps_in_object
 from taskgist.world import Hand, Stage
 from tests.perspective.random_rooms import random_case
 from tests.perspective.twin_grasp import hand_poses

@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import Ability, Effort, Standpoint, least_effort
-from taskgist.perspective.grasping.samples import around, grasps_in_object, sample_grasps
-from taskgist.perspective.judge import Outcome
-from taskgist.perspective.reaching.reach import Reach, ReachAmong
-from taskgist.perspective.reaching.sector import Cloud
+from taskgist.perspective.effort import Outcome
+from taskgist.perspective.grasp.sampling import around, grasps_in_object, sample_grasps
+from taskgist.perspective.reach import Cloud, Reach, ReachAmong
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage
-from tests.perspective.rooms import Person, Room, Thing, table, wall
 from tests.perspective.twin_grasp import hand_poses
+from tools.rooms import Person, Room, Thing, table, wall
 
 STANDING = Person("P1", (0.0, 0.0))
 CUP = Thing("cup", (0.03, 0.05), (0.5, 0.2, 1.2), "cylinder")

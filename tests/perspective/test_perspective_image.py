@@ -8,7 +8,7 @@ import pytest
 
 from taskgist.perspective import view_of, visibility
 from taskgist.world import Scene, Stage
-from tests.perspective.rooms import Person, Room, Thing, table, wall
+from tools.rooms import Person, Room, Thing, table, wall
 
 WIDTH, HEIGHT = 320, 240
 EYE = Person("P1", (0.0, 0.0))

@@ -9,7 +9,7 @@ from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
 from taskgist.perspective import ABILITIES, Effort, Standpoint, able, effort_from, least_effort, visibility
-from tests.perspective.rooms import COARSE, Person, Room, Thing, chair, random_room, table, wall
+from tools.rooms import COARSE, Person, Room, Thing, chair, random_room, table, wall
 
 FEW = settings(max_examples=5, deadline=None, derandomize=True, database=None)
 SIDES = {"left": "right", "right": "left"}

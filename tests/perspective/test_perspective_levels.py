@@ -8,7 +8,7 @@ import pytest
 from taskgist.perspective import ABILITIES, Effort, Standpoint, able, effort_from, least_effort
 from taskgist.world import Agent, posture_of
 from tests.perspective.random_rooms import Case, random_case
-from tests.perspective.rooms import COARSE, Person, Room, Thing
+from tools.rooms import COARSE, Person, Room, Thing
 
 SEEDS = range(40, 52)
 HEAD, TORSO = {"head_pan", "head_tilt"}, {"torso_turn", "torso_lean"}

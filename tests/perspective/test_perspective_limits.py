@@ -10,16 +10,27 @@ import numpy as np
 import pytest
 
 from taskgist.errors import UnknownNameError
-from taskgist.perspective import ABILITIES, Ability, Amount, Effort, Standpoint, able, least_effort, view_of, visibility
-from taskgist.perspective.acting.floor import Floor, Place, moved
-from taskgist.perspective.acting.stances import Stances
-from taskgist.perspective.acting.virtual_actions import Stance, actions_of
-from taskgist.perspective.judge import Miss, Outcome, Why
+from taskgist.perspective import (
+    ABILITIES,
+    Ability,
+    Amount,
+    Effort,
+    Standpoint,
+    able,
+    actions_of,
+    least_effort,
+    view_of,
+    visibility,
+)
+from taskgist.perspective.actions import Stance
+from taskgist.perspective.candidates import Stances
+from taskgist.perspective.effort import Miss, Outcome, Why
+from taskgist.perspective.floor import Floor, Place, moved
 from taskgist.perspective.search import Found, least
-from taskgist.perspective.seeing.aim import aimed
+from taskgist.perspective.see import aimed
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage
-from tests.perspective.rooms import COARSE, Person, Room, Thing, chair, table, wall
+from tools.rooms import COARSE, Person, Room, Thing, chair, table, wall
 
 CUP = Thing("cup", (0.03, 0.05), (0.9, 0.1, 0.77), "cylinder")
 SITTING = Person("P1", (0.0, 0.0), 0.0, "sitting")

@@ -17,7 +17,7 @@ from taskgist.perspective import (
     objects_with,
     visibility,
 )
-from tests.perspective.rooms import COARSE, Person, Room, Thing, chair, wall
+from tools.rooms import COARSE, Person, Room, Thing, chair, wall
 
 HIGH = Thing("high", (0.03, 0.05), (0.5, 0.2, 1.75), "cylinder")
 NEAR = Thing("near", (0.03, 0.05), (0.5, -0.2, 1.1), "cylinder")

@@ -10,9 +10,9 @@ from taskgist.perspective import ABILITIES, Standpoint, effort_from, visibility
 from taskgist.settings import DEFAULT
 from tests.perspective.comparing import Comparison, compare_levels, compare_pixels
 from tests.perspective.random_rooms import random_case
-from tests.perspective.rooms import COARSE, Person, Room, Thing, chair, random_room, table, wall
 from tests.perspective.twin import Twin, disagreement
 from tests.perspective.twin_world import SEEN_MASK, World, pixel_rays
+from tools.rooms import COARSE, Person, Room, Thing, chair, random_room, table, wall
 
 CUP = Thing("cup", (0.03, 0.05), (0.5, 0.2, 1.75), "cylinder")
 ROOMS = {

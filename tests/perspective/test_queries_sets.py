@@ -10,12 +10,11 @@ from hypothesis import strategies as st
 
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.perspective import ABILITIES, Ability, Standpoint, able, least_effort
-from taskgist.perspective.queries import asking as queries_module
-from taskgist.perspective.queries.asking import Chosen, Perspectives, able_by, becoming_able_by
-from taskgist.perspective.queries.grammar import parse_question
-from taskgist.perspective.queries.sets import Condition, Question, objects_where
+from taskgist.perspective import scene_efforts as queries_module
+from taskgist.perspective.queries import Condition, Question, objects_where, parse_question
+from taskgist.perspective.scene_efforts import Chosen, Perspectives, able_by, becoming_able_by
 from taskgist.world import Stage, State
-from tests.perspective.rooms import COARSE, Person, Room, Thing, chair, wall
+from tools.rooms import COARSE, Person, Room, Thing, chair, wall
 
 HIGH = Thing("high", (0.03, 0.05), (0.5, 0.2, 1.75), "cylinder")
 NEAR = Thing("near", (0.03, 0.05), (0.5, -0.2, 1.1), "cylinder")

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taskgist.perspective.acting.region import BODIES, Consulted, Region, crossed
+from taskgist.perspective.collisions import BODIES, Consulted, Region, crossed
 
 numbers = st.floats(-3.0, 3.0, allow_nan=False)
 points = st.tuples(numbers, numbers, numbers).map(np.array)

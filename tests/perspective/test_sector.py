@@ -9,13 +9,12 @@ import pytest
 from numpy.typing import NDArray
 
 from taskgist.perspective import Standpoint
-from taskgist.perspective.acting.stances import Stances
-from taskgist.perspective.judge import Miss, Outcome
-from taskgist.perspective.reaching.reach import Reach, ReachAmong
-from taskgist.perspective.reaching.sector import Cloud, grasps_in_reach
+from taskgist.perspective.candidates import Stances
+from taskgist.perspective.effort import Miss, Outcome
+from taskgist.perspective.reach import Cloud, Reach, ReachAmong, grasps_in_reach
 from taskgist.world import Arm, ArmIndices, Pose
 from tests.perspective.random_rooms import random_case
-from tests.perspective.rooms import COARSE, Person, Room, Thing, chair
+from tools.rooms import COARSE, Person, Room, Thing, chair
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

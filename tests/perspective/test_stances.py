@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import Standpoint
-from taskgist.perspective.acting.stances import DIGITS, Stances
+from taskgist.perspective.candidates import DIGITS, Stances
 from taskgist.settings import DEFAULT
 from tests.perspective.random_rooms import random_case
-from tests.perspective.rooms import COARSE, Person, Room, Thing, chair
+from tools.rooms import COARSE, Person, Room, Thing, chair
 
 SEEDS = range(700, 706)
 TARGET = np.array((0.9, -0.4, 0.8))

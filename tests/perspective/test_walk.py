@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from taskgist.perspective import Standpoint
-from taskgist.perspective.acting.stances import OVERHEAD_M, Stances, turns_towards
-from taskgist.perspective.acting.walk import Walk
+from taskgist.perspective.candidates import OVERHEAD_M, Stances, Walk, turns_towards
 from taskgist.world import Stage
 from tests.perspective.random_rooms import random_case
-from tests.perspective.rooms import COARSE, Person, Room
+from tools.rooms import COARSE, Person, Room
 
 Array = NDArray[np.float64]
 SEEDS = range(1000, 1006)

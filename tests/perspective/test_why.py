@@ -7,11 +7,11 @@ import re
 
 import pytest
 
+from taskgist.language.efforts import gerunds, listed, why
 from taskgist.perspective import ABILITIES, Ability
-from taskgist.perspective.queries.asking import Perspectives
-from taskgist.perspective.queries.why import gerunds, listed, why
+from taskgist.perspective.scene_efforts import Perspectives
 from taskgist.world import Hold, Stage, State
-from tests.perspective.rooms import COARSE, Person, Room, Thing, chair, random_room, table, wall
+from tools.rooms import COARSE, Person, Room, Thing, chair, random_room, table, wall
 
 CUP = Thing("cup", (0.03, 0.05), (0.5, 0.0, 1.1), "cylinder")
 SITTER = Person("P1", (0, 0), 0.0, "sitting")

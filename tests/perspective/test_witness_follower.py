@@ -6,11 +6,11 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from taskgist.perspective import everyone
-from taskgist.perspective.everyone import Follower, all_efforts
+from taskgist.perspective import scene_efforts as everyone
+from taskgist.perspective.scene_efforts import Follower, all_efforts
 from taskgist.world import Stage, State
 from tests.perspective.random_rooms import Case, random_case
-from tests.perspective.rooms import COARSE, Person, Room, Thing
+from tools.rooms import COARSE, Person, Room, Thing
 
 FRAMES = 5
 

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from taskgist.perspective.grasping.grasps import Grasps
-from taskgist.perspective.grasping.hand import hand_centers, hand_frames
-from taskgist.perspective.grasping.samples import sample_grasps
+from taskgist.perspective.grasp.grasps import Grasps, hand_centers, hand_frames
+from taskgist.perspective.grasp.sampling import sample_grasps
 from taskgist.world import ArmIndices, Hand, Pose
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from taskgist.settings import Settings
 from taskgist.world import Agent, Stage, State, posture_of, seat_position, with_posture
-from taskgist.world.body.profile import Axis
-from taskgist.world.geometry.rotations import about_z, multiply, yaw_of
+from taskgist.world.bodies.profile import Axis
+from taskgist.world.geometry.transforms import about_z, multiply, yaw_of
 from tests.perspective.twin_world import SEEN_MASK, World
 
 Array = NDArray[np.float64]

@@ -15,13 +15,15 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from taskgist.errors import InputError, RecordingError
-from taskgist.recording import mcap_content, mcap_file, read, write
-from taskgist.recording.foxglove_schemas import FRAME_TRANSFORMS, SCENE_UPDATE
-from taskgist.recording.rounding import rounded
-from taskgist.recording.state_message import encode
+from taskgist.recording import mcap as mcap_content
+from taskgist.recording import mcap as mcap_file
+from taskgist.recording import read, write
+from taskgist.recording.foxglove import FRAME_TRANSFORMS, SCENE_UPDATE
+from taskgist.recording.mcap import encode
+from taskgist.recording.recording import rounded
 from taskgist.world import Stage
-from taskgist.world.geometry.rotations import matrix_from_wxyz
-from tests.recording.recordings import FRAMES, LABEL, recording, room
+from taskgist.world.geometry.transforms import matrix_from_wxyz
+from tests.importing.recordings import FRAMES, LABEL, recording, room
 
 
 @pytest.fixture

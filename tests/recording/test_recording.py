@@ -15,8 +15,8 @@ from hypothesis.extra.numpy import arrays
 
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.recording import Label, Recording
-from taskgist.recording.rounding import decimals, rounded, whole
-from tests.recording.recordings import FRAMES, LABEL, recording, room
+from taskgist.recording.recording import decimals, rounded, whole
+from tests.importing.recordings import FRAMES, LABEL, recording, room
 
 SEEDED = settings(derandomize=True, deadline=None, max_examples=30)
 

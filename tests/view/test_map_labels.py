@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 from matplotlib.figure import Figure
 
-from taskgist.view.map_labels import HEIGHT_PT, LETTER_PT, draw_things
+from taskgist.view.maps import HEIGHT_PT, LETTER_PT, draw_things
 from taskgist.world import Stage
 from tests.scenes import TABLE, cylinder, scene
 

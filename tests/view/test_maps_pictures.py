@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from taskgist.maps.ability_map import ability_map
+from taskgist.maps.grid import Grid, Zone
+from taskgist.maps.places import Place
 from taskgist.perspective import EFFORT_NAMES
-from taskgist.perspective.maps.ability_map import ability_map
-from taskgist.perspective.maps.grid import Grid
-from taskgist.perspective.maps.places import Place
-from taskgist.perspective.maps.zone import Zone
 from taskgist.settings import DEFAULT, Maps
 from taskgist.view.maps import COLOURS, NOTHING, Layers, draw_above, map_picture
 from taskgist.world import Stage

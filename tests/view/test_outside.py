@@ -16,11 +16,11 @@ from taskgist.errors import InputError
 from taskgist.facts import STANDARD_TREE
 from taskgist.learning import understand
 from taskgist.recording import Recording
-from taskgist.view.outside import FOV_RAD, camera_outside, draw_outside
-from taskgist.view.rendering import HIGHLIGHT, pinhole, render
-from taskgist.view.study import demonstration_picture, task_picture
-from taskgist.view.trees import BOX, ROW_IN, layout, tree_picture
+from taskgist.view import pinhole, render
+from taskgist.view.rendering import HIGHLIGHT
+from taskgist.view.scene import FOV_RAD, camera_outside, draw_outside
 from taskgist.world import Stage, State
+from taskgist_lab.view import BOX, ROW_IN, demonstration_picture, layout, task_picture, tree_picture
 from tests.learning.learning_samples import study
 from tests.shipped import label, recording
 

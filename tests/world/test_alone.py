@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from taskgist.demonstrator.living_room import TABLE, left, on_table, right
-from taskgist.demonstrator.room import Room
 from taskgist.errors import UnknownNameError
 from taskgist.world import Fitter, Scene, Stage
-from taskgist.world.alone import alone
+from taskgist.world.fit import alone
+from taskgist_lab.simulator import Room
+from taskgist_lab.simulator.room import TABLE, left, on_table, right
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from taskgist.perspective import ABILITIES, able, actions_of, least_effort, view
 from taskgist.world import Scene, Stage, overlaps
 from taskgist.world.geometry.shapes import lowest_point
 from tests.bodies import EVERY_BODY, needs, room, standing
-from tests.perspective.rooms import COARSE
+from tools.rooms import COARSE
 
 SIZES = {"human": (1.64, 0.70), "pr2": (1.37, 0.95), "talos": (1.61, 0.92), "jido": (1.48, 0.90), "hrp2": (1.40, 0.70)}
 """Height of the eye and length of the arm, metres: from data sheets, figures and the authors' code."""

@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from taskgist.world.body.agent import SEEN_MASK
-from taskgist.world.geometry.bounds import bound_all_shapes
+from taskgist.world.bodies.agent import SEEN_MASK
+from taskgist.world.geometry.distances import bound_all_shapes
 
 SHOWN = 'contype="0" conaffinity="0" group="1"'
 WORLD = """<mujoco><worldbody><geom type="plane" size="5 5 0.1"/>

@@ -8,9 +8,17 @@ import mujoco
 import numpy as np
 import pytest
 
-from taskgist.world.geometry.box_gaps import any_near, boxes_gap_m, next_near, surely_overlap
-from taskgist.world.geometry.boxes import COLUMNS, boxes_of, near_ball, seen_from
-from taskgist.world.geometry.clearance import Clearance
+from taskgist.world.geometry.distances import (
+    COLUMNS,
+    Clearance,
+    any_near,
+    boxes_gap_m,
+    boxes_of,
+    near_ball,
+    next_near,
+    seen_from,
+    surely_overlap,
+)
 
 KINDS = ("sphere", "capsule", "cylinder", "ellipsoid", "box")
 SURE_M = 1e-3

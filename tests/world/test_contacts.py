@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from taskgist.settings import DEFAULT
 from taskgist.world import Fitter, Scene, Stage, State, container_of, holding_of, overlaps, rests_on, support_of
-from taskgist.world.geometry.rotations import about_z
 from taskgist.world.geometry.shapes import lowest_point, surface_points
+from taskgist.world.geometry.transforms import about_z
 from tests.scenes import TABLE, agent, box, cylinder, scene
 
 CONTACT = DEFAULT.contact

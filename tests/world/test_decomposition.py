@@ -12,8 +12,7 @@ import pytest
 from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, container_of, overlaps, support_of
-from taskgist.world.geometry.convex_parts import cache_folder, read_parts
-from taskgist.world.geometry.mesh_pieces import Piece, hollow_m, joined, pieces
+from taskgist.world.geometry.convex import Piece, cache_folder, hollow_m, joined, pieces, read_parts
 from tests import meshes
 from tests.meshes import Mesh, mesh_scene
 

@@ -9,7 +9,7 @@ from taskgist.errors import SceneError, UnknownNameError
 from taskgist.settings import DEFAULT
 from taskgist.world import FreeMotion, Scene, Stage, State, container_of, free_motion, support_of
 from taskgist.world.dynamics import GRAVITY_M_S2, STEP_S
-from taskgist.world.geometry.rotations import about_z, matrix_from_wxyz, normalized, rotate
+from taskgist.world.geometry.transforms import about_z, matrix_from_wxyz, normalized, rotate
 from tests.scenes import TABLE, agent, box, cylinder, scene
 
 TOP = 0.72

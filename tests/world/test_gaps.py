@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from taskgist.world.geometry.gaps import gap_m
+from taskgist.world.geometry.distances import gap_m
 
 BOX = (0.4, 0.6, 0.02)
 RADIUS, HALF = 0.07, 0.16

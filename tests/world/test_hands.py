@@ -8,12 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from taskgist.common.toml import TomlTable
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world import HAND_KINDS, Hand, HandBox, HandKind, hand_boxes
-from taskgist.world.body.hands import FINGER_WIDTH_M, SPREAD_M, parse_hand
-from taskgist.world.body.profile import builtin_profile_text
-from taskgist.world.geometry.solids import distances_outside_m, spans_m
-from taskgist.world.toml_table import TomlTable
+from taskgist.world import HAND_KINDS, Hand, HandBox, HandKind, distances_outside_m, hand_boxes, spans_m
+from taskgist.world.bodies.hands import FINGER_WIDTH_M, SPREAD_M, parse_hand
+from taskgist.world.bodies.profile import builtin_profile_text
 from tests.meshes import mesh_scene
 
 TABLE = "opening_m = 0.1\nfinger_length_m = 0.09\nfinger_thickness_m = 0.018\npalm_m = [0.085, 0.028]\n"

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from taskgist.errors import InputError, SceneError, UnknownNameError
-from taskgist.world import Scene, Stage
-from taskgist.world.body.check import BODY, check_body
-from taskgist.world.body.frames import Frame
-from taskgist.world.body.profile import AgentProfile, builtin_profile_text, builtin_profiles
-from taskgist.world.body.profile_file import examine_profile, parse_profile
+from taskgist.world import AgentProfile, Scene, Stage, builtin_profiles
+from taskgist.world.bodies.frames import Frame
+from taskgist.world.bodies.profile import builtin_profile_text, examine_profile, parse_profile
+from taskgist.world.body_check import BODY, check_body
 from tests.bodies import needs
 
 MODEL = """<mujoco><compiler angle="degree" autolimits="true"/><worldbody><body name="base" pos="0 0 7">

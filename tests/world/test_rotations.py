@@ -3,25 +3,26 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from taskgist.world.geometry import rotations as r
+from taskgist.common.arrays import Array
+from taskgist.world.geometry import transforms as r
 
 quaternions = arrays(float, 4, elements=st.floats(-1, 1)).filter(lambda q: np.linalg.norm(q) > 0.1).map(r.normalized)
 vectors = arrays(float, 3, elements=st.floats(-10, 10))
 
 
 @given(quaternions)
-def test_matrix_and_back(wxyz: r.Array) -> None:
+def test_matrix_and_back(wxyz: Array) -> None:
     back = r.wxyz_from_matrix(r.matrix_from_wxyz(wxyz))
     assert abs(back @ wxyz) > 1 - 1e-9
 
 
 @given(quaternions, quaternions, vectors)
-def test_product_turns_like_one_after_the_other(a: r.Array, b: r.Array, v: r.Array) -> None:
+def test_product_turns_like_one_after_the_other(a: Array, b: Array, v: Array) -> None:
     np.testing.assert_allclose(r.rotate(r.multiply(a, b), v), r.rotate(a, r.rotate(b, v)), atol=1e-9)
 
 
 @given(quaternions, vectors)
-def test_conjugate_undoes(a: r.Array, v: r.Array) -> None:
+def test_conjugate_undoes(a: Array, v: Array) -> None:
     np.testing.assert_allclose(r.rotate(r.conjugate(a), r.rotate(a, v)), v, atol=1e-9)
 
 

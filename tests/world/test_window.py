@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taskgist.world import Around, SlidingWindow, velocity
+from taskgist.observe import Around, SlidingWindow, velocity
 
 steps = st.lists(st.floats(0.005, 0.4), min_size=0, max_size=40)
 

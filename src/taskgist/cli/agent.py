@@ -2,17 +2,168 @@
 
 from __future__ import annotations
 
+import math
+from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.text import Text
 
-from taskgist.cli.body_report import found_in, print_found
-from taskgist.cli.files import check_target
-from taskgist.cli.output import FAILED, OK, JsonOption, command, print_json
-from taskgist.errors import InputError
-from taskgist.world import Stage
-from taskgist.world.body.check import BODY, check_body
+from taskgist.cli.common import FAILED, OK, JsonOption, check_target, command, console, print_json
+from taskgist.errors import InputError, UnknownNameError, nearest
+from taskgist.perspective.image import view_of
+from taskgist.world.bodies.profile import DERIVED_M, Axis
+from taskgist.world.body_check import BODY, BodyCheck, check_body
+from taskgist.world.stage import Stage
+
+# --- What ``taskgist agent check`` says of a body, as data and as text.
+
+
+def found_in(result: BodyCheck) -> dict[str, object]:
+    """Everything that was found of a profile, as plain data."""
+    found: dict[str, object] = {
+        "profile": result.name,
+        "fit": not result.problems,
+        "problems": [_told(problem) for problem in result.problems],
+        "doubts": list(result.doubts),
+        "lacks": list(result.lacks),
+    }
+    return found | _body(result) if result.scene is not None else found
+
+
+def _body(result: BodyCheck) -> dict[str, object]:
+    assert result.scene is not None
+    assert result.given is not None
+    stage = Stage(result.scene)
+    body, given = result.scene.agent(BODY), result.given
+    p, eye = body.profile, stage.eye(body)
+    arms = [
+        {
+            "side": arm.profile.side,
+            "shoulder_m": _rounded(stage.shoulder(arm).position),
+            "palm_m": _rounded(stage.site(arm.palm_site).position),
+            "length_m": round(arm.profile.length_m, 3),
+            "length": "derived" if asked.length_m == DERIVED_M else "given",
+            "azimuth_deg": _degrees(arm.profile.azimuth_rad),
+            "elevation_deg": _degrees(arm.profile.elevation_rad),
+        }
+        for asked, arm in zip(given.arms, body.arms, strict=True)
+    ]
+    return {
+        "name": p.name,
+        "model": p.model,
+        "base": {"moves": p.moves, "height_m": round(float(stage.state.qpos[body.base][2]), 3)},
+        "eye": {
+            "frame": p.eye.frame.name,
+            "position_m": _rounded(eye.position),
+            "looks_along": _rounded(eye.matrix[:, 0]),
+            "fov_deg": _degrees(p.eye.fov_rad),
+            "image_px": list(p.eye.image_px),
+            "gaze_cone_deg": round(math.degrees(p.eye.gaze_cone_rad), 1),
+            "hidden_by_itself": _hidden_by_itself(stage),
+        },
+        "joints": {field: {"joint": axis.joint, "range_deg": _degrees(axis.range_rad)} for field, axis in p.axes},
+        "postures": list(p.legs.can),
+        "arms": arms,
+        "hand": {"kind": p.hand.kind, "opening_m": p.hand.opening_m} if p.hand else None,
+        "parts": {part: len(bodies) for part, bodies in body.parts.items()},
+    }
+
+
+def _hidden_by_itself(stage: Stage) -> dict[str, float]:
+    """Share of the image that each of its own bodies takes up, at rest."""
+    model, own = stage.scene.model, set(stage.scene.agent(BODY).geoms.tolist())
+    view = view_of(stage, BODY).geoms
+    hidden: Counter[str] = Counter()
+    for geom, count in Counter(view.ravel().tolist()).items():
+        if geom in own:
+            hidden[str(model.body(int(model.geom_bodyid[geom])).name).partition("/")[2]] += count
+    return {name: round(count / view.size, 4) for name, count in hidden.most_common()}
+
+
+def _rounded(vector: Iterable[float]) -> list[float]:
+    return [round(float(value), 3) for value in vector]
+
+
+def _degrees(angles: tuple[float, float]) -> list[float]:
+    return [round(math.degrees(angle), 1) for angle in angles]
+
+
+def print_found(result: BodyCheck, found: dict[str, object]) -> None:
+    """Print it for people."""
+    console.print(Text.assemble(f"{result.name}: ", _verdict(result)))
+    for problem in result.problems:
+        console.print(Text.assemble("  ", ("problem", "bold red"), f"   {_told(problem)}"))
+    for doubt in result.doubts:
+        console.print(Text.assemble("  ", ("doubt", "bold yellow"), f"     {doubt}"))
+    if result.scene is not None:
+        _print_body(result, found)
+    for lack in result.lacks:
+        console.print(Text.assemble("  ", ("note", "cyan"), f"      {lack}"))
+    if "picture" in found:
+        console.print(f"saved {found['picture']}")
+
+
+def _verdict(result: BodyCheck) -> tuple[str, str]:
+    if result.problems:
+        return "not fit to use", "bold red"
+    return ("doubtful: is that meant?", "bold yellow") if result.doubts else ("fit to use", "green")
+
+
+def _told(problem: InputError) -> str:
+    """A problem in one sentence: all known names, of which a robot has a hundred, only where none is near."""
+    near = nearest(problem.name, problem.known) if isinstance(problem, UnknownNameError) else None
+    if near is None:
+        return str(problem)
+    return str(InputError(problem.problem, where=problem.where, hint=f"did you mean {near!r}?"))
+
+
+def _print_body(result: BodyCheck, found: dict[str, object]) -> None:
+    assert result.scene is not None
+    stage, body = Stage(result.scene), result.scene.agent(BODY)
+    p, eye = body.profile, found["eye"]
+    assert isinstance(eye, dict)
+    fov = " × ".join(f"{angle:.0f}°" for angle in eye["fov_deg"])
+    pixels = " × ".join(map(str, p.eye.image_px))
+    _line("model", p.model)
+    _line("base", "moves about" if p.moves else "stays where it stands")
+    height, cone = stage.eye(body).position[2], eye["gaze_cone_deg"]
+    _line("eye", f"{p.eye.frame.name}, {height:.2f} m high; {fov}, {pixels} pixels; gaze cone {cone:.0f}°")
+    axes = dict(p.axes)
+    for part, fields in (("head", ("pan", "tilt")), ("torso", ("turn", "lean"))):
+        named = [(field, axes.get(f"{part}.{field}")) for field in fields]
+        _line(part, ", ".join(_axis(field, axis) for field, axis in named if axis) or "no joints that turn")
+    _line("postures", " and ".join(p.legs.can))
+    for arm in body.arms:
+        reach = f"reaches {arm.profile.length_m:.2f} m"
+        sector = f"azimuth {_span(arm.profile.azimuth_rad)}, elevation {_span(arm.profile.elevation_rad)}"
+        shoulder = f"shoulder {arm.profile.shoulder.name}, {stage.shoulder(arm).position[2]:.2f} m high"
+        _line(f"{arm.profile.side} arm", f"{shoulder}; {reach}; {sector}")
+    _line("hand", f"{p.hand.kind}, opens {100 * p.hand.opening_m:.1f} cm" if p.hand else "none")
+    parts = (f"{part} ({len(bodies)})" for part, bodies in body.parts.items())
+    _line("parts", f"{', '.join(parts)}: bodies of the model")
+    for name, share in eye["hidden_by_itself"].items():
+        hint = "; if that is the eye's own housing, add it to eye.exclude" if share > SUSPECT else ""
+        console.print(Text.assemble("  ", ("note", "cyan"), f"      {name} hides {share:.1%} of its view{hint}"))
+
+
+SUSPECT = 0.25
+"""Share of the image above which what hides it is probably around the eye."""
+
+
+def _line(what: str, text: str) -> None:
+    console.print(f"  {what:9} {text}")
+
+
+def _axis(field: str, axis: Axis) -> str:
+    return f"{field} {axis.joint} {_span(axis.range_rad)}"
+
+
+def _span(angles: tuple[float, float]) -> str:
+    return f"{math.degrees(angles[0]):.0f}° to {math.degrees(angles[1]):.0f}°"
+
 
 agent_app = typer.Typer(help="Bodies: check an agent profile, human or robot.", no_args_is_help=True)
 

@@ -9,20 +9,17 @@ import typer
 
 from taskgist.cli.agent import agent_app
 from taskgist.cli.check import check
+from taskgist.cli.common import console, say_that_it_compiles
 from taskgist.cli.demo import demo
-from taskgist.cli.evaluate import evaluate
 from taskgist.cli.explain import explain
 from taskgist.cli.facts import facts
 from taskgist.cli.import_ import import_
 from taskgist.cli.label import label
 from taskgist.cli.learn import learn
 from taskgist.cli.map_ import map_
-from taskgist.cli.output import console, say_that_it_compiles
-from taskgist.cli.paper import paper
 from taskgist.cli.query import query
 from taskgist.cli.see import see
-from taskgist.cli.simulate import simulate
-from taskgist.world import when_compiling
+from taskgist.common.compiled import when_compiling
 
 app = typer.Typer(
     name="taskgist",
@@ -63,7 +60,6 @@ app.command("explain")(explain)
 app.command("see")(see)
 app.command("query")(query)
 app.command("map")(map_)
-app.command("paper")(paper)
-app.command("simulate")(simulate)
-app.command("evaluate")(evaluate)
 app.add_typer(agent_app, name="agent")
+for _entry in metadata.entry_points(group="taskgist.commands"):
+    app.command(_entry.name)(_entry.load())

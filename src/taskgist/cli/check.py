@@ -6,10 +6,19 @@ from dataclasses import asdict
 
 from rich.text import Text
 
-from taskgist.cli.files import RecordingsArgument, read_all
-from taskgist.cli.output import FAILED, OK, JsonOption, command, console, print_json, progress_bar
-from taskgist.study import Checkup
-from taskgist.study import check as check_recording
+from taskgist.cli.common import (
+    FAILED,
+    OK,
+    JsonOption,
+    RecordingsArgument,
+    command,
+    console,
+    print_json,
+    progress_bar,
+    read_all,
+)
+from taskgist.pipeline.checkup import Checkup
+from taskgist.pipeline.checkup import check as check_recording
 
 STYLES = {"unfit": "bold red", "warning": "yellow", "note": "cyan"}
 

@@ -8,14 +8,17 @@ from typing import Annotated, Any
 import typer
 from rich.text import Text
 
-from taskgist.cli.files import make_folder
-from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
-from taskgist.cli.understanding import print_understanding, understanding_document
-from taskgist.facts import STANDARD_TREE, with_predicates
-from taskgist.learning import Explanation, Knowledge
-from taskgist.recording import Recording, read
-from taskgist.study import explain_all, label_of, shipped_recordings
-from taskgist.world import Stage
+from taskgist.cli.common import JsonOption, command, console, make_folder, print_json, progress_bar
+from taskgist.cli.explain import print_understanding, understanding_document
+from taskgist.facts.predicates import with_predicates
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.learning.explanation import Explanation
+from taskgist.learning.knowledge import Knowledge
+from taskgist.pipeline.explain import explain_all, label_of
+from taskgist.pipeline.shipped import shipped_recordings
+from taskgist.recording.mcap import read
+from taskgist.recording.recording import Recording
+from taskgist.world.stage import Stage
 
 RULE = "─" * 80
 TASKS = {
@@ -39,7 +42,7 @@ def demo(
     Example: taskgist demo -o /tmp/demo
     """
     make_folder(out, "--out")
-    from taskgist.store import update  # with sqlalchemy, which only knowledge should wait for
+    from taskgist.store.database import update  # with sqlalchemy, which only knowledge should wait for
 
     update(out / "knowledge.db")  # what lies there must be usable, before any long work
     knowledge, documents = Knowledge(), {}
@@ -78,7 +81,7 @@ def _picture(recording: Recording, path: Path) -> Path:
     label = label_of(recording)
     states = (recording.at(label.start_s), recording.at(label.end_s))
     title = f"{label.task}: {label.performing_agent} → {label.target_agent}, {label.target_object} ({recording.name})"
-    from taskgist.view import before_after_picture  # with matplotlib, which only pictures should wait for
+    from taskgist.view.scene import before_after_picture  # with matplotlib, which only pictures should wait for
 
     return before_after_picture(
         Stage(recording.scene), states, label.target_agent, label.target_object, path, title=title

@@ -2,19 +2,138 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import Annotated
+from fractions import Fraction
+from typing import Annotated, Any
 
 import typer
+from rich.text import Text
 
-from taskgist.cli.files import KNOWLEDGE, KnowledgeOption, about
-from taskgist.cli.output import JsonOption, command, console, print_json
-from taskgist.cli.understanding import print_understanding, understanding_document
+from taskgist.cli.common import KNOWLEDGE, JsonOption, KnowledgeOption, about, command, console, print_json
 from taskgist.errors import KnowledgeError, UnknownNameError
-from taskgist.facts import STANDARD_TREE, with_predicates
-from taskgist.language import why
-from taskgist.learning import Context
+from taskgist.facts.predicates import with_predicates
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.tree import Node
+from taskgist.language.sentences import asked, indifference, meaning, why
+from taskgist.learning.clause import clause_of
+from taskgist.learning.estimate import Verdict
+from taskgist.learning.explanation import Context
+from taskgist.learning.questions import questions_of
+from taskgist.learning.understanding import Judgement, Understanding
 from taskgist.settings import BANDS, DEFAULT
+
+# --- How an understanding is printed: clause, tree, meaning, questions; and the same as JSON.
+
+STYLES = {
+    Verdict.RELEVANT: "green",
+    Verdict.IRRELEVANT: "dim",
+    Verdict.CONFUSING: "yellow",
+    Verdict.UNOBSERVED: "dim italic",
+}
+
+
+def print_understanding(understanding: Understanding, *, whole_tree: bool = True) -> None:
+    """Print the meaning, the clause in the paper's words, the tree with its figures, and open questions."""
+    clause = clause_of(understanding)
+    count = len(understanding.experience.explanations)
+    console.print(Text(meaning(understanding), style="bold"))
+    console.print(indifference(understanding))
+    console.print()
+    console.print(f"Task({clause.task}) ←   learned from {count} demonstration{'s' if count != 1 else ''}")
+    for title, literals in (("effects", clause.effects), ("preconditions", clause.preconditions)):
+        for number, literal in enumerate(literals):
+            console.print(Text(f"  {title if number == 0 else '':14}{literal}"))
+    if whole_tree:
+        console.print()
+        print_tree(understanding)
+    for question in questions_of(understanding):
+        console.print(Text("question ", style="yellow") + Text(asked(question)))
+
+
+def print_tree(understanding: Understanding) -> None:
+    """Print every node: best value, count, m-estimate Q, consistency factor CF and verdict; kept nodes stand out."""
+    rows = [
+        row
+        for root in understanding.tree.nodes
+        if root.parent is None
+        for row in _rows(understanding, root, first="", rest="")
+    ]
+    width = max(len(text) for text, _ in rows)
+    console.print(f"{'● node = best value':{width}}  n/N      Q      CF  verdict")
+    for text, judgement in rows:
+        console.print(Text(f"{text:{width}}  ", style="bold" if judgement.kept else "") + _figures(judgement))
+    console.print("●: kept, as it and all above it are relevant; Q: m-estimate of the value; CF: consistency factor")
+
+
+def _rows(understanding: Understanding, node: Node, *, first: str, rest: str) -> Iterator[tuple[str, Judgement]]:
+    """A node and all below it, each as text with its guides, and its judgement."""
+    judgement = understanding.judgements[node.name]
+    mark = "●" if judgement.kept else "·"
+    yield f"{first}{mark} {node.title} = {judgement.value or 'unknown'}", judgement
+    children = understanding.tree.children(node.name)
+    for child in children:
+        last = child is children[-1]
+        yield from _rows(
+            understanding, child, first=f"{rest}{'└ ' if last else '├ '}", rest=f"{rest}{'  ' if last else '│ '}"
+        )
+
+
+def _figures(judgement: Judgement) -> Text:
+    estimate = judgement.estimate
+    share = f"{judgement.counts.get(judgement.value or '', 0)}/{estimate.N}"
+    numbers = f"{_decimal(estimate.Q):>5}  {_decimal(estimate.CF):>6}" if judgement.counts else " " * 13
+    answered = ", by answer" if judgement.answer else ""
+    return Text(f"{share:>4}  {numbers}  ") + Text(judgement.verdict.value + answered, STYLES[judgement.verdict])
+
+
+def _decimal(value: Fraction) -> str:
+    return f"{float(value):.3f}"
+
+
+def understanding_document(understanding: Understanding) -> dict[str, Any]:
+    """The same as plain data; fractions are given exactly, as text, and as numbers."""
+    clause = clause_of(understanding)
+    return {
+        "task": understanding.task,
+        "meaning": meaning(understanding),
+        "indifference": indifference(understanding),
+        "demonstrations": [
+            {"name": each.demonstration, "digest": each.digest, "source": each.source}
+            for each in sorted(
+                understanding.experience.explanations.values(), key=lambda e: (e.demonstration, e.digest)
+            )
+        ],
+        "clause": {
+            "text": str(clause),
+            "effects": [{"node": c.node, "title": c.title, "value": c.value} for c in clause.effects],
+            "preconditions": [{"node": c.node, "title": c.title, "value": c.value} for c in clause.preconditions],
+        },
+        "nodes": {name: _node_document(judgement) for name, judgement in understanding.judgements.items()},
+        "questions": [
+            {
+                "node": question.node.name,
+                "text": asked(question),
+                "choices": [{"value": c.value, "demonstrations": list(c.demonstrations)} for c in question.choices],
+            }
+            for question in questions_of(understanding)
+        ],
+    }
+
+
+def _node_document(judgement: Judgement) -> dict[str, Any]:
+    estimate = judgement.estimate
+    exact = {"Q": estimate.Q, "NRE": estimate.NRE, "CF": estimate.CF, "d1": estimate.d1, "d2": estimate.d2}
+    return {
+        "title": judgement.node.title,
+        "level": judgement.node.level,
+        "value": judgement.value,
+        "counts": dict(judgement.counts),
+        "N": estimate.N,
+        **{key: {"exact": str(value), "value": float(value)} for key, value in exact.items()},
+        "verdict": judgement.verdict.value,
+        "kept": judgement.kept,
+    }
 
 
 @command
@@ -36,7 +155,7 @@ def explain(
     if band not in BANDS:
         raise UnknownNameError("band", band, BANDS)
     tree = with_predicates(STANDARD_TREE)
-    from taskgist.store import load  # with sqlalchemy, which only knowledge should wait for
+    from taskgist.store.database import load  # with sqlalchemy, which only knowledge should wait for
 
     if node is not None and task is None:
         raise KnowledgeError("of which task?", field="--why", value=node, hint="taskgist explain TASK --why NODE")

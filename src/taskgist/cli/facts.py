@@ -8,16 +8,21 @@ from typing import Annotated, Any
 import typer
 from rich.text import Text
 
-from taskgist.cli.files import RecordingArgument, about
-from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
+from taskgist.cli.common import JsonOption, RecordingArgument, about, command, console, print_json, progress_bar
+from taskgist.common.frozen import thaw
 from taskgist.errors import LabelError
-from taskgist.facts import STANDARD_TREE, UNKNOWN, Observation, known_predicates, thaw, with_predicates
-from taskgist.learning import Explanation, explain
-from taskgist.observe import Observer, snapshot
-from taskgist.recording import Recording, read
+from taskgist.facts.predicates import known_predicates, with_predicates
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.values import UNKNOWN, Observation
+from taskgist.learning.explanation import Explanation, explain
+from taskgist.observe.attributes import snapshot
+from taskgist.observe.history import Observer
+from taskgist.pipeline.explain import episode_of, observe_recording
+from taskgist.pipeline.facts_over_time import Timeline, timeline
+from taskgist.recording.mcap import read
+from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT
-from taskgist.study import Timeline, episode_of, observe_recording, timeline
-from taskgist.world import Stage
+from taskgist.world.stage import Stage
 
 
 @command

@@ -8,10 +8,12 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from taskgist.cli.files import check_target
-from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
+from taskgist.cli.common import JsonOption, check_target, command, console, print_json, progress_bar
 from taskgist.errors import MappingError
-from taskgist.recording import Recording, import_recording, load_mapping, write
+from taskgist.importing.build import import_recording
+from taskgist.importing.mapping_file import load_mapping
+from taskgist.recording.mcap import write
+from taskgist.recording.recording import Recording
 
 
 @command

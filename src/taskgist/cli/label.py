@@ -9,11 +9,22 @@ from typing import Annotated
 
 import typer
 
-from taskgist.cli.files import RecordingArgument, about
-from taskgist.cli.output import FAILED, OK, JsonOption, command, console, print_json, progress_bar
+from taskgist.cli.common import (
+    FAILED,
+    OK,
+    JsonOption,
+    RecordingArgument,
+    about,
+    command,
+    console,
+    print_json,
+    progress_bar,
+)
 from taskgist.errors import LabelError
-from taskgist.recording import Label, Recording, read, write
-from taskgist.study import observe_recording, propose_label
+from taskgist.pipeline.explain import observe_recording
+from taskgist.recognition.label_proposal import propose_label
+from taskgist.recording.mcap import read, write
+from taskgist.recording.recording import Label, Recording
 
 OPTIONS = MappingProxyType(
     {

@@ -7,15 +7,29 @@ from typing import Annotated
 
 import typer
 
-from taskgist.cli.files import KNOWLEDGE, KnowledgeOption, about, check_target, read_all
-from taskgist.cli.output import JsonOption, command, console, print_json, progress_bar
-from taskgist.cli.understanding import print_understanding, understanding_document
+from taskgist.cli.common import (
+    KNOWLEDGE,
+    JsonOption,
+    KnowledgeOption,
+    about,
+    check_target,
+    command,
+    console,
+    print_json,
+    progress_bar,
+    read_all,
+)
+from taskgist.cli.explain import print_understanding, understanding_document
 from taskgist.errors import KnowledgeError, RecordingError
-from taskgist.facts import STANDARD_TREE, HypothesisTree, known_predicates, read_facts, with_predicates
-from taskgist.learning import Context, Explanation, Knowledge, explain
-from taskgist.recording import Recording
+from taskgist.facts.elsewhere import read_facts
+from taskgist.facts.predicates import known_predicates, with_predicates
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.tree import HypothesisTree
+from taskgist.learning.explanation import Context, Explanation, explain
+from taskgist.learning.knowledge import Knowledge
+from taskgist.pipeline.explain import explain_all, label_of
+from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT
-from taskgist.study import explain_all, label_of
 
 
 @command
@@ -66,7 +80,8 @@ def learn(
 
 def _check_knowledge(knowledge: str, tree: HypothesisTree) -> None:
     """Refuse knowledge that cannot be added to before the long work, not after it."""
-    from taskgist.store import file_of, load, update  # with sqlalchemy, which only knowledge should wait for
+    from taskgist.store.address import file_of
+    from taskgist.store.database import load, update  # with sqlalchemy, which only knowledge should wait for
 
     path = file_of(knowledge)
     if path is None:
@@ -83,7 +98,7 @@ def _kept(knowledge: str, explanations: list[Explanation], *, replace: bool) -> 
     Raises:
         KnowledgeError: A recording was learned from already, with another label.
     """
-    from taskgist.store import update
+    from taskgist.store.database import update
 
     known = update(knowledge)
     older = [each for explanation in explanations for each in known.rivals(explanation)]

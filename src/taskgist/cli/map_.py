@@ -9,20 +9,28 @@ from typing import Annotated, Any
 
 import typer
 
-from taskgist.cli.files import about, check_target
-from taskgist.cli.output import FAILED, OK, JsonOption, command, console, print_json
-from taskgist.cli.where import AtOption, WhereArgument, open_stage
+from taskgist.cli.common import (
+    FAILED,
+    OK,
+    AtOption,
+    JsonOption,
+    WhereArgument,
+    about,
+    check_target,
+    command,
+    console,
+    open_stage,
+    print_json,
+)
+from taskgist.common.files import replacing
 from taskgist.errors import InputError, UnknownNameError
-from taskgist.files import replacing
-from taskgist.perspective import EFFORT_NAMES, Ability
-from taskgist.perspective.maps.ability_map import TRIALS, AbilityMap, ability_map
-from taskgist.perspective.maps.file import write_maps
-from taskgist.perspective.maps.places import Place, places_for
-from taskgist.perspective.maps.where import zone_where
-from taskgist.perspective.maps.zone import Zone
-from taskgist.perspective.queries.asking import Perspectives
-from taskgist.perspective.queries.grammar import parse_question
-from taskgist.world import Stage
+from taskgist.maps.ability_map import TRIALS, AbilityMap, ability_map, write_maps
+from taskgist.maps.grid import Zone
+from taskgist.maps.places import Place, places_for, zone_where
+from taskgist.perspective.effort import EFFORT_NAMES, Ability
+from taskgist.perspective.queries import parse_question
+from taskgist.perspective.scene_efforts import Perspectives
+from taskgist.world.stage import Stage
 
 
 @command

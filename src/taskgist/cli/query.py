@@ -9,16 +9,24 @@ from typing import Annotated, Any
 import typer
 from rich.text import Text
 
-from taskgist.cli.files import about
-from taskgist.cli.output import FAILED, OK, JsonOption, command, console, print_json
-from taskgist.cli.where import AtOption, WhereArgument, open_stage
+from taskgist.cli.common import (
+    FAILED,
+    OK,
+    AtOption,
+    JsonOption,
+    WhereArgument,
+    about,
+    command,
+    console,
+    open_stage,
+    print_json,
+)
 from taskgist.errors import InputError, UnknownNameError
-from taskgist.perspective import ABILITIES, Ability, Effort
-from taskgist.perspective.queries.asking import Perspectives, able_by, becoming_able_by
-from taskgist.perspective.queries.grammar import parse_question
-from taskgist.perspective.queries.sets import objects_where
-from taskgist.perspective.queries.why import why
-from taskgist.world import Scene
+from taskgist.language.efforts import why
+from taskgist.perspective.effort import ABILITIES, Ability, Effort
+from taskgist.perspective.queries import objects_where, parse_question
+from taskgist.perspective.scene_efforts import Perspectives, able_by, becoming_able_by
+from taskgist.world.scene import Scene
 
 WIDTH = 28
 """Columns of an answer in a table."""

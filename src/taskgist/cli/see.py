@@ -7,11 +7,19 @@ from typing import Annotated
 
 import typer
 
-from taskgist.cli.files import about, check_target
-from taskgist.cli.output import JsonOption, command, console, print_json
-from taskgist.cli.where import AtOption, WhereArgument, open_stage
+from taskgist.cli.common import (
+    AtOption,
+    JsonOption,
+    WhereArgument,
+    about,
+    check_target,
+    command,
+    console,
+    open_stage,
+    print_json,
+)
 from taskgist.errors import InputError
-from taskgist.perspective import Visibility, visibility
+from taskgist.perspective.image import Visibility, visibility
 
 
 @command
@@ -41,7 +49,7 @@ def see(
     check_target(path, "--out")
     if path.suffix.lower() != ".png":
         raise InputError("pictures are PNG", where=path, field="--out", hint="name it .png")
-    from taskgist.view import see_picture  # with matplotlib, which only pictures should wait for
+    from taskgist.view.scene import see_picture  # with matplotlib, which only pictures should wait for
 
     see_picture(stage, agent, path, target=object)
     seen = {name: visibility(stage, agent, name) for name in scene.objects}

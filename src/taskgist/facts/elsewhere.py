@@ -24,13 +24,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from taskgist.errors import FactsError
-from taskgist.facts.episode import Episode
-from taskgist.facts.frozen import FrozenMap, Json, canonical_text, freeze
-from taskgist.facts.hints import allowed_names
+from taskgist.common.frozen import FrozenMap, Json, canonical_text, freeze
+from taskgist.errors import FactsError, allowed_names
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.subtree import Snapshot
-from taskgist.facts.tree import HypothesisTree
+from taskgist.facts.tree import Episode, HypothesisTree, Snapshot
 from taskgist.facts.values import NOT_OBSERVED, Observation, Raw
 
 FACTS_FORMAT = "taskgist.facts/1"

@@ -14,10 +14,9 @@ from importlib import metadata
 from typing import Any
 
 from taskgist.errors import FactsError
-from taskgist.facts.attributes import SymbolAttribute
-from taskgist.facts.comparisons import compare_statuses
-from taskgist.facts.subtree import Comparison, Leaf, Nature, NatureOf, Relation, Subtree
-from taskgist.facts.tree import HypothesisTree
+from taskgist.facts.standard import compare_statuses
+from taskgist.facts.tree import Comparison, HypothesisTree, Leaf, Nature, NatureOf, Relation, Subtree
+from taskgist.facts.values import SymbolAttribute
 
 ENTRY_POINTS = "taskgist.predicates"
 """Group of the entry points that offer a ``Predicate``."""

@@ -2,11 +2,108 @@
 
 from __future__ import annotations
 
-from taskgist.facts import comparisons, natures
+from collections.abc import Mapping
+
+from taskgist.facts import standard as comparisons
+from taskgist.facts import standard as natures
 from taskgist.facts import vocabulary as v
-from taskgist.facts.attributes import ScoreAttribute, SidedAttribute, SymbolAttribute
-from taskgist.facts.subtree import Leaf, Nature, Relation, Subtree
-from taskgist.facts.tree import HypothesisTree
+from taskgist.facts.tree import HypothesisTree, Leaf, Nature, Relation, Subtree
+from taskgist.facts.values import UNKNOWN, ScoreAttribute, SidedAttribute, SymbolAttribute, Unknown, Value
+from taskgist.settings import Settings
+
+# --- Comparisons (level 2): how an attribute differs between the start (¹) and the end (²) of a demonstration.
+
+
+def compare_efforts(initial: str, final: str, _settings: Settings) -> Value:
+    """Relative effort class (Eq. 10, whose printed signs are reversed: less effort at the end is *easier*)."""
+    before, after = v.EFFORT_LEVELS[initial], v.EFFORT_LEVELS[final]
+    if after == before:
+        return v.REMAINS_SAME
+    return v.BECOMES_EASIER if after < before else v.BECOMES_DIFFICULT
+
+
+def compare_scores(initial: float, final: float, settings: Settings) -> Value:
+    """Relative visibility class (Eq. 12).
+
+    The change counts relative to the greater score, so that forth and back are judged alike; scores below the
+    negligible one count as that one, so that noise around nothing is no change.
+    """
+    least = settings.vision.negligible_score
+    before, after = max(initial, least), max(final, least)
+    if abs(after - before) < settings.vision.change_tolerance * max(before, after) or after == before:
+        return v.ALMOST_SAME
+    return v.INCREASED if after > before else v.DECREASED
+
+
+def compare_postures(initial: str, final: str, _settings: Settings) -> Value:
+    """Relative posture class (Eq. 15)."""
+    return v.MAINTAINED if initial == final else v.CHANGED
+
+
+def compare_hands(
+    initial: Mapping[str, str | None],
+    final: Mapping[str, str | None],
+    _settings: Settings,
+) -> Value:
+    """Relative hand status class (Eq. 17): is the target object in any hand of the agent, before and after?"""
+    before, after = holds_object(initial), holds_object(final)
+    if isinstance(before, Unknown) or isinstance(after, Unknown):
+        return UNKNOWN
+    if before:
+        return v.MANIP_MAINTAINED if after else v.MANIP_LOSS
+    return v.MANIP_GAINED if after else v.MANIP_AVOIDED
+
+
+def holds_object(hands: Mapping[str, str | None]) -> bool | Unknown:
+    """Whether any hand holds the target object; one that surely does settles it, whatever the others do."""
+    if v.HOLDING_OBJECT in hands.values():
+        return True
+    return UNKNOWN if None in hands.values() else False
+
+
+def compare_statuses(initial: str, final: str, _settings: Settings) -> Value:
+    """Class of a status: *Maintaining*, or *Gaining* one with *Losing* the other as one value (Eq. 20)."""
+    return v.maintaining(final) if initial == final else v.gaining(final, losing=initial)
+
+
+def compare_motions(initial: str, final: str, _settings: Settings) -> Value:
+    """Relative motion class (Eq. 23)."""
+    classes = {
+        (v.STATIC, v.MOVING): v.MOTION_GAINED,
+        (v.MOVING, v.STATIC): v.MOTION_LOST,
+        (v.MOVING, v.MOVING): v.MOTION_MAINTAINED,
+        (v.STATIC, v.STATIC): v.MOTION_AVOIDED,
+    }
+    return classes[initial, final]
+
+
+# --- Natures (level 1): what a change means for the target agent.
+#
+# Each takes the class of level 2 and the final symbol of level 3; both are known when a nature is asked for, but for
+# the hands, whose class may be known where the status of a hand is not.
+
+
+def nature_of_effort(relation: str, _final: Value) -> Value:
+    """Nature of a relative effort class (Eq. 11)."""
+    return v.NOT_SUPPORTIVE if relation == v.BECOMES_DIFFICULT else v.SUPPORTIVE
+
+
+def nature_of_visibility(relation: str, _final: Value) -> Value:
+    """Nature of a relative visibility class (Eq. 13)."""
+    return v.NOT_SUPPORTIVE if relation == v.DECREASED else v.SUPPORTIVE
+
+
+def nature_of_hands(relation: str, _final: Value) -> Value:
+    """Nature of a relative hand status class (Eq. 18)."""
+    return v.MANIP_DESIRED if relation in (v.MANIP_MAINTAINED, v.MANIP_GAINED) else v.MANIP_NOT_DESIRED
+
+
+def nature_of_status(_relation: str, final: Value) -> Value:
+    """Nature of a status class: supportive of the final status, which it maintains or gains (Eq. 21).
+
+    The equation's *Not_Supportive* belongs to *Losing* alone, which never comes alone here.
+    """
+    return UNKNOWN if isinstance(final, Unknown) else v.supportive_of(final)
 
 
 def ability_subtree(ability: str, efforts: tuple[str, ...]) -> Subtree:

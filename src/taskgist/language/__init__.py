@@ -1,6 +1,5 @@
 """Language: explanations, reasons and questions in plain English."""
 
-from taskgist.language.phrases import listed, phrase, topic
-from taskgist.language.sentences import asked, indifference, meaning, why
+import lazy_loader
 
-__all__ = ["asked", "indifference", "listed", "meaning", "phrase", "topic", "why"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

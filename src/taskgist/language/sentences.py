@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from taskgist.language.changes import ABILITIES
-from taskgist.language.phrases import listed, phrase, topic
-from taskgist.learning import Judgement, Literal, Question, Understanding, Verdict, clause_of
+from taskgist.language.phrases import ABILITIES, listed, phrase, topic
+from taskgist.learning.clause import Literal, clause_of
+from taskgist.learning.estimate import Verdict
+from taskgist.learning.questions import Question
+from taskgist.learning.understanding import Judgement, Understanding
 
 
 def meaning(understanding: Understanding) -> str:

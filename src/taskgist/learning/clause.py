@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from taskgist.facts import NEGLIGIBLE, UNKNOWN, Instant, Node, Nodes, Unknown
+from taskgist.facts.tree import Instant, Node, Nodes
+from taskgist.facts.values import NEGLIGIBLE, UNKNOWN, Unknown
 from taskgist.learning.understanding import Judgement, Understanding
 
 

@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
+from taskgist.common.frozen import FrozenMap, canonical_text
 from taskgist.errors import KnowledgeError, UnknownNameError
-from taskgist.facts import FrozenMap, Unknown, canonical_text
+from taskgist.facts.values import Unknown
 from taskgist.learning.explanation import Context, Explanation
 
 Counts = FrozenMap[str, FrozenMap[str, int]]

@@ -8,19 +8,11 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from taskgist.common.frozen import FrozenMap, Json, canonical_text
 from taskgist.errors import KnowledgeError
-from taskgist.facts import (
-    STANDARD_TREE,
-    UNKNOWN,
-    Episode,
-    FrozenMap,
-    HypothesisTree,
-    Json,
-    Nodes,
-    Observation,
-    Value,
-    canonical_text,
-)
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.tree import Episode, HypothesisTree, Nodes
+from taskgist.facts.values import UNKNOWN, Observation, Value
 from taskgist.settings import DEFAULT, Settings
 
 

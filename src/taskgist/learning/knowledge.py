@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from taskgist.common.frozen import FrozenMap
 from taskgist.errors import UnknownNameError
-from taskgist.facts import STANDARD_TREE, FrozenMap, HypothesisTree
-from taskgist.learning.answers import Answer
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.tree import HypothesisTree
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Context, Explanation
-from taskgist.learning.understanding import Understanding, understand
+from taskgist.learning.understanding import Answer, Understanding, understand
 from taskgist.settings import DEFAULT, Learning
 
 

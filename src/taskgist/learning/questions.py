@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from taskgist.facts import Node
-from taskgist.learning.answers import Answer
+from taskgist.facts.tree import Node
 from taskgist.learning.estimate import Verdict
-from taskgist.learning.understanding import Judgement, Understanding
+from taskgist.learning.understanding import Answer, Judgement, Understanding
 
 
 @dataclass(frozen=True)

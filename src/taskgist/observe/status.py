@@ -7,8 +7,12 @@ from dataclasses import dataclass
 
 from taskgist.facts import vocabulary as v
 from taskgist.settings import Contact
-from taskgist.world import Agent, ArmIndices, Hold, Holding, Stage, hand_known, holding_of, posture_of, rests_on
+from taskgist.world.bodies.agent import Agent, ArmIndices
 from taskgist.world.contacts import Rest
+from taskgist.world.holding import Holding, hand_known, holding_of, rests_on
+from taskgist.world.postures import posture_of
+from taskgist.world.stage import Stage
+from taskgist.world.state import Hold
 
 POSTURE_SYMBOLS = {"standing": v.STANDING, "sitting": v.SITTING}
 

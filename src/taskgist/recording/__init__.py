@@ -4,29 +4,6 @@
 ``import_recording`` that into a recording.
 """
 
-from taskgist.recording.build import Progress, import_recording, silent
-from taskgist.recording.label import Label
-from taskgist.recording.mapping import Mapping, load_mapping
-from taskgist.recording.mcap_file import read, write
-from taskgist.recording.provenance import Provenance
-from taskgist.recording.recording import Recording
-from taskgist.recording.signals import Signal
-from taskgist.recording.tracks import ObjectTrack, PersonTrack, Tracks, read_tracks
+import lazy_loader
 
-__all__ = [
-    "Label",
-    "Mapping",
-    "ObjectTrack",
-    "PersonTrack",
-    "Progress",
-    "Provenance",
-    "Recording",
-    "Signal",
-    "Tracks",
-    "import_recording",
-    "load_mapping",
-    "read",
-    "read_tracks",
-    "silent",
-    "write",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -5,16 +5,244 @@ All of it is derived from the states, which are the data; reading a recording ig
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from typing import Any
+
 import numpy as np
-from numpy.typing import NDArray
 
-from taskgist.recording.foxglove_shapes import LISTS, Message, primitives
-from taskgist.recording.recording import Recording
-from taskgist.recording.rounding import nanoseconds
-from taskgist.world import Pose, Stage
-from taskgist.world.geometry.rotations import matrix_from_wxyz, multiply, rotate
+from taskgist.common.arrays import Array
+from taskgist.recording.recording import Recording, nanoseconds
+from taskgist.world.geometry.transforms import Pose, matrix_from_wxyz, multiply, rotate, wxyz_from_matrix
+from taskgist.world.scene import Scene
+from taskgist.world.stage import Stage
 
-Array = NDArray[np.float64]
+# --- JSON schemas of the Foxglove messages that a recording carries for viewers, under their well-known names.
+#
+# The same fields as in the published schemas (https://github.com/foxglove/foxglove-sdk/tree/main/schemas/jsonschema);
+# a test holds the messages to the official Protobuf definitions.
+
+Schema = dict[str, Any]
+
+
+def _message(title: str, **properties: Schema) -> Schema:
+    return {"title": title, "type": "object", "properties": properties}
+
+
+def _list(items: Schema) -> Schema:
+    return {"type": "array", "items": items}
+
+
+def _clock(title: str, seconds: Schema) -> Schema:
+    nanoseconds = {"type": "integer", "minimum": 0, "maximum": 999_999_999}
+    return _message(title, sec=seconds, nsec=nanoseconds)
+
+
+NUMBER: Schema = {"type": "number"}
+TEXT: Schema = {"type": "string"}
+FLAG: Schema = {"type": "boolean"}
+INDEX: Schema = {"type": "integer", "minimum": 0}
+
+TIME = _clock("time", {"type": "integer", "minimum": 0})
+DURATION = _clock("duration", {"type": "integer"})
+VECTOR3 = _message("foxglove.Vector3", x=NUMBER, y=NUMBER, z=NUMBER)
+POINT3 = _message("foxglove.Point3", x=NUMBER, y=NUMBER, z=NUMBER)
+QUATERNION = _message("foxglove.Quaternion", x=NUMBER, y=NUMBER, z=NUMBER, w=NUMBER)
+POSE = _message("foxglove.Pose", position=VECTOR3, orientation=QUATERNION)
+COLOR = _message("foxglove.Color", r=NUMBER, g=NUMBER, b=NUMBER, a=NUMBER)
+KEY_VALUE = _message("foxglove.KeyValuePair", key=TEXT, value=TEXT)
+
+FRAME_TRANSFORM = _message(
+    "foxglove.FrameTransform",
+    timestamp=TIME,
+    parent_frame_id=TEXT,
+    child_frame_id=TEXT,
+    translation=VECTOR3,
+    rotation=QUATERNION,
+)
+FRAME_TRANSFORMS = _message("foxglove.FrameTransforms", transforms=_list(FRAME_TRANSFORM))
+
+_ARROW = _message(
+    "foxglove.ArrowPrimitive",
+    pose=POSE,
+    shaft_length=NUMBER,
+    shaft_diameter=NUMBER,
+    head_length=NUMBER,
+    head_diameter=NUMBER,
+    color=COLOR,
+)
+_CUBE = _message("foxglove.CubePrimitive", pose=POSE, size=VECTOR3, color=COLOR)
+_SPHERE = _message("foxglove.SpherePrimitive", pose=POSE, size=VECTOR3, color=COLOR)
+_CYLINDER = _message(
+    "foxglove.CylinderPrimitive", pose=POSE, size=VECTOR3, bottom_scale=NUMBER, top_scale=NUMBER, color=COLOR
+)
+_LINE = _message(
+    "foxglove.LinePrimitive",
+    type={"title": "foxglove.LineType", "oneOf": [{"const": number} for number in range(3)]},
+    pose=POSE,
+    thickness=NUMBER,
+    scale_invariant=FLAG,
+    points=_list(POINT3),
+    color=COLOR,
+    colors=_list(COLOR),
+    indices=_list(INDEX),
+)
+_TRIANGLES = _message(
+    "foxglove.TriangleListPrimitive",
+    pose=POSE,
+    points=_list(POINT3),
+    color=COLOR,
+    colors=_list(COLOR),
+    indices=_list(INDEX),
+)
+_TEXT = _message(
+    "foxglove.TextPrimitive",
+    pose=POSE,
+    billboard=FLAG,
+    font_size=NUMBER,
+    scale_invariant=FLAG,
+    color=COLOR,
+    text=TEXT,
+)
+_MODEL = _message(
+    "foxglove.ModelPrimitive",
+    pose=POSE,
+    scale=VECTOR3,
+    color=COLOR,
+    override_color=FLAG,
+    url=TEXT,
+    media_type=TEXT,
+    data={"type": "string", "contentEncoding": "base64"},
+)
+_ENTITY = _message(
+    "foxglove.SceneEntity",
+    timestamp=TIME,
+    frame_id=TEXT,
+    id=TEXT,
+    lifetime=DURATION,
+    frame_locked=FLAG,
+    metadata=_list(KEY_VALUE),
+    arrows=_list(_ARROW),
+    cubes=_list(_CUBE),
+    spheres=_list(_SPHERE),
+    cylinders=_list(_CYLINDER),
+    lines=_list(_LINE),
+    triangles=_list(_TRIANGLES),
+    texts=_list(_TEXT),
+    models=_list(_MODEL),
+)
+_DELETION = _message(
+    "foxglove.SceneEntityDeletion",
+    timestamp=TIME,
+    type={"title": "foxglove.SceneEntityDeletionType", "oneOf": [{"const": number} for number in range(2)]},
+    id=TEXT,
+)
+SCENE_UPDATE = _message("foxglove.SceneUpdate", deletions=_list(_DELETION), entities=_list(_ENTITY))
+
+
+# --- MuJoCo's shapes as Foxglove's primitives. Foxglove gives whole edges and diameters, MuJoCo halves and radii.
+
+Message = dict[str, Any]
+Drawn = Iterator[tuple[str, Message]]
+"""Pairs of a list in a foxglove.SceneEntity, such as "cubes", and a primitive for it."""
+
+LISTS = ("cubes", "spheres", "cylinders", "triangles")
+PLANE_EDGE_M = 10.0
+"""Edge of a floor that has none."""
+
+_PLANE_THICKNESS_M = 0.002
+_DECIMALS = 5
+
+
+def primitives(scene: Scene, geom: int, pose: Pose) -> Drawn:
+    """How a shape of a scene is drawn; kinds that Foxglove has no primitive for are left out.
+
+    Args:
+        scene: The scene.
+        geom: Index of the shape.
+        pose: Where it is, in the frame of the entity.
+    """
+    draw = _DRAWERS.get(int(scene.model.geom_type[geom]))
+    for kind, primitive in () if draw is None else draw(scene, geom, pose):
+        yield kind, primitive | {"color": _color(scene, geom)}
+
+
+def pose_message(pose: Pose) -> Message:
+    """A foxglove.Pose."""
+    w, x, y, z = _rounded_list(wxyz_from_matrix(pose.matrix))
+    return {"position": vector(pose.position), "orientation": {"x": x, "y": y, "z": z, "w": w}}
+
+
+def vector(values: Any) -> Message:
+    """A foxglove.Vector3, or foxglove.Point3."""
+    x, y, z = _rounded_list(values)
+    return {"x": x, "y": y, "z": z}
+
+
+def _box(scene: Scene, geom: int, pose: Pose) -> Drawn:
+    yield "cubes", {"pose": pose_message(pose), "size": vector(2.0 * scene.model.geom_size[geom])}
+
+
+def _plane(scene: Scene, geom: int, pose: Pose) -> Drawn:
+    half_x, half_y, _ = scene.model.geom_size[geom]
+    size = (2.0 * half_x or PLANE_EDGE_M, 2.0 * half_y or PLANE_EDGE_M, _PLANE_THICKNESS_M)
+    beneath = Pose(pose.to_world((0.0, 0.0, -_PLANE_THICKNESS_M / 2)), pose.matrix)
+    yield "cubes", {"pose": pose_message(beneath), "size": vector(size)}
+
+
+def _sphere(scene: Scene, geom: int, pose: Pose) -> Drawn:
+    diameter = 2.0 * scene.model.geom_size[geom][0]
+    yield "spheres", {"pose": pose_message(pose), "size": vector((diameter, diameter, diameter))}
+
+
+def _ellipsoid(scene: Scene, geom: int, pose: Pose) -> Drawn:
+    yield "spheres", {"pose": pose_message(pose), "size": vector(2.0 * scene.model.geom_size[geom])}
+
+
+def _cylinder(scene: Scene, geom: int, pose: Pose) -> Drawn:
+    radius, half_length, _ = scene.model.geom_size[geom]
+    size = vector((2.0 * radius, 2.0 * radius, 2.0 * half_length))
+    yield "cylinders", {"pose": pose_message(pose), "size": size, "bottom_scale": 1.0, "top_scale": 1.0}
+
+
+def _capsule(scene: Scene, geom: int, pose: Pose) -> Drawn:
+    half_length = scene.model.geom_size[geom][1]
+    yield from _cylinder(scene, geom, pose)
+    for end in (-half_length, half_length):
+        yield from _sphere(scene, geom, Pose(pose.to_world((0.0, 0.0, end)), pose.matrix))
+
+
+def _mesh(scene: Scene, geom: int, pose: Pose) -> Drawn:
+    model = scene.model
+    mesh = int(model.geom_dataid[geom])
+    vertices = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]]
+    faces = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]]
+    triangles = {"points": [vector(vertex) for vertex in vertices], "indices": np.ravel(faces).tolist(), "colors": []}
+    yield "triangles", {"pose": pose_message(pose), **triangles}
+
+
+_DRAWERS: dict[int, Callable[[Scene, int, Pose], Drawn]] = {
+    0: _plane,
+    2: _sphere,
+    3: _capsule,
+    4: _ellipsoid,
+    5: _cylinder,
+    6: _box,
+    7: _mesh,
+}
+"""By MuJoCo's numbers of kinds, mjtGeom."""
+
+
+def _color(scene: Scene, geom: int) -> Message:
+    model = scene.model
+    material = int(model.geom_matid[geom])
+    rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
+    return dict(zip("rgba", (round(float(channel), 3) for channel in rgba), strict=True))
+
+
+def _rounded_list(values: Any) -> list[float]:
+    rounded: list[float] = (np.round(np.asarray(values, dtype=np.float64), _DECIMALS) + 0.0).tolist()
+    return rounded
+
 
 WORLD = "world"
 DECIMALS = 3  # of metres and quaternions: for the eye; the states keep more

@@ -2,24 +2,350 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import hashlib
 import json
-from collections.abc import Mapping
+import math
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from taskgist.errors import RecordingError
-from taskgist.recording.label import Label
-from taskgist.recording.provenance import Provenance
-from taskgist.recording.rounding import nanoseconds, whole
-from taskgist.recording.signals import Signal, checked_signals
-from taskgist.recording.validation import Flags, check_positions, check_times, checked_tracking
-from taskgist.world import Scene, State
+from taskgist.common.arrays import Array
+from taskgist.errors import LabelError, RecordingError, UnknownNameError
+from taskgist.world.scene import Scene
+from taskgist.world.state import State
 
-Array = NDArray[np.float64]
+# --- The operator's label: which task, by whom, for whom, on what, from when to when (7.2).
+
+_TOLERANCE_S = 1e-6  # times on disk are whole nanoseconds
+
+
+@dataclass(frozen=True)
+class Label:
+    """What a recording demonstrates.
+
+    Attributes:
+        task: Name of the task, such as "give".
+        performing_agent: Who performs it.
+        target_agent: For whom.
+        target_object: With what.
+        start_s: Start, seconds since the recording's origin.
+        end_s: End.
+        how: How the label was set: by hand, from which events.
+
+    Raises:
+        LabelError: A field is empty, a list, or not a time; the end is not after the start; both agents are the same.
+    """
+
+    task: str
+    performing_agent: str
+    target_agent: str
+    target_object: str
+    start_s: float
+    end_s: float
+    how: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("task", "performing_agent", "target_agent", "target_object"):
+            _check_name(name, getattr(self, name))
+        for name in ("start_s", "end_s"):
+            _check_time(name, getattr(self, name))
+        if self.end_s <= self.start_s:
+            raise LabelError(
+                "the label ends before it starts",
+                field="end_s",
+                value=self.end_s,
+                hint=f"give an end after start_s = {self.start_s:g}",
+            )
+        if self.performing_agent == self.target_agent:
+            raise LabelError(
+                "performing and target agent are the same",
+                field="target_agent",
+                value=self.target_agent,
+                hint="name the other agent, for whom the task is performed",
+            )
+
+    def check(
+        self,
+        *,
+        agents: Collection[str],
+        objects: Collection[str],
+        first_s: float = -math.inf,
+        last_s: float = math.inf,
+    ) -> None:
+        """Refuse a label that does not fit a recording.
+
+        Args:
+            agents: Names of the recording's agents.
+            objects: Names of its objects.
+            first_s: Time of its first frame.
+            last_s: Time of its last frame.
+
+        Raises:
+            UnknownNameError: An agent or the object is not in it.
+            LabelError: The label reaches outside of it.
+        """
+        for agent in (self.performing_agent, self.target_agent):
+            if agent not in agents:
+                raise UnknownNameError("agent", agent, agents)
+        if self.target_object not in objects:
+            raise UnknownNameError("object", self.target_object, objects)
+        for name, time_s in (("start_s", self.start_s), ("end_s", self.end_s)):
+            if not first_s - _TOLERANCE_S <= time_s <= last_s + _TOLERANCE_S:
+                raise LabelError(
+                    "the label reaches outside of the recording",
+                    field=name,
+                    value=time_s,
+                    hint=f"give a time between {first_s:g} and {last_s:g} s",
+                )
+
+
+def _check_name(field: str, value: object) -> None:
+    if isinstance(value, list | tuple | set | frozenset):
+        noun = field.replace("_", " ")
+        raise LabelError(
+            f"several values of one {noun} are not supported yet",
+            field=field,
+            value=value,
+            hint=f"label one {noun}; make a copy of the recording with its own label for each other one",
+        )
+    if not isinstance(value, str) or not value.strip():
+        raise LabelError("must be a name", field=field, value=value, hint="give a text that is not empty")
+
+
+def _check_time(field: str, value: object) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise LabelError("must be a time", field=field, value=value, hint="give seconds, such as 1.5")
+
+
+# --- Where a recording comes from, and what was done to it.
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Origin of a recording.
+
+    Attributes:
+        source: Who recorded it, where it was published.
+        licence: Licence under which it may be used.
+        citation: What to cite.
+        simulated: Whether a scripted demonstrator made it, rather than people.
+        notes: What a user should know about it: estimates, parts that are unknown and why.
+        mapping: Text of the mapping file that brought it in.
+        fit: Report on how well the body fits the tracked points, as plain JSON values.
+    """
+
+    source: str = ""
+    licence: str = ""
+    citation: str = ""
+    simulated: bool = False
+    notes: tuple[str, ...] = ()
+    mapping: str = ""
+    fit: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "notes", tuple(self.notes))
+        object.__setattr__(self, "fit", MappingProxyType(copy.deepcopy(dict(self.fit))))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Rebuild through the constructor: a read-only mapping cannot be pickled."""
+        return (Provenance, tuple(self.as_dict().values()))
+
+    def as_dict(self) -> dict[str, Any]:
+        """All fields as plain values, in order."""
+        return {
+            "source": self.source,
+            "licence": self.licence,
+            "citation": self.citation,
+            "simulated": self.simulated,
+            "notes": list(self.notes),
+            "mapping": self.mapping,
+            "fit": copy.deepcopy(dict(self.fit)),
+        }
+
+
+# --- The precision of a recording: what is kept on disk, and what its digest sees.
+#
+# Rounding is idempotent, so that writing, reading and writing again gives the same file, and a recording that was
+# just imported has the digest of the file that is written of it. A tenth of a millimetre and a thousandth of a degree
+# are finer than any tracker.
+
+POSITION_DECIMALS = 4  # metres
+ANGLE_DECIMALS = 5  # radians, and components of quaternions
+TIME_DECIMALS = 9  # seconds
+
+
+def decimals(scene: Scene) -> NDArray[np.intp]:
+    """Decimals kept of each of a scene's positions, (nq,)."""
+    kept = np.full(scene.nq, ANGLE_DECIMALS, dtype=np.intp)
+    for free in free_slices(scene):
+        kept[free.start : free.start + 3] = POSITION_DECIMALS
+    return kept
+
+
+def free_slices(scene: Scene) -> tuple[slice, ...]:
+    """Slices of qpos (7) of everything that moves freely: agents first, then objects."""
+    bases = [scene.base_slice(agent) for agent in scene.agents]
+    return (*bases, *(scene.object_slice(name) for name in scene.objects))
+
+
+def rounded(qpos: Array, scene: Scene) -> Array:
+    """Positions, (..., nq), at the precision of a recording."""
+    scale = 10.0 ** decimals(scene)
+    return np.asarray(np.rint(qpos * scale) / scale + 0.0)  # + 0.0 turns -0.0 into 0.0
+
+
+def whole(qpos: Array, scene: Scene) -> NDArray[np.int64]:
+    """The same as whole numbers of their last decimal, (..., nq), for digests."""
+    return np.asarray(np.rint(qpos * 10.0 ** decimals(scene)), dtype=np.int64)
+
+
+def nanoseconds(times_s: Array) -> NDArray[np.int64]:
+    """Times in whole nanoseconds, (N,)."""
+    return np.asarray(np.rint(times_s * 10.0**TIME_DECIMALS), dtype=np.int64)
+
+
+# --- Signals: numbers over time that are no motion, such as the force of a grip. Witnesses; facts do not read them.
+
+DECIMALS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """One signal at the frames of a recording.
+
+    Attributes:
+        values: (N,), NaN where unknown.
+        unit: Unit of the values, such as "N".
+    """
+
+    values: NDArray[np.float64]
+    unit: str
+
+    def __post_init__(self) -> None:
+        values = np.array(self.values, dtype=np.float64)
+        values.flags.writeable = False
+        object.__setattr__(self, "values", values)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Rebuild through the constructor, so that the array stays read-only."""
+        return (Signal, (np.array(self.values), self.unit))
+
+
+def checked_signals(count: int, signals: Mapping[str, Signal]) -> Mapping[str, Signal]:
+    """The signals, read-only.
+
+    Raises:
+        RecordingError: Values of the wrong shape.
+    """
+    for name, signal in signals.items():
+        if signal.values.shape != (count,):
+            hint = f"give one value for each of the {count} frames"
+            raise RecordingError("wrong shape", field=f"signals[{name!r}]", value=signal.values.shape, hint=hint)
+    return MappingProxyType(dict(signals))
+
+
+def encode_signals(signals: Mapping[str, Signal], frame: int) -> dict[str, float | None]:
+    """The message of one frame: value by name, null where unknown."""
+    values = {name: round(float(signal.values[frame]), DECIMALS) for name, signal in signals.items()}
+    return {name: None if np.isnan(value) else value for name, value in values.items()}
+
+
+def decode_signals(units: Mapping[str, str], messages: tuple[Mapping[str, float | None], ...]) -> dict[str, Signal]:
+    """The signals of all frames."""
+    return {
+        name: Signal(np.array([np.nan if m[name] is None else m[name] for m in messages], dtype=float), unit)
+        for name, unit in units.items()
+    }
+
+
+SIGNALS_SCHEMA = {
+    "title": "taskgist.Signals",
+    "description": "Value of each signal, in the unit that the metadata taskgist.recording gives; null: unknown.",
+    "type": "object",
+    "additionalProperties": {"type": ["number", "null"]},
+}
+
+
+# --- What the arrays of a recording must be.
+
+Flags = NDArray[np.bool_]
+
+
+def check_times(times_s: Array) -> None:
+    """Refuse times that are too few, negative, not finite, or run backwards.
+
+    Raises:
+        RecordingError: They are.
+    """
+    if times_s.ndim != 1 or len(times_s) < 2:
+        hint = "a recording needs at least two frames"
+        raise RecordingError("too few frames", field="times_s", value=times_s.shape, hint=hint)
+    if not np.isfinite(times_s).all():
+        frame = int(np.argmin(np.isfinite(times_s)))
+        raise RecordingError(f"frame {frame} has no time", field="times_s", value=float(times_s[frame]))
+    if times_s[0] < 0.0:
+        hint = "count seconds from the start of the recording"
+        raise RecordingError("times are negative", field="times_s", value=float(times_s[0]), hint=hint)
+    forwards = np.diff(nanoseconds(times_s)) > 0
+    if not forwards.all():
+        frame = int(np.argmin(forwards)) + 1
+        before, after = float(times_s[frame - 1]), float(times_s[frame])
+        problem = "times run backwards" if after < before else "times repeat"
+        hint = "sort the frames by time, and drop repeated ones"
+        raise RecordingError(f"{problem} at frame {frame}", field="times_s", value=(before, after), hint=hint)
+
+
+def check_positions(scene: Scene, times_s: Array, qpos: Array) -> None:
+    """Refuse positions of the wrong shape, values that are not finite, and quaternions of length zero.
+
+    Raises:
+        RecordingError: There are such.
+    """
+    if qpos.shape != (len(times_s), scene.nq):
+        hint = f"{len(times_s)} frames of this scene need the shape {(len(times_s), scene.nq)}"
+        raise RecordingError("wrong shape", field="qpos", value=qpos.shape, hint=hint)
+    if not np.isfinite(qpos).all():
+        frame, column = (int(index) for index in np.argwhere(~np.isfinite(qpos))[0])
+        hint = "give any finite filler and say in tracked that it is unknown"
+        raise RecordingError(
+            f"frame {frame}, column {column} is not finite", field="qpos", value=float(qpos[frame, column]), hint=hint
+        )
+    for free in free_slices(scene):
+        length = np.linalg.norm(qpos[:, free][:, 3:], axis=1)
+        if (length < 0.5).any():
+            frame = int(np.argmax(length < 0.5))
+            problem = f"frame {frame}, columns {free.start + 3} to {free.stop - 1} hold no unit quaternion"
+            value = qpos[frame, free][3:].tolist()
+            raise RecordingError(problem, field="qpos", value=value, hint="give w, x, y, z of length 1")
+
+
+def checked_tracking(scene: Scene, count: int, tracked: Mapping[str, Flags]) -> Mapping[str, Flags]:
+    """The flags, read-only; without what was always tracked.
+
+    Raises:
+        RecordingError: Flags of the wrong shape.
+        UnknownNameError: The scene has nothing of that name.
+    """
+    known = {*scene.agents, *scene.objects, *(f"{a}/{part}" for a in scene.agents for part in scene.parts(a))}
+    checked = {}
+    for name, flags in sorted(tracked.items()):
+        if name not in known:
+            raise UnknownNameError("object, agent or part", name, known)
+        array = np.array(flags, dtype=np.bool_)
+        if array.shape != (count,):
+            hint = f"give one flag for each of the {count} frames"
+            raise RecordingError("wrong shape", field=f"tracked[{name!r}]", value=array.shape, hint=hint)
+        array.flags.writeable = False
+        if not array.all():
+            checked[name] = array
+    return MappingProxyType(checked)
+
 
 _TIME_TOLERANCE_S = 1e-6
 

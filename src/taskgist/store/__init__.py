@@ -1,6 +1,5 @@
 """Store: knowledge that lasts, in a SQLite file or a shared database."""
 
-from taskgist.store.address import Address, file_of
-from taskgist.store.database import load, save, update
+import lazy_loader
 
-__all__ = ["Address", "file_of", "load", "save", "update"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

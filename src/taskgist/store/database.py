@@ -13,7 +13,9 @@ from pathlib import Path
 from sqlalchemy.engine import Connection
 
 from taskgist.errors import KnowledgeError
-from taskgist.learning import Answer, Context, Explanation, Knowledge
+from taskgist.learning.explanation import Context, Explanation
+from taskgist.learning.knowledge import Knowledge
+from taskgist.learning.understanding import Answer
 from taskgist.store import tables
 from taskgist.store.address import Address, file_of, shown, transaction
 

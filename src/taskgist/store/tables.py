@@ -9,9 +9,11 @@ from collections.abc import Iterable
 from sqlalchemy import Column, MetaData, String, Table, Text, delete, insert, inspect, select
 from sqlalchemy.engine import Connection
 
+from taskgist.common.frozen import canonical_text
 from taskgist.errors import KnowledgeError
-from taskgist.facts import canonical_text
-from taskgist.learning import Answer, Explanation, Knowledge, answer_from_json, explanation_from_json
+from taskgist.learning.explanation import Explanation, explanation_from_json
+from taskgist.learning.knowledge import Knowledge
+from taskgist.learning.understanding import Answer, answer_from_json
 
 SCHEMA_VERSION = "1"
 """Version of these tables."""

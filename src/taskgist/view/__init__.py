@@ -1,7 +1,5 @@
 """View: pictures of what agents see and of what a demonstration changed."""
 
-from taskgist.view.eyes import before_after_picture, see_picture
-from taskgist.view.rendering import Rendered, looking, pinhole, render
-from taskgist.view.saving import save_figure
+import lazy_loader
 
-__all__ = ["Rendered", "before_after_picture", "looking", "pinhole", "render", "save_figure", "see_picture"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -12,13 +12,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Wedge
-from numpy.typing import NDArray
 
-from taskgist.view.rendering import pinhole, render
-from taskgist.view.saving import save_figure
-from taskgist.world import Agent, ArmIndices, Pose, Stage
+from taskgist.common.arrays import Array
+from taskgist.view.rendering import pinhole, render, save_figure
+from taskgist.world.bodies.agent import Agent, ArmIndices
+from taskgist.world.geometry.transforms import Pose
+from taskgist.world.stage import Stage
 
-Array = NDArray[np.float64]
 FAR_M = 60.0
 """From so far away, a pinhole's picture is as good as a parallel one."""
 PIXELS_PER_M = 160

@@ -5,13 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
-from taskgist.world import Pose, Stage
+from taskgist.common.arrays import Array
+from taskgist.common.files import replacing
+from taskgist.errors import InputError
+from taskgist.world.geometry.transforms import Pose
+from taskgist.world.stage import Stage
 
-Array = NDArray[np.float64]
 LIGHT = np.array([0.3, 0.25, 0.9]) / math.sqrt(0.3**2 + 0.25**2 + 0.9**2)
 SKY, FLOOR = np.array([0.93, 0.95, 0.97]), np.array([0.78, 0.77, 0.74])
 TILE_M = 0.5
@@ -90,3 +96,24 @@ def looking(from_m: ArrayLike, at_m: ArrayLike) -> Pose:
     left = np.cross((0.0, 0.0, 1.0), forward)
     left /= np.linalg.norm(left)
     return Pose(position, np.stack((forward, left, np.cross(forward, left)), axis=1))
+
+
+# --- Saving pictures: whole or not at all, and the same bytes for the same picture.
+
+DPI = 100
+
+
+def save_figure(figure: Figure, path: Path) -> Path:
+    """Write a figure as PNG.
+
+    Raises:
+        InputError: The folder does not exist or cannot be written to.
+    """
+    FigureCanvasAgg(figure)
+    try:
+        with replacing(path) as stream:
+            figure.savefig(stream, format="png", dpi=DPI, metadata={"Software": None})
+    except OSError as error:
+        hint = "name a file in a folder that exists and may be written to"
+        raise InputError(f"cannot be written: {error.strerror}", where=path, hint=hint) from error
+    return path

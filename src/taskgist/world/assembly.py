@@ -3,27 +3,271 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 
 import mujoco
+import numpy as np
 
+from taskgist.common.toml import TomlTable
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.body.agent import Agent, resolve_agent
-from taskgist.world.body.anthropometry import HumanSize
-from taskgist.world.body.frames import add_frame
-from taskgist.world.body.hands import add_ghosts
-from taskgist.world.body.model_files import BUILDERS, body_files, builtin_models, is_found_anywhere, read_model
-from taskgist.world.body.named import name_problems
-from taskgist.world.body.placing import placed
-from taskgist.world.body.profile import AgentProfile, builtin_profile_text
-from taskgist.world.body.profile_file import parse_profile
-from taskgist.world.body.sizes import size_problems
-from taskgist.world.body.urdf import COLLISION_GROUP
-from taskgist.world.geometry.bounds import bound_all_shapes
-from taskgist.world.geometry.decomposition import decompose
-from taskgist.world.scene_file import DEFAULT_STATURE_M, STATURE, AgentEntry, SceneFile
+from taskgist.world.bodies.agent import SEEN_MASK, Agent, legs_for, resolve_agent, standing_height_m
+from taskgist.world.bodies.frames import add_frame
+from taskgist.world.bodies.hands import add_ghosts
+from taskgist.world.bodies.human import HumanSize
+from taskgist.world.bodies.model_files import (
+    BUILDERS,
+    body_files,
+    builtin_models,
+    find_file,
+    is_found_anywhere,
+    model_files,
+    name_problems,
+    read_file,
+    read_model,
+    size_problems,
+)
+from taskgist.world.bodies.profile import (
+    AgentProfile,
+    Posture,
+    builtin_profile_text,
+    builtin_profiles,
+    parse_profile,
+    read_posture,
+)
+from taskgist.world.bodies.urdf import COLLISION_GROUP
+from taskgist.world.geometry.convex import decompose
+from taskgist.world.geometry.distances import bound_all_shapes
+from taskgist.world.geometry.transforms import about_z
 from taskgist.world.state import State
+
+# --- Scene files: the TOML document that names a scene, and the gathering of all files that it needs.
+
+SCENE_KEYS = {"name", "model", "objects", "estimated"}
+AGENT_KEYS = {"profile", "position_m", "yaw_deg", "posture", "seat_height_m", "body", "joints_deg", "joints_m"}
+SEAT_HEIGHTS_M = (0.0, 1.5)
+STATURE = "stature_m"
+DEFAULT_STATURE_M = 1.75
+
+
+@dataclass(frozen=True)
+class AgentEntry:
+    """One ``[agents.NAME]`` table."""
+
+    name: str
+    profile: str
+    position_m: tuple[float, float]
+    yaw_rad: float
+    posture: Posture
+    seat_height_m: float | None
+    body: Mapping[str, float]
+    joints_rad: Mapping[str, float]
+    joints_m: Mapping[str, float]
+
+    @property
+    def profile_key(self) -> str:
+        """Name in the bundle of the profile's TOML."""
+        return f"{self.name}.profile.toml"
+
+    @property
+    def model_key(self) -> str:
+        """Name in the bundle of the profile's model."""
+        return f"{self.name}.model.xml"
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """A parsed scene file."""
+
+    name: str
+    model: str
+    objects: tuple[str, ...] | None
+    estimated: tuple[str, ...]
+    agents: tuple[AgentEntry, ...]
+    where: str = field(compare=False)
+
+
+def parse_scene_file(text: bytes | str, *, where: str) -> SceneFile:
+    """Read a scene file's text.
+
+    Raises:
+        SceneError: Not TOML, or a field is missing, unknown or has a value that cannot be.
+    """
+    document = TomlTable.parse(text, where).only({"scene", "agents"})
+    scene = document.table("scene").only(SCENE_KEYS)
+    agents = document.table("agents")
+    return SceneFile(
+        name=scene.text("name", Path(where).stem),
+        model=scene.text("model"),
+        objects=scene.names("objects") if "objects" in scene else None,
+        estimated=scene.names("estimated"),
+        agents=tuple(_agent(name, agents.table(name).only(AGENT_KEYS)) for name in agents),
+        where=where,
+    )
+
+
+def _agent(name: str, entry: TomlTable) -> AgentEntry:
+    if "/" in name or not name:
+        raise SceneError("not a name for an agent", where=entry.where, field=entry.path, hint="leave out the slash")
+    body, joints, slides = entry.table("body"), entry.table("joints_deg"), entry.table("joints_m")
+    return AgentEntry(
+        name=name,
+        profile=entry.text("profile", "human"),
+        position_m=entry.pair("position_m", (0.0, 0.0)),
+        yaw_rad=math.radians(entry.number("yaw_deg", 0.0)),
+        posture=read_posture(entry.text("posture", "standing"), where=f"{entry.where}: {entry.path}"),
+        seat_height_m=_checked_seat_height(entry) if "seat_height_m" in entry else None,
+        body={key: body.number(key) for key in body},
+        joints_rad={key: math.radians(joints.number(key)) for key in joints},
+        joints_m={key: slides.number(key) for key in slides},
+    )
+
+
+def _checked_seat_height(entry: TomlTable) -> float:
+    height = entry.number("seat_height_m")
+    if not SEAT_HEIGHTS_M[0] <= height <= SEAT_HEIGHTS_M[1]:
+        hint = f"between {SEAT_HEIGHTS_M[0]} and {SEAT_HEIGHTS_M[1]} m over the floor"
+        raise entry.error("nobody sits at that height", "seat_height_m", height, hint)
+    return height
+
+
+def bundle_from_path(path: Path) -> dict[str, bytes]:
+    """Gather a scene file and everything that it needs into memory.
+
+    Args:
+        path: The scene's TOML file.
+
+    Returns:
+        File contents by the names that ``parse_scene_file`` and ``assemble`` look for.
+
+    Raises:
+        SceneError: A file is missing or is no model.
+    """
+    text = read_file(path)
+    file = parse_scene_file(text, where=str(path))
+    bundle = {"scene.toml": text}
+    model = find_file(file.model, near=path.parent, where=path, field="scene.model")
+    bundle |= model_files(model, file.model, room=True)
+    for agent in file.agents:
+        bundle |= _profile_files(agent, path)
+    return bundle
+
+
+def _profile_files(agent: AgentEntry, scene_path: Path) -> dict[str, bytes]:
+    prefix = f"{agent.name}_"
+    if agent.profile in builtin_profiles():
+        text, folder, where = builtin_profile_text(agent.profile).encode(), None, f"profile {agent.profile}"
+    else:
+        path = scene_path.parent / agent.profile
+        field = f"{scene_path}: agents.{agent.name}"
+        if path.suffix != ".toml":
+            raise UnknownNameError("profile", agent.profile, builtin_profiles(), where=field)
+        text, folder, where = read_file(path, named_by=f"{field}.profile"), path.parent, str(path)
+    profile = parse_profile(text, where=where, stature_m=agent.body.get(STATURE))
+    files = body_files(profile, agent.model_key, prefix=prefix, folder=folder, where=where)
+    if folder is not None and files:  # here, where the file's own name is known
+        spec = read_model(files, agent.model_key, where=where, room=False)
+        for problem in name_problems(spec, profile, where):
+            raise problem
+    return {agent.profile_key: text, **files}
+
+
+# --- Placing agents: from a scene file's words to the first state of the scene.
+
+ABOVE_SEATS_M = 1.2
+"""Height from which a seat is searched downwards."""
+
+
+def placed(model: mujoco.MjModel, agents: Mapping[str, Agent], file: SceneFile) -> State:
+    """The state in which every agent is where the file says: on the floor, or on the seat that is found there.
+
+    Raises:
+        SceneError: There is no seat, or a joint does not go there.
+        UnknownNameError: There is no such joint.
+    """
+    data = mujoco.MjData(model)
+    for agent in agents.values():
+        data.qpos[agent.base] = (0, 0, -1000, 1, 0, 0, 0)  # out of the way of the search for seats
+    mujoco.mj_kinematics(model, data)
+    qpos = np.array(data.qpos)
+    for entry in file.agents:
+        agent = agents[entry.name]
+        legs, height = _stance(model, data, agent, entry, file.where)
+        joints = _rest(model, agent) | legs | _given(model, entry, agent, file.where)
+        for joint, value in joints.items():
+            qpos[agent.joints[joint]] = value
+        if not agent.profile.legs.feet:
+            height = standing_height_m(model, agent, qpos)
+        qpos[agent.base] = (*entry.position_m, height, *about_z(entry.yaw_rad))
+    return State(qpos)
+
+
+def _rest(model: mujoco.MjModel, agent: Agent) -> dict[str, float]:
+    """Where joints are if the scene says nothing: as the profile has it, else zero or the limit next to it."""
+    rest = dict.fromkeys(agent.joints, 0.0) | dict(agent.profile.rest_rad) | dict(agent.profile.rest_m)
+    for joint, value in rest.items():
+        limits = model.joint(f"{agent.name}/{joint}")
+        if limits.limited[0]:
+            rest[joint] = float(np.clip(value, *limits.range))
+    return rest
+
+
+def _given(model: mujoco.MjModel, entry: AgentEntry, agent: Agent, where: str) -> dict[str, float]:
+    """What the scene says about joints."""
+    turns = (entry.joints_rad, mujoco.mjtJoint.mjJNT_HINGE, "joints_deg", math.degrees(1.0), "turns", "degrees")
+    slides = (entry.joints_m, mujoco.mjtJoint.mjJNT_SLIDE, "joints_m", 1.0, "slides", "metres")
+    for given, kind, table, scale, moves, unit in (turns, slides):
+        place = f"agents.{entry.name}.{table}"
+        for joint, value in given.items():
+            if joint not in agent.joints:
+                raise UnknownNameError("joint", joint, agent.joints, where=f"{where}: {place}")
+            limits = model.joint(f"{agent.name}/{joint}")
+            if int(limits.type[0]) != int(kind):
+                hint = "joints_deg is for those that turn, joints_m for those that slide"
+                raise SceneError(f"not a joint that {moves}", where=where, field=f"{place}.{joint}", hint=hint)
+            low, high = (scale * float(limit) for limit in limits.range)
+            if limits.limited[0] and not low - 1e-6 <= scale * value <= high + 1e-6:
+                hint = f"it {moves} from {low:.3g} to {high:.3g} {unit}"
+                raise SceneError(
+                    "beyond the joint", where=where, field=f"{place}.{joint}", value=round(scale * value, 3), hint=hint
+                )
+    return {**entry.joints_rad, **entry.joints_m}
+
+
+def _stance(
+    model: mujoco.MjModel, data: mujoco.MjData, agent: Agent, entry: AgentEntry, where: str
+) -> tuple[dict[str, float], float]:
+    """Leg angles and height of the root."""
+    if entry.posture not in agent.profile.legs.can:
+        raise SceneError(
+            "this profile does not take that posture",
+            where=where,
+            field=f"agents.{entry.name}.posture",
+            value=entry.posture,
+            hint=f"it can be {' or '.join(agent.profile.legs.can)}",
+        )
+    if entry.posture == "standing":
+        return legs_for(model, agent, hip_height_m=math.inf)
+    seat = entry.seat_height_m if entry.seat_height_m is not None else _seat_height(model, data, entry, where)
+    return legs_for(model, agent, hip_height_m=seat + agent.profile.legs.seat_share * agent.stature_m)
+
+
+def _seat_height(model: mujoco.MjModel, data: mujoco.MjData, entry: AgentEntry, where: str) -> float:
+    top = np.array([*entry.position_m, ABOVE_SEATS_M])
+    distance = mujoco.mj_ray(model, data, top, np.array([0.0, 0.0, -1.0]), SEEN_MASK, True, -1, np.zeros(1, np.int32))
+    height = ABOVE_SEATS_M - distance
+    if distance < 0 or height < 0.2:
+        raise SceneError(
+            "nothing to sit on there",
+            where=where,
+            field=f"agents.{entry.name}.position_m",
+            value=entry.position_m,
+            hint="move the agent over a seat, or give seat_height_m",
+        )
+    return float(height)
+
 
 mujoco.set_mju_user_warning(logging.getLogger("taskgist.world").warning)  # otherwise MuJoCo writes a file of its own
 

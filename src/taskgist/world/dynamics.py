@@ -15,16 +15,16 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from taskgist.common.arrays import Array
 from taskgist.errors import SceneError
-from taskgist.world.geometry.rotations import conjugate, normalized, rotate, wxyz_from_matrix
-from taskgist.world.geometry.solids import hull_triangles
+from taskgist.world.geometry.shapes import hull_triangles
+from taskgist.world.geometry.transforms import conjugate, normalized, rotate, wxyz_from_matrix
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
-Array = NDArray[np.float64]
 Geom = mujoco.mjtGeom
 
 GRAVITY_M_S2 = 9.81

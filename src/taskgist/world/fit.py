@@ -11,22 +11,249 @@ solved by Newton steps under joint limits::
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import mink
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from taskgist.common.arrays import Array, Indices
 from taskgist.errors import UnknownNameError
-from taskgist.world.alone import alone
-from taskgist.world.fit_tasks import DirectionsTask, PointsTask, posture_costs
-from taskgist.world.fit_words import AXES, chosen_joints, free_dofs, landmarks_in
-from taskgist.world.scene import Scene
+from taskgist.world.assembly import AgentEntry, SceneFile, assemble, parse_scene_file
+from taskgist.world.bodies.agent import Agent
+from taskgist.world.scene import SCENE_FILE, Scene
 from taskgist.world.state import State
 
-Array = NDArray[np.float64]
+# --- An agent alone: the same body in an empty room, for what takes long where much could move.
+#
+# Inverse kinematics solves for everything that a model has joints for. In a room with others and with things, most of
+# that stays where it is; without them each step takes less than half the time.
+
+EMPTY_ROOM: Mapping[str, bytes] = {"empty.xml": b"<mujoco/>"}
+SOME_SEAT_M = 0.45
+"""Where nothing is to sit on, the height of a seat must be said; the fitted state has that of the scene."""
+
+
+@dataclass(frozen=True, eq=False)
+class Alone:
+    """A model of one agent of a scene and nothing else.
+
+    Attributes:
+        model: The model; names are those of the scene.
+        agent: The agent in it.
+        columns: Index into the scene's qpos of each of the model's, (nq,).
+    """
+
+    model: mujoco.MjModel
+    agent: Agent
+    columns: Indices
+
+    def qpos(self, everywhere: Array) -> Array:
+        """The agent's own positions (nq,) among those of the scene, (scene's nq,)."""
+        return np.array(everywhere[self.columns])
+
+    def within(self, everywhere: Array, qpos: Array) -> Array:
+        """Positions of the scene with the agent's own replaced, (scene's nq,)."""
+        changed = np.array(everywhere)
+        changed[self.columns] = qpos
+        return changed
+
+
+def alone(scene: Scene, name: str) -> Alone:
+    """An agent of a scene, alone.
+
+    Raises:
+        UnknownNameError: There is no such agent.
+    """
+    there = scene.agent(name)
+    model, agent = _apart(scene, name) if scene.nq > _count(there) else (scene.model, there)
+    columns = np.empty(model.nq, dtype=np.intp)
+    columns[agent.base] = np.arange(there.base.start, there.base.stop)
+    for joint, column in agent.joints.items():
+        columns[column] = there.joints[joint]
+    return Alone(model, agent, columns)
+
+
+def _count(agent: Agent) -> int:
+    """How many positions an agent has."""
+    return int(agent.base.stop - agent.base.start) + len(agent.joints)
+
+
+def _apart(scene: Scene, name: str) -> tuple[mujoco.MjModel, Agent]:
+    """The agent compiled anew, without the scene."""
+    file = parse_scene_file(scene.bundle[SCENE_FILE], where=scene.name)
+    (entry,) = (entry for entry in file.agents if entry.name == name)
+    (model,) = EMPTY_ROOM
+    empty = SceneFile(file.name, model, None, (), (_seated(entry),), file.where)
+    assembled = assemble(empty, {**scene.bundle, **EMPTY_ROOM})
+    return assembled.model, assembled.agents[name]
+
+
+def _seated(entry: AgentEntry) -> AgentEntry:
+    return replace(entry, seat_height_m=entry.seat_height_m or SOME_SEAT_M)
+
+
+# --- What a fit asks for, as tasks of mink's: many points, or many directions, at once.
+#
+# Errors are differences of positions in the world. (A frame's own task measures them in the frame, by the logarithm
+# of a whole pose: then the same distance weighs up to half as much again for a body that faces the other way.)
+
+POSTURE_COST = 1e-3
+"""Pull towards the posture of rest for joints that nothing else decides."""
+STIFF: Mapping[str, float] = {"girdle": 20.0, "torso": 10.0, "torso_side": 40.0, "head_roll": 40.0, "wrist": 3.0}
+"""How much more reluctantly joints move than others, by words in their names: people bend sideways last (ours)."""
+DAMPING = 1e-3
+"""Share of the squared error that is added to the diagonal: steps stay short while the targets are far."""
+
+
+class PointsTask(mink.Task):
+    """Sites at places.
+
+    Args:
+        sites: Indices of the sites, n of them.
+        targets_m: Where they should be in the world, metres, (n, 3).
+        costs: Weight of each, (n,).
+    """
+
+    def __init__(self, sites: Sequence[int], targets_m: Array, costs: Array) -> None:
+        super().__init__(cost=np.repeat(costs, 3), lm_damping=DAMPING)
+        self._sites = list(sites)
+        self._targets_m = targets_m
+
+    def compute_error(self, configuration: mink.Configuration) -> Array:
+        """Site minus target, metres, (3 n,)."""
+        return np.asarray((configuration.data.site_xpos[self._sites] - self._targets_m).ravel())
+
+    def compute_jacobian(self, configuration: mink.Configuration) -> Array:
+        """How it changes with the configuration, (3 n, nv)."""
+        model, data = configuration.model, configuration.data
+        jacobian = np.zeros((3 * len(self._sites), model.nv))
+        for row, site in enumerate(self._sites):
+            mujoco.mj_jacSite(model, data, jacobian[3 * row : 3 * row + 3], None, site)
+        return jacobian
+
+
+class DirectionsTask(mink.Task):
+    """Axes of sites along directions.
+
+    Args:
+        sites: Indices of the sites, n of them.
+        axes: The axis of each in its own frame, (n, 3), of length 1.
+        targets: Where they should point in the world, (n, 3), of length 1.
+        costs: Weight of each, (n,).
+    """
+
+    def __init__(self, sites: Sequence[int], axes: Array, targets: Array, costs: Array) -> None:
+        super().__init__(cost=np.repeat(costs, 3), lm_damping=DAMPING)
+        self._sites = list(sites)
+        self._axes = axes
+        self._targets = targets
+
+    def compute_error(self, configuration: mink.Configuration) -> Array:
+        """Axis minus target, (3 n,): the chord between them, nearly the angle in radians while it is small."""
+        return np.asarray((self.pointing(configuration) - self._targets).ravel())
+
+    def compute_jacobian(self, configuration: mink.Configuration) -> Array:
+        """How it changes with the configuration, (3 n, nv): an axis changes by turn × axis."""
+        model, data = configuration.model, configuration.data
+        jacobian = np.zeros((3 * len(self._sites), model.nv))
+        turn = np.zeros((3, model.nv))
+        for row, (site, axis) in enumerate(zip(self._sites, self.pointing(configuration), strict=True)):
+            mujoco.mj_jacSite(model, data, None, turn, site)
+            jacobian[3 * row : 3 * row + 3] = -_cross_matrix(axis) @ turn
+        return jacobian
+
+    def pointing(self, configuration: mink.Configuration) -> Array:
+        """Where the axes point in the world, (n, 3)."""
+        matrices = configuration.data.site_xmat[self._sites].reshape(-1, 3, 3)
+        return np.asarray((matrices @ self._axes[:, :, None])[:, :, 0])
+
+
+def _cross_matrix(vector: Array) -> Array:
+    """The matrix that multiplies as the cross product with a vector does."""
+    x, y, z = vector
+    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+
+
+def posture_costs(model: mujoco.MjModel, agent: Agent) -> Array:
+    """Pull of each degree of freedom towards the posture of rest, (nv,)."""
+    cost = np.full(model.nv, POSTURE_COST)
+    for joint in agent.joints:
+        stiffness = max((factor for word, factor in STIFF.items() if word in joint), default=1.0)
+        cost[int(model.joint(f"{agent.name}/{joint}").dofadr[0])] *= stiffness
+    return cost
+
+
+# --- The words of a fit: which joints may move, which points and directions of a body can be asked for.
+
+ARMS = ("girdle", "shoulder", "elbow", "forearm", "wrist")
+MOVING: Mapping[str, tuple[str, ...]] = {
+    "arms": ARMS,
+    "upper_body": ("torso", *ARMS),
+    "trunk_and_arms": ("torso", "head", *ARMS),
+}
+"""Named sets of joints that a fit may move, by words in the joints' names; ``body`` moves everything, the root too."""
+
+AXES: Mapping[str, tuple[str, tuple[float, float, float]]] = {
+    "face": ("eye", (1.0, 0.0, 0.0)),
+    "head_up": ("eye", (0.0, 0.0, 1.0)),
+    "left_hand": ("left_wrist", (0.0, 0.0, -1.0)),
+    "right_hand": ("right_wrist", (0.0, 0.0, -1.0)),
+    "left_palm": ("left_wrist", (0.0, -1.0, 0.0)),
+    "right_palm": ("right_wrist", (0.0, 1.0, 0.0)),
+    "left_thumb": ("left_wrist", (1.0, 0.0, 0.0)),
+    "right_thumb": ("right_wrist", (1.0, 0.0, 0.0)),
+    "pelvis": ("pelvis", (1.0, 0.0, 0.0)),
+    "pelvis_up": ("pelvis", (0.0, 0.0, 1.0)),
+    "chest": ("chest", (1.0, 0.0, 0.0)),
+}
+"""Directions that a fit may ask for: a landmark, and the axis of its frame. Of hands: to the fingers, out of the palm,
+to the thumb."""
+
+
+def landmarks(scene: Scene, agent: str) -> tuple[str, ...]:
+    """Names of the landmarks that an agent's model has."""
+    return landmarks_in(scene.model, agent)
+
+
+def landmarks_in(model: mujoco.MjModel, agent: str) -> tuple[str, ...]:
+    """Names of an agent's landmarks in a model."""
+    prefix = f"{agent}/"
+    names = (str(model.site(s).name) for s in range(model.nsite))
+    return tuple(name.removeprefix(prefix) for name in names if name.startswith(prefix))
+
+
+def chosen_joints(agent: Agent, moving: str | Collection[str]) -> Iterable[str]:
+    """Names of the joints that may move.
+
+    Args:
+        agent: Whose.
+        moving: A name of ``MOVING``, ``"body"``, or names of joints.
+
+    Raises:
+        UnknownNameError: There is no such set of joints, or no such joint.
+    """
+    if not isinstance(moving, str):
+        for joint in moving:
+            if joint not in agent.joints:
+                raise UnknownNameError("joint", joint, agent.joints, where=agent.name)
+        return moving
+    if moving == "body":
+        return agent.joints
+    if moving not in MOVING:
+        raise UnknownNameError("set of joints", moving, ("body", *MOVING))
+    return [joint for joint in agent.joints if any(word in joint for word in MOVING[moving])]
+
+
+def free_dofs(model: mujoco.MjModel, agent: Agent, moving: Iterable[str], *, root: bool) -> set[int]:
+    """Degrees of freedom of some of an agent's joints, and of its root if that moves, too."""
+    starts = [int(model.joint(f"{agent.name}/{joint}").dofadr[0]) for joint in moving]
+    base = int(model.body_dofadr[agent.root_body])
+    return {*starts, *(range(base, base + 6) if root else ())}
+
+
 IkTask = PointsTask | DirectionsTask | mink.PostureTask
 
 DIRECTION_COST_M = 0.15

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from taskgist.settings import Contact
-from taskgist.world.body.agent import Agent, ArmIndices
+from taskgist.world.bodies.agent import Agent, ArmIndices
 from taskgist.world.contacts import Rest, rest_of
 from taskgist.world.stage import Stage
 from taskgist.world.state import Hold

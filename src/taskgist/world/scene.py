@@ -31,13 +31,12 @@ import mujoco
 import numpy as np
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.assembly import Assembled, assemble
-from taskgist.world.body.agent import SEEN_GROUPS, Agent, subtree
-from taskgist.world.body.hands import GHOST_GROUP
-from taskgist.world.geometry.decomposition import whole
+from taskgist.world.assembly import Assembled, SceneFile, assemble, bundle_from_path, parse_scene_file
+from taskgist.world.bodies.agent import SEEN_GROUPS, Agent, subtree
+from taskgist.world.bodies.hands import GHOST_GROUP
+from taskgist.world.geometry.convex import whole
 from taskgist.world.geometry.rays import opaque, visible_geoms
 from taskgist.world.geometry.shapes import surface_points
-from taskgist.world.scene_file import SceneFile, bundle_from_path, parse_scene_file
 from taskgist.world.state import State
 
 SCENE_FILE = "scene.toml"

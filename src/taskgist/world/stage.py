@@ -17,16 +17,13 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from taskgist.world.body.agent import Agent, ArmIndices
-from taskgist.world.geometry.between import Shapes
-from taskgist.world.geometry.clearance import Clearance
-from taskgist.world.geometry.pose import Pose
-from taskgist.world.geometry.rays import Rays
+from taskgist.common.arrays import Array, Indices
+from taskgist.world.bodies.agent import Agent, ArmIndices
+from taskgist.world.geometry.distances import Clearance
+from taskgist.world.geometry.rays import Rays, Shapes
+from taskgist.world.geometry.transforms import Pose
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 
 class Stage:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -81,3 +82,17 @@ class State:
 def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
     array.flags.writeable = False
     return array
+
+
+# --- Frames: states of one scene in order of time, any of which can be asked for.
+
+
+class Frames(Protocol):
+    """A sequence of states; a recording is one."""
+
+    @property
+    def times_s(self) -> NDArray[np.float64]:
+        """Times of the frames in seconds, strictly increasing, (n,)."""
+
+    def state(self, index: int) -> State:
+        """The state in a frame."""

@@ -1,1 +1,1 @@
-"""Geometry: rays, gaps, kinematics, and shapes as they are seen and as they collide."""
+"""Geometry: transforms, rays, shapes, distances, convex parts."""

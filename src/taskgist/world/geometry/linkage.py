@@ -15,12 +15,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.world.body.agent import Agent
-from taskgist.world.geometry.compiled import compiled
-from taskgist.world.geometry.pose import Pose
+from taskgist.common.arrays import Array
+from taskgist.common.compiled import compiled
+from taskgist.world.bodies.agent import Agent
+from taskgist.world.geometry.transforms import Pose
 from taskgist.world.stage import Stage
 
-Array = NDArray[np.float64]
 SLIDE = int(mujoco.mjtJoint.mjJNT_SLIDE)
 POSE = 12
 """Numbers of a pose as a row: position, then matrix row by row."""

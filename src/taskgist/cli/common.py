@@ -1,0 +1,188 @@
+"""Reading and writing what commands name on the command line."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import wraps
+from pathlib import Path
+from types import MappingProxyType
+from typing import Annotated, Any, ParamSpec
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.text import Text
+
+from taskgist.errors import InputError, RecordingError, TaskgistError
+from taskgist.recording.mcap import read
+from taskgist.recording.recording import Recording
+from taskgist.world.scene import Scene
+from taskgist.world.stage import Stage
+
+RecordingArgument = Annotated[Path, typer.Argument(help="A recording (.mcap).", show_default=False)]
+RecordingsArgument = Annotated[list[Path], typer.Argument(help="Recordings (.mcap), or folders of them.")]
+KnowledgeOption = Annotated[
+    str, typer.Option("--knowledge", "-k", help="The knowledge file, or the URL of a shared database.")
+]
+KNOWLEDGE = "knowledge.db"
+NO_OPTIONS: Mapping[str, str] = MappingProxyType({})
+
+
+def read_all(paths: list[Path]) -> dict[Path, Recording]:
+    """Read recordings, or folders of them, by path and in order: all of them, before any long work.
+
+    Raises:
+        RecordingError: One cannot be read, or a folder holds none.
+    """
+    return {path: read(path) for given in paths for path in _recordings_in(given)}
+
+
+def _recordings_in(path: Path) -> list[Path]:
+    if not path.is_dir():
+        return [path]
+    inside = sorted(path.rglob("*.mcap"))
+    if not inside:
+        raise RecordingError(
+            "no recordings (*.mcap) in this folder", where=path, hint="name a recording, or a folder that holds some"
+        )
+    return inside
+
+
+@contextmanager
+def about(path: Path | str, options: Mapping[str, str] = NO_OPTIONS) -> Iterator[None]:
+    """Let errors from inside name the file, and the command's option in place of the library's field.
+
+    Args:
+        path: The file that was named on the command line.
+        options: Options by the fields that they set.
+    """
+    try:
+        yield
+    except InputError as error:
+        if str(path) not in (error.where or ""):
+            error.where = f"{path}: {error.where}" if error.where else str(path)
+        error.field = options.get(error.field or "", error.field)
+        raise
+
+
+def make_folder(folder: Path, option: str) -> None:
+    """Make a folder unless it is there, before any long work.
+
+    Raises:
+        InputError: It cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"cannot be made: {error.strerror}", where=folder, field=option, hint="name a folder"
+        ) from error
+
+
+def check_target(path: Path, option: str) -> None:
+    """Refuse a file that could not be written, before any long work.
+
+    Raises:
+        InputError: Its folder does not exist or may not be written to, or it is a folder itself.
+    """
+    folder = path.parent
+    if path.is_dir():
+        problem = "cannot be written: it is a folder"
+    elif not folder.is_dir():
+        problem = f"cannot be written: there is no folder {str(folder)!r}"
+    elif not os.access(folder, os.W_OK):
+        problem = f"cannot be written: the folder {str(folder)!r} is read-only"
+    else:
+        return
+    raise InputError(problem, where=path, field=option, hint="name a file in a folder that you may write to")
+
+
+# --- What the commands print with: console, progress bars, JSON, and errors that end with the right exit code.
+
+P = ParamSpec("P")
+
+OK, FAILED, MISUSED = 0, 1, 2
+"""Exit codes: done; done, and the answer is no; bad input or use."""
+
+console = Console(highlight=False, soft_wrap=True, markup=False, emoji=False)
+errors = Console(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)
+"""Names and paths of users may hold brackets and colons: nothing in a text is markup, styles are given apart."""
+
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
+
+
+def say_that_it_compiles() -> None:
+    """Explain the wait before the first answers after installation."""
+    if errors.is_terminal:
+        errors.print("Preparing inner loops for this machine, once: about half a minute.", style="dim")
+
+
+def print_json(document: Any) -> None:
+    """Print one JSON document on standard output."""
+    sys.stdout.write(json.dumps(document, ensure_ascii=False, indent=2) + "\n")
+
+
+@contextmanager
+def progress_bar(*, quiet: bool = False) -> Iterator[Callable[[str, float], None]]:
+    """A progress bar on standard error, gone when done; yields a function of (what, share from 0 to 1).
+
+    Args:
+        quiet: Show nothing.
+    """
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=30), TimeElapsedColumn())
+    with Progress(*columns, console=errors, transient=True, disable=quiet or not errors.is_terminal) as bar:
+        task = bar.add_task("", total=1.0)
+
+        def update(what: str, share: float) -> None:
+            bar.update(task, description=what, completed=share)
+
+        yield update
+
+
+def command(function: Callable[P, int | None]) -> Callable[P, None]:
+    """Make a function a command: expected errors become a message and exit code 2, a returned number the exit code."""
+
+    @wraps(function)
+    def run(*args: P.args, **kwargs: P.kwargs) -> None:
+        try:
+            code = function(*args, **kwargs)
+        except TaskgistError as error:
+            raise _refused(error) from error
+        except BrokenPipeError:
+            raise  # whoever reads has seen enough; the command line's frame ends quietly
+        except OSError as error:
+            raise _refused(error) from error
+        raise typer.Exit(code or OK)
+
+    return run
+
+
+def _refused(error: Exception) -> typer.Exit:
+    errors.print(Text.assemble(("error:", "bold red"), f" {error}"))
+    return typer.Exit(MISUSED)
+
+
+# --- What commands are asked about: a scene, or a moment of a recording.
+
+WhereArgument = Annotated[Path, typer.Argument(help="A scene (.toml) or a recording (.mcap).", show_default=False)]
+AtOption = Annotated[float | None, typer.Option(help="Time in a recording, seconds; default: its start.")]
+
+
+def open_stage(where: Path, at: float | None) -> Stage:
+    """A scene as it is placed, or as it was at a time of a recording.
+
+    Raises:
+        SceneError: The scene cannot be read.
+        RecordingError: The recording cannot be read or does not have that time, or a scene is asked for one.
+    """
+    with about(where, {"time_s": "--at"}):
+        if where.suffix.lower() == ".toml":
+            if at is not None:
+                raise RecordingError("a scene has no time", where=where, field="--at", value=at, hint="leave --at out")
+            return Stage(Scene.load(where))
+        recording = read(where)
+        return Stage(recording.scene, recording.at(float(recording.times_s[0]) if at is None else at))

@@ -1,0 +1,9 @@
+from .build import import_recording as import_recording
+from .mapping import ImportMapping as ImportMapping
+from .mapping_file import load_mapping as load_mapping
+from .table_values import Track as Track
+from .tables import Tables as Tables
+from .tracks import ObjectTrack as ObjectTrack
+from .tracks import PersonTrack as PersonTrack
+from .tracks import Tracks as Tracks
+from .tracks import read_tracks as read_tracks

@@ -1,0 +1,296 @@
+"""Reads tracks from the sources of a mapping; each file is opened once.
+
+A reference (source, point) is resolved in five steps: find the part of a table that belongs to the point, read
+positions, blank out what the tracker did not know, read times and orientations, and go from the source's axes to the
+room's.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable, Sequence
+from collections.abc import Mapping as AnyMapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.common.arrays import Array
+from taskgist.errors import MappingError, UnknownNameError
+from taskgist.importing.csv import CsvPart, CsvTable
+from taskgist.importing.mapping import Columns, Frame, ImportMapping, Name, PointRef, Rotation, SignalColumn, Source
+from taskgist.importing.table_values import Part, Tokens, Track, check_zeros, read_times, smoothed, wxyz_from_numbers
+from taskgist.world.geometry.transforms import changed_frame, matrix_from_wxyz
+
+# --- Tables as NumPy arrays: one array with an axis for time, or several (NPZ).
+
+USUAL_LAYOUTS: dict[int, tuple[Name, ...]] = {
+    1: ("time",),
+    2: ("time", "value"),
+    3: ("time", "{point}", "value"),
+    4: ("time", "{person}", "{point}", "value"),
+}
+"""Axes of an array whose layout the mapping leaves out, by their number."""
+
+
+class ArrayTable:
+    """The arrays of an NPZ or NPY file.
+
+    Args:
+        file: The file.
+        where: The mapping and source that name it, for messages.
+
+    Raises:
+        MappingError: The file is missing or holds no plain arrays.
+    """
+
+    def __init__(self, file: Path, where: str) -> None:
+        self.where = f"{where}: {file}"
+        try:
+            self._arrays = _loaded(file)
+        except OSError as problem:
+            reason = problem.strerror or str(problem)
+            hint = "check file, person and point, and the data folder"
+            raise MappingError("cannot read the arrays", where=self.where, value=reason, hint=hint) from None
+        except (ValueError, EOFError, zipfile.BadZipFile):
+            hint = "save plain arrays of numbers with numpy.savez or numpy.save"
+            raise MappingError("not a file of plain arrays", where=self.where, hint=hint) from None
+
+    def array(self, name: str | None) -> NDArray[np.generic]:
+        """An array by name; ``None`` is the only one.
+
+        Raises:
+            UnknownNameError: There is no such array.
+            MappingError: It holds no numbers; or no name is given, and there are several.
+        """
+        if name is None and len(self._arrays) == 1:
+            name = next(iter(self._arrays))
+        if name is None:
+            hint = f'add array = "NAME" (known: {", ".join(self._arrays)})'
+            raise MappingError("the file holds several arrays", where=self.where, field="array", hint=hint)
+        if name not in self._arrays:
+            raise UnknownNameError("array", name, self._arrays, where=self.where)
+        array = self._arrays[name]
+        if array.dtype.kind not in "fiu":
+            raise MappingError("not an array of numbers", where=self.where, field=name, value=str(array.dtype))
+        return array
+
+
+@dataclass(frozen=True)
+class ArrayPart:
+    """The part of the arrays that belongs to one point.
+
+    Attributes:
+        table: All arrays of the file.
+        name: Array with the positions (and what else has an index); ``None``: the only one.
+        layout: What each of its axes is; empty: the usual one for that number of axes.
+        index_of: Index that a placeholder stands for, "{person}" or "{point}".
+    """
+
+    table: ArrayTable
+    name: str | None
+    layout: tuple[Name, ...]
+    index_of: Callable[[str], int]
+
+    @property
+    def where(self) -> str:
+        """Mapping, source and file."""
+        return self.table.where
+
+    def numbers(self, columns: Sequence[Name]) -> Array:
+        """Values by index in the array of positions, or other arrays by name, (time, columns).
+
+        Raises:
+            UnknownNameError: There is no such array.
+            MappingError: The layout does not fit, an index is out of range, or arrays differ in length.
+        """
+        found = [self._value(c) if isinstance(c, int) else self._other(c) for c in columns]
+        if len({len(column) for column in found}) > 1:
+            raise MappingError("arrays differ in length", where=self.where, field="columns", value=list(columns))
+        return np.column_stack(found)
+
+    def place(self, row: int) -> str:
+        """Index of the frame."""
+        return f"frame {row}"
+
+    def _value(self, index: int) -> Array:
+        array = self.table.array(self.name)
+        values = self._selected(array, self.layout or USUAL_LAYOUTS.get(array.ndim, ()))
+        if index >= values.shape[1]:
+            hint = f"there are the values 0 to {values.shape[1] - 1}; check columns and layout"
+            raise MappingError("no such value", where=self.where, field="columns", value=index, hint=hint)
+        return np.asarray(values[:, index])
+
+    def _other(self, name: str) -> Array:
+        """An array of its own: time, confidence, or a single coordinate; laid out as the positions, without values."""
+        array = self.table.array(name)
+        axes = self.layout or USUAL_LAYOUTS.get(array.ndim + 1, ())
+        return self._selected(array, ("time",) if array.ndim == 1 else tuple(a for a in axes if a != "value"))[:, 0]
+
+    def _selected(self, array: NDArray[np.generic], axes: tuple[Name, ...]) -> Array:
+        """One point of an array, (time, values)."""
+        if len(axes) != array.ndim or "time" not in axes:
+            hint = 'name each axis, as layout = ["time", "{person}", "{point}", "value"]'
+            problem = f"the layout does not fit an array of shape {array.shape}"
+            raise MappingError(problem, where=self.where, field="layout", value=list(axes), hint=hint)
+        kept = [axis for axis in axes if axis in ("time", "value")]
+        picks = [
+            slice(None) if axis in ("time", "value") else self._pick(axis, size)
+            for axis, size in zip(axes, array.shape, strict=True)
+        ]
+        part = np.moveaxis(array[tuple(picks)], kept.index("time"), 0)
+        return np.asarray(part.reshape(part.shape[0], -1), dtype=np.float64)
+
+    def _pick(self, axis: Name, size: int) -> int:
+        index = axis if isinstance(axis, int) else self.index_of(axis)
+        if index >= size:
+            hint = f"that axis has the indices 0 to {size - 1}; check layout, person and point"
+            field = f"layout: {axis}"
+            raise MappingError("the index is out of range", where=self.where, field=field, value=index, hint=hint)
+        return index
+
+
+def _loaded(file: Path) -> dict[str, NDArray[np.generic]]:
+    with file.open("rb") as stream:  # opened here, because numpy leaves broken archives open
+        loaded = np.load(stream, allow_pickle=False)
+        if isinstance(loaded, np.ndarray):
+            return {file.name: loaded}
+        return {name: loaded[name] for name in loaded.files}
+
+
+Samples = AnyMapping[str, tuple[tuple[PointRef, Track], ...]]
+"""The source points of each landmark of one person, and their samples."""
+
+
+class Tables:
+    """The tables of a mapping, opened as they are needed.
+
+    Args:
+        mapping: A loaded mapping.
+    """
+
+    def __init__(self, mapping: ImportMapping) -> None:
+        self._mapping = mapping
+        self._opened: dict[tuple[Path, str], CsvTable | ArrayTable] = {}
+
+    def track(self, ref: PointRef, person: Name = "") -> Track:
+        """Samples of one point.
+
+        Args:
+            ref: Source and point.
+            person: What ``{person}`` stands for.
+
+        Raises:
+            MappingError: The table is missing or broken; times run backwards; a cell holds no number, or no rotation.
+            UnknownNameError: A column, array or point that does not exist.
+        """
+        source = self._mapping.source(ref.source)
+        tokens = Tokens(source, person, ref.point, f"{self._mapping.file}: sources.{source.name}")
+        part = self._part(source, tokens)
+        position = part.numbers(tokens.columns(source.position))
+        lost = _lost(part, tokens, position)
+        wxyz = None if source.rotation is None else _orientations(part, tokens, source.rotation, lost)
+        position[lost] = np.nan
+        times_s = read_times(part, source.clock, len(position))
+        track = _in_room(times_s, position, wxyz, source.frame, ref, part.where)
+        return smoothed(track, source.smooth_s, max_gap_s=self._mapping.timeline.max_gap_s)
+
+    def signal(self, column: SignalColumn) -> tuple[Array, Array]:
+        """Times in seconds and values of a signal, (n,) each.
+
+        Raises:
+            MappingError: As ``track``.
+            UnknownNameError: As ``track``.
+        """
+        source = self._mapping.source(column.source)
+        tokens = Tokens(source, "", column.name, f"{self._mapping.file}: signals.{column.name}")
+        part = self._part(source, tokens)
+        values = part.numbers(tokens.columns(Columns((column.column,))))[:, 0]
+        return read_times(part, source.clock, len(values)), values
+
+    def _part(self, source: Source, tokens: Tokens) -> Part:
+        file = self._mapping.data_dir / tokens.filled(source.file)
+        table = self._table(file, source, tokens.where)
+        form = source.table
+        if isinstance(table, CsvTable):
+            return CsvPart(table, table.rows_where([(c, tokens.filled(text)) for c, text in form.where]))
+        name = None if form.array is None else tokens.filled(form.array)
+        return ArrayPart(table, name, form.layout, tokens.index_of)
+
+    def _table(self, file: Path, source: Source, where: str) -> CsvTable | ArrayTable:
+        key = (file, source.name)
+        if key not in self._opened:
+            is_text = source.kind == "csv"
+            self._opened[key] = CsvTable(file, source.table, where) if is_text else ArrayTable(file, where)
+        return self._opened[key]
+
+
+def _lost(part: Part, tokens: Tokens, position: Array) -> NDArray[np.bool_]:
+    """Rows in which the tracker did not know the point."""
+    source = tokens.source
+    _check_finite(part, position, "position")
+    lost = np.isnan(position).any(axis=1) | _is_sentinel(position, source)
+    if source.missing is None:
+        check_zeros(part, tokens, position)
+    if source.confidence is not None:
+        column = Columns((source.confidence.column,))
+        confidence = part.numbers(tokens.columns(column))[:, 0]
+        lost |= ~(confidence >= source.confidence.least)  # NaN is no confidence at all
+    return np.asarray(lost)
+
+
+def _orientations(part: Part, tokens: Tokens, rotation: Rotation, lost: NDArray[np.bool_]) -> Array:
+    numbers = part.numbers(tokens.columns(rotation.columns))
+    _check_finite(part, numbers, "rotation")
+    numbers[lost | _is_sentinel(numbers, tokens.source)] = np.nan
+    wxyz, bad = wxyz_from_numbers(numbers, rotation)
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise MappingError(
+            "the numbers are no rotation",
+            where=f"{part.where}, {part.place(row)}",
+            field=f"rotation ({rotation.kind})",
+            value=[float(number) for number in numbers[row]],
+            hint='check kind and columns; rows that mean "not tracked" are declared by missing = 0',
+        )
+    return wxyz
+
+
+def _is_sentinel(numbers: Array, source: Source) -> NDArray[np.bool_]:
+    sentinel = np.zeros(len(numbers), dtype=np.bool_)
+    for value in source.missing or ():
+        sentinel |= (numbers == value).all(axis=1)
+    return sentinel
+
+
+def _check_finite(part: Part, numbers: Array, field: str) -> None:
+    infinite = np.isinf(numbers).any(axis=1)
+    if infinite.any():
+        row = int(np.argmax(infinite))
+        raise MappingError(
+            "is infinite",
+            where=f"{part.where}, {part.place(row)}",
+            field=field,
+            value=[float(number) for number in numbers[row]],
+            hint="leave the cell empty, or write NaN, where the tracker knew nothing",
+        )
+
+
+def _in_room(times_s: Array, position: Array, wxyz: Array | None, frame: Frame, ref: PointRef, where: str) -> Track:
+    """Into the room's axes.
+
+    A left-handed source reflects; the body's own z axis is then flipped, so that its orientation stays a rotation, and
+    ``signs`` says so.
+    """
+    axes = np.array(frame.turn) @ np.array(frame.axes)
+    signs = np.array([1.0, 1.0, np.sign(np.linalg.det(axes))])
+    position_m = position * frame.scale_m @ axes.T + np.array(frame.position_m)
+    if wxyz is not None:
+        wxyz = changed_frame(wxyz, axes, np.diag(signs))
+    if ref.offset_m is not None:
+        if wxyz is None:
+            hint = "drop offset_m, or add the rotation to the source"
+            raise MappingError("a bare point has no axes for an offset", where=where, field="offset_m", hint=hint)
+        position_m = position_m + matrix_from_wxyz(wxyz) @ (signs * np.array(ref.offset_m))
+    return Track(times_s, position_m, wxyz, signs, where)

@@ -1,0 +1,488 @@
+"""From a mapping and its tables to tracks at the frames of a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from collections.abc import Mapping as AnyMapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.common.arrays import Array
+from taskgist.errors import InputError, MappingError
+from taskgist.importing.checks import check_clocks, check_duplicates, check_not_mirrored, check_objects, check_person
+from taskgist.importing.mapping import (
+    Between,
+    FixedPose,
+    ImportMapping,
+    LocalAxis,
+    Person,
+    Point,
+    PointRef,
+    Shape,
+    SignalColumn,
+    Support,
+    Thing,
+)
+from taskgist.importing.mapping_people import HEAD_POINTS, PARTS
+from taskgist.importing.table_values import Track
+from taskgist.importing.tables import Samples, Tables
+from taskgist.recording.recording import Signal
+from taskgist.world.geometry.transforms import IDENTITY_WXYZ, about_z, changed_frame, matrix_from_wxyz, slerp
+
+# --- Tracked motion: what a mapping makes of someone's tables, in our axes, units and frames.
+#
+# Nothing is invented here. Where a tracker knew nothing there is NaN, and a part that the mapping calls unknown is
+# not read at all; how a body fits these points is decided later, and reported.
+
+
+@dataclass(frozen=True, eq=False)
+class PersonTrack:
+    """One person over time.
+
+    Attributes:
+        points: Positions by landmark, (N, 3) each; NaN where unknown.
+        directions: Unit vectors in the world by name ("face", "left_hand", ...), (N, 3) each; NaN where unknown.
+        unknown: Parts of the body that are not to be believed, and why. None of their landmarks is in ``points``.
+        stature_m: Height of the person, if the mapping gives it.
+    """
+
+    points: Mapping[str, Array]
+    directions: Mapping[str, Array]
+    unknown: Mapping[str, str]
+    stature_m: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectTrack:
+    """One object over time.
+
+    Attributes:
+        position_m: Origin of its frame, (N, 3); NaN where unknown.
+        wxyz: Orientation of its frame, (N, 4); NaN where unknown; the identity where the source has no orientations.
+        known: Frames in which position and orientation are known, (N,).
+        shapes: What it consists of, in its frame.
+        estimated: Whether shape or place are an estimate.
+        note: How they were estimated.
+    """
+
+    position_m: Array
+    wxyz: Array
+    known: NDArray[np.bool_]
+    shapes: tuple[Shape, ...]
+    estimated: bool
+    note: str
+
+
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """Everything that a mapping brings in.
+
+    Attributes:
+        times_s: Frames, (N,), from 0 at a fixed rate.
+        start_s: Time of the first frame in the time of the sources.
+        people: By name.
+        objects: By name.
+        supports: Furniture that nobody tracked.
+        signals: Numbers over time that are no motion, by name.
+        notes: What a user should know: parts that are unknown, shapes that are estimated.
+    """
+
+    times_s: Array
+    start_s: float
+    people: Mapping[str, PersonTrack]
+    objects: Mapping[str, ObjectTrack]
+    supports: tuple[Support, ...]
+    signals: Mapping[str, Signal]
+    notes: tuple[str, ...]
+
+
+# --- From the times at which sources sampled to the frames of a recording.
+
+Mix = Callable[[Array, Array, Array], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """A track at the frames of the recording.
+
+    Attributes:
+        position_m: (N, 3); NaN where unknown.
+        wxyz: (N, 4) or ``None``; NaN where unknown.
+        signs: As of the track.
+    """
+
+    position_m: Array
+    wxyz: Array | None
+    signs: Array
+
+
+def resample(track: Track, times_s: Array, *, max_gap_s: float) -> Frames:
+    """Positions between samples by straight lines, orientations along great circles.
+
+    Between two known samples more than ``max_gap_s`` apart nothing is known, and nothing before the first or after the
+    last one, except within half a frame of the source around a sample.
+
+    Args:
+        track: Samples.
+        times_s: Frames wanted, (N,), in the time of the sources.
+        max_gap_s: Longest stretch that is interpolated over.
+    """
+    hold_s = _half_frame_s(track.times_s)
+    known = np.isfinite(track.position_m).all(axis=1)
+    spans = _spans(track.times_s[known], times_s, max_gap_s, hold_s)
+    position_m = spans.mixed(track.position_m[known], _line)
+    if track.wxyz is None:
+        return Frames(position_m, None, track.signs)
+    known &= np.isfinite(track.wxyz).all(axis=1)
+    spans = _spans(track.times_s[known], times_s, max_gap_s, hold_s)
+    return Frames(position_m, spans.mixed(track.wxyz[known], slerp), track.signs)
+
+
+@dataclass(frozen=True, eq=False)
+class _Spans:
+    """Between which two samples each frame lies, (N,): their indices, the share of the way, whether it is known."""
+
+    before: NDArray[np.intp]
+    after: NDArray[np.intp]
+    share: Array
+    known: NDArray[np.bool_]
+
+    def mixed(self, samples: Array, mix: Mix) -> Array:
+        result = np.full((len(self.known), samples.shape[1]), np.nan)
+        k = self.known
+        result[k] = mix(samples[self.before[k]], samples[self.after[k]], self.share[k])
+        return result
+
+
+def _spans(sampled_s: Array, wanted_s: Array, max_gap_s: float, hold_s: float) -> _Spans:
+    if len(sampled_s) == 0:
+        nothing = np.zeros(len(wanted_s), dtype=np.intp)
+        return _Spans(nothing, nothing, nothing.astype(np.float64), nothing.astype(np.bool_))
+    after = np.searchsorted(sampled_s, wanted_s).clip(0, len(sampled_s) - 1)
+    before = np.where(sampled_s[after] > wanted_s, after - 1, after).clip(0)
+    gap_s = sampled_s[after] - sampled_s[before]
+    share = np.where(gap_s > 0.0, (wanted_s - sampled_s[before]) / np.where(gap_s > 0.0, gap_s, 1.0), 0.0)
+    nearest_s = np.minimum(np.abs(wanted_s - sampled_s[before]), np.abs(wanted_s - sampled_s[after]))
+    held = nearest_s <= hold_s
+    bridged = (gap_s > 0.0) & (gap_s <= max_gap_s)
+    share = np.where(bridged, share, np.round(share))  # a sample is held, not mixed across a gap
+    return _Spans(before, after, share, held | bridged)
+
+
+def _half_frame_s(times_s: Array) -> float:
+    return float(np.median(np.diff(times_s))) / 2 if len(times_s) > 1 else 0.0
+
+
+def _line(start: Array, end: Array, share: Array) -> Array:
+    return np.asarray(start + share[:, None] * (end - start))
+
+
+# --- A skull is rigid: where a tracker loses some of its points for a moment, the others say where they are.
+#
+# Bare keypoints come and go one by one. Without this, a lost ear would leave the face without a direction, and the
+# person without sight, although nose, eyes and the other ear are there.
+
+LEAST_POINTS = 3
+"""Fewer do not fix a pose."""
+LEAST_WIDTH_M = 0.02
+"""Points that lie along a line, but for this, do not fix it either (ours)."""
+LEAST_FRAMES = 5
+"""Frames with all points that it takes to know how they lie to each other (ours)."""
+
+
+def completed(points: Mapping[str, Array], rigid: Collection[str]) -> dict[str, Array]:
+    """The points, those of a rigid group completed in frames where three or more others of it are known.
+
+    Args:
+        points: Positions by landmark, metres, (N, 3) each; NaN where unknown.
+        rigid: Names of the landmarks that keep their distances; those that are not there, or never seen, are left out.
+    """
+    names = sorted(name for name in points if name in rigid and np.isfinite(points[name]).all(axis=1).any())
+    if len(names) <= LEAST_POINTS:
+        return dict(points)
+    group = np.stack([points[name] for name in names], axis=1)
+    known: NDArray[np.bool_] = np.isfinite(group.sum(axis=2))
+    whole = known.sum(axis=1) == len(names)
+    if whole.sum() < LEAST_FRAMES:
+        return dict(points)
+    template = _template(group[whole])
+    for frame in np.flatnonzero(~whole & (known.sum(axis=1) >= LEAST_POINTS)):
+        seen = known[frame]
+        if _width_m(template[seen]) > LEAST_WIDTH_M:
+            group[frame, ~seen] = _moved(template, template[seen], group[frame, seen])[~seen]
+    return {**points, **{name: group[:, index] for index, name in enumerate(names)}}
+
+
+def _template(frames: Array) -> Array:
+    """How the points lie to each other: the mean of all frames, laid over the first one and then over that mean."""
+    template = frames[0]
+    for _ in range(2):
+        template = np.mean([_moved(frame, frame, template) for frame in frames], axis=0)
+    return np.asarray(template)
+
+
+def _moved(points: Array, start: Array, end: Array) -> Array:
+    """Points (m, 3) moved as the rigid motion that takes ``start`` (k, 3) closest to ``end`` [Kabsch 1976]."""
+    start_middle, end_middle = start.mean(axis=0), end.mean(axis=0)
+    left, _, right = np.linalg.svd((start - start_middle).T @ (end - end_middle))
+    mirror = np.array([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
+    return np.asarray((points - start_middle) @ (left * mirror) @ right + end_middle)
+
+
+def _width_m(points: Array) -> float:
+    """How far points reach to the sides of the line that fits them best (root of the sum of squares)."""
+    return float(np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1])
+
+
+# --- One person's landmarks and directions at the frames of a recording.
+
+
+def tracked_person(person: Person, samples: Samples, frames_s: Array, mapping: ImportMapping) -> PersonTrack:
+    """A person at the frames of a recording.
+
+    Args:
+        person: What the mapping says.
+        samples: The person's tracks.
+        frames_s: Times of the frames, (N,), in the time of the sources.
+        mapping: The whole mapping.
+
+    Raises:
+        MappingError: A local axis is asked of a bare point.
+    """
+    max_gap_s = mapping.timeline.max_gap_s
+    frames = {
+        landmark: tuple(resample(track, frames_s, max_gap_s=max_gap_s) for _, track in pairs)
+        for landmark, pairs in samples.items()
+    }
+    seen = {name: np.mean([part.position_m for part in parts], axis=0) for name, parts in frames.items()}
+    points = completed(seen, HEAD_POINTS)
+    directions = {
+        name: _between(rule, points) if isinstance(rule, Between) else _local(name, rule, frames, mapping, person)
+        for name, rule in person.directions
+        if set(_landmarks_of(rule)) <= points.keys()
+    }
+    for values in (*points.values(), *directions.values()):
+        values.flags.writeable = False
+    return PersonTrack(
+        points=MappingProxyType(points),
+        directions=MappingProxyType(directions),
+        unknown=MappingProxyType(dict(person.unknown)),
+        stature_m=person.stature_m,
+    )
+
+
+def _landmarks_of(rule: LocalAxis | Between) -> tuple[str, ...]:
+    return (rule.landmark,) if isinstance(rule, LocalAxis) else (*rule.start, *rule.end)
+
+
+def _between(rule: Between, points: AnyMapping[str, Array]) -> Array:
+    start = np.mean([points[landmark] for landmark in rule.start], axis=0)
+    end = np.mean([points[landmark] for landmark in rule.end], axis=0)
+    return _raised(_unit(end - start), rule.raise_rad)
+
+
+def _local(
+    name: str, rule: LocalAxis, frames: AnyMapping[str, tuple[Frames, ...]], mapping: ImportMapping, person: Person
+) -> Array:
+    body = frames[rule.landmark][0]
+    if body.wxyz is None:
+        raise MappingError(
+            "a bare point has no local axes",
+            where=mapping.file,
+            field=f"people.{person.name}.directions ({name})",
+            value=rule.landmark,
+            hint="add the rotation to its source, or give from = [...], to = [...] (landmarks)",
+        )
+    return np.asarray(matrix_from_wxyz(body.wxyz) @ (body.signs * np.array(rule.axis)))
+
+
+def _raised(direction: Array, angle_rad: float) -> Array:
+    """Directions turned upwards by an angle, about the horizontal axis at right angles to them."""
+    level = _unit(direction * (1.0, 1.0, 0.0))
+    elevation_rad = np.arcsin(np.clip(direction[:, 2], -1.0, 1.0)) + angle_rad
+    raised = np.cos(elevation_rad)[:, None] * level
+    raised[:, 2] = np.sin(elevation_rad)
+    return raised if angle_rad else direction
+
+
+def _unit(vectors: Array) -> Array:
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.asarray(vectors / np.where(length > 0.0, length, np.nan))
+
+
+# --- One object's pose and shapes at the frames of a recording.
+
+
+def fixed_object(thing: Thing, pose: FixedPose, count: int) -> ObjectTrack:
+    """An object that stays where the mapping puts it, for a number of frames."""
+    position_m, wxyz = np.array(pose.position_m), about_z(pose.yaw_rad)
+    return _object_track(thing, np.tile(position_m, (count, 1)), np.tile(wxyz, (count, 1)), thing.shapes)
+
+
+def tracked_object(thing: Thing, track: Track, frames_s: Array, mapping: ImportMapping) -> ObjectTrack:
+    """A tracked object at the frames of a recording.
+
+    Args:
+        thing: What the mapping says.
+        track: Its samples.
+        frames_s: Times of the frames, (N,), in the time of the sources.
+        mapping: The whole mapping.
+
+    Raises:
+        MappingError: It is never seen; or it is a mesh in left-handed axes.
+    """
+    frames = resample(track, frames_s, max_gap_s=mapping.timeline.max_gap_s)
+    wxyz = np.tile(IDENTITY_WXYZ, (len(frames_s), 1)) if frames.wxyz is None else frames.wxyz
+    shapes = tuple(_in_right_handed_frame(shape, thing, frames.signs, mapping) for shape in thing.shapes)
+    result = _object_track(thing, frames.position_m, wxyz, shapes)
+    if not result.known.any():
+        hint = "check missing, confidence, time and rotation of its source"
+        field = f"objects.{thing.name}"
+        raise MappingError("the object is never seen", where=mapping.file, field=field, hint=hint)
+    return result
+
+
+def _object_track(thing: Thing, position_m: Array, wxyz: Array, shapes: tuple[Shape, ...]) -> ObjectTrack:
+    known = np.asarray(np.isfinite(np.hstack([position_m, wxyz])).all(axis=1))
+    for values in (position_m, wxyz, known):
+        values.flags.writeable = False
+    return ObjectTrack(position_m, wxyz, known, shapes, thing.estimated, thing.note)
+
+
+def _in_right_handed_frame(shape: Shape, thing: Thing, signs: Array, mapping: ImportMapping) -> Shape:
+    """A shape given in a left-handed frame, in the right-handed one that stands for it."""
+    if (signs > 0).all():
+        return shape
+    if shape.kind == "mesh":
+        hint = "mirror the mesh and convert the tracking to right-handed axes, or use box, cylinder, sphere"
+        field = f"objects.{thing.name}.shape"
+        raise MappingError("a mesh in left-handed axes is not supported", where=mapping.file, field=field, hint=hint)
+    mirror = np.diag(signs)
+    wxyz = changed_frame(np.array([shape.wxyz]), mirror, mirror)[0]
+    x, y, z = (float(value) for value in signs * np.array(shape.position_m))
+    w, i, j, k = (float(value) for value in wxyz)
+    return Shape(shape.kind, shape.size_m, (x, y, z), (w, i, j, k))
+
+
+def read_tracks(mapping: ImportMapping) -> Tracks:
+    """Read all tables of a mapping.
+
+    Raises:
+        MappingError: A table is missing or broken; units, axes or times cannot be right; two points are copies;
+            a person or object is never seen.
+        UnknownNameError: A column, array or point that does not exist.
+        LabelError: The mapping's label reaches outside of the frames.
+    """
+    tables = Tables(mapping)
+    samples = {person.name: _samples(person, tables) for person in mapping.people}
+    moving = {t.name: tables.track(t.pose, t.name) for t in mapping.objects if isinstance(t.pose, PointRef)}
+    check_duplicates(mapping.file, samples)
+    check_clocks(mapping.file, [*_all_tracks(samples), *moving.values()])
+    frames_s = _frames(mapping, [*_all_tracks(samples), *moving.values()])
+    people = {p.name: tracked_person(p, samples[p.name], frames_s, mapping) for p in mapping.people}
+    objects = {t.name: _object(t, moving, frames_s, mapping) for t in mapping.objects}
+    _check_plausible(mapping, people, objects)
+    times_s = frames_s - frames_s[0]
+    _check_label(mapping, float(times_s[-1]))
+    times_s.flags.writeable = False
+    return Tracks(
+        times_s=times_s,
+        start_s=float(frames_s[0]),
+        people=MappingProxyType(people),
+        objects=MappingProxyType(objects),
+        supports=mapping.supports,
+        signals=MappingProxyType({column.name: _signal(column, tables, frames_s) for column in mapping.signals}),
+        notes=_notes(mapping, people),
+    )
+
+
+def _samples(person: Person, tables: Tables) -> Samples:
+    dropped: frozenset[str] = frozenset().union(*(PARTS[part] for part, _ in person.unknown))
+    return {
+        point.landmark: tuple((ref, _track(tables, ref, person, point)) for ref in point.refs)
+        for point in person.points
+        if point.landmark not in dropped
+    }
+
+
+def _track(tables: Tables, ref: PointRef, person: Person, point: Point) -> Track:
+    try:
+        return tables.track(ref, person.token)
+    except InputError as problem:
+        problem.field = problem.field or f"people.{person.name}.points.{point.landmark}"
+        raise
+
+
+def _all_tracks(people: AnyMapping[str, Samples]) -> list[Track]:
+    return [track for landmarks in people.values() for pairs in landmarks.values() for _, track in pairs]
+
+
+def _frames(mapping: ImportMapping, tracks: list[Track]) -> Array:
+    """Times of the frames: from the first sample of anything to the last, unless the mapping cuts them."""
+    line = mapping.timeline
+    if not tracks:
+        raise MappingError("nothing is tracked", where=mapping.file, hint="add points or objects with a source")
+    first_s = min(float(track.times_s[0]) for track in tracks) if line.start_s is None else line.start_s
+    last_s = max(float(track.times_s[-1]) for track in tracks) if line.end_s is None else line.end_s
+    count = int(np.floor((last_s - first_s) * line.rate_hz + 1e-6)) + 1
+    if count < 2:
+        problem = f"fewer than two frames lie between {first_s:g} and {last_s:g} s"
+        hint = "check start_s, end_s and the times of the sources"
+        raise MappingError(problem, where=mapping.file, field="time", hint=hint)
+    return np.asarray(first_s + np.arange(count) / line.rate_hz)
+
+
+def _object(thing: Thing, moving: AnyMapping[str, Track], frames_s: Array, mapping: ImportMapping) -> ObjectTrack:
+    if isinstance(thing.pose, FixedPose):
+        return fixed_object(thing, thing.pose, len(frames_s))
+    return tracked_object(thing, moving[thing.name], frames_s, mapping)
+
+
+def _signal(column: SignalColumn, tables: Tables, frames_s: Array) -> Signal:
+    """At the frames, along straight lines; unknown beyond the first and the last sample."""
+    times_s, values = tables.signal(column)
+    at_frames = np.interp(frames_s, times_s, values, left=np.nan, right=np.nan)
+    return Signal(at_frames * column.scale, column.unit)
+
+
+def _check_plausible(
+    mapping: ImportMapping, people: AnyMapping[str, PersonTrack], objects: AnyMapping[str, ObjectTrack]
+) -> None:
+    for person in mapping.people:
+        units_m = {mapping.source(ref.source).frame.scale_m for point in person.points for ref in point.refs}
+        check_person(mapping.file, person.name, people[person.name].points, units_m)
+        face = people[person.name].directions.get("face")
+        check_not_mirrored(mapping.file, person.name, people[person.name].points, face)
+    positions = {name: track.position_m for name, track in objects.items()}
+    bodies = [np.concatenate(list(person.points.values())) for person in people.values()]
+    check_objects(mapping.file, positions, bodies)
+
+
+def _check_label(mapping: ImportMapping, last_s: float) -> None:
+    if mapping.label is None:
+        return
+    people, objects = [p.name for p in mapping.people], [t.name for t in mapping.objects]
+    try:
+        mapping.label.check(agents=people, objects=objects, first_s=0.0, last_s=last_s)
+    except InputError as problem:
+        problem.where = f"{mapping.file}: label"
+        raise
+
+
+def _unseen(person: PersonTrack) -> list[str]:
+    return [landmark for landmark, values in person.points.items() if np.isnan(values).all()]
+
+
+def _notes(mapping: ImportMapping, people: AnyMapping[str, PersonTrack]) -> tuple[str, ...]:
+    unknown = [f"{p.name}: {part} is unknown: {reason}" for p in mapping.people for part, reason in p.unknown]
+    unseen = [f"{name}: never seen: {', '.join(lost)}" for name, person in people.items() if (lost := _unseen(person))]
+    estimated = [
+        f"{item.name} is estimated" + (f": {item.note}" if item.note else "")
+        for items in (mapping.objects, mapping.supports)
+        for item in items
+        if item.estimated
+    ]
+    return (*mapping.about.notes, *unknown, *unseen, *estimated)

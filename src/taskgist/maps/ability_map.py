@@ -1,0 +1,225 @@
+"""Ability maps (Mightability): which places of its workspace an agent sees or reaches, and with what effort.
+
+A map asks of every cell of a grid what the search asks of an object, as if there were only the point at the cell's
+centre: from all the stances of each effort level (``Standpoint.stances``), with the head aimed or an arm stretched out,
+where joint limits and collisions allow it. Where a point differs from an object, and where steps are taken:
+
+- *See*: the point lies in the gaze cone and in the field of view, and the straight line from the eye to it meets
+  nothing; pixels do not matter. A stance counts if it is free of collisions with the head as it is now.
+- *Reach*: the point lies in the sector of an arm. Nothing is held at a place, so level 1 is the least.
+- At level 4 the chest turns to each point by itself, as it does in the search; what is in the way then is tested with
+  the chest in steps of ``efforts.turn_step_rad``.
+- Nothing can be put into what is solid: cells there have level 5. The agent's own body does not count.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.errors import InputError, UnknownNameError
+from taskgist.maps.footing import Trials, Workspace, winners, workspace_of
+from taskgist.maps.grid import Cells, Grid, Zone
+from taskgist.maps.reach import CellsToReach
+from taskgist.maps.see import CellsToSee
+from taskgist.perspective.effort import NO_KNOWN_LEVEL, Ability, untracked_parts
+from taskgist.perspective.reach import PARTS as HAND_PARTS
+from taskgist.perspective.see import PARTS as EYE_PARTS
+from taskgist.perspective.viewpoint import Standpoint
+from taskgist.settings import DEFAULT, Settings
+from taskgist.world.stage import Stage
+
+UNKNOWN_LEVEL = -1
+"""Level of cells of which nothing is known: what would decide was not tracked."""
+Levels = NDArray[np.int8]
+
+
+@dataclass(frozen=True, eq=False)
+class AbilityMap:
+    """The least effort of an agent for every cell of a grid.
+
+    Attributes:
+        agent: Whose.
+        ability: ``see`` or ``reach``.
+        grid: The grid.
+        levels: Least effort levels, 0 to 5, or −1 where that is unknown, the grid's shape, read-only.
+        solid: Whether each cell lies in something solid, the grid's shape, read-only.
+        settings_digest: Of the settings with which it was made.
+    """
+
+    agent: str
+    ability: Ability
+    grid: Grid
+    levels: Levels
+    solid: NDArray[np.bool_]
+    settings_digest: str
+
+    def __post_init__(self) -> None:
+        for name, kind in (("levels", np.int8), ("solid", np.bool_)):
+            array = np.array(getattr(self, name), dtype=kind).reshape(self.grid.shape)
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    def at_most(self, level: int) -> Zone:
+        """Where the agent is able to with no more than an effort level; where that is unknown it does not count."""
+        return Zone(self.grid, (self.levels >= 0) & (self.levels <= level))
+
+    @property
+    def unknown(self) -> Zone:
+        """Where it is unknown."""
+        return Zone(self.grid, self.levels == UNKNOWN_LEVEL)
+
+    @property
+    def free(self) -> Zone:
+        """Where nothing solid is."""
+        return Zone(self.grid, ~self.solid)
+
+    @property
+    def counts(self) -> dict[int, int]:
+        """Number of cells by level."""
+        levels, counts = np.unique(self.levels, return_counts=True)
+        return {int(level): int(count) for level, count in zip(levels, counts, strict=True)}
+
+
+class Asking(Protocol):
+    """What one ability asks of the cells of a workspace."""
+
+    def trials(self, level: int) -> Trials | None:
+        """Trials of a level, 0 to 4; None if there are none."""
+
+
+TRIALS: Mapping[str, tuple[Callable[[Standpoint, Cells], Asking], tuple[tuple[str, ...], ...]]] = {
+    "see": (CellsToSee, EYE_PARTS),
+    "reach": (CellsToReach, HAND_PARTS),
+}
+"""Trials by ability, and the parts of an agent that must be tracked to judge each level."""
+
+
+def ability_map(
+    stage: Stage | Standpoint,
+    agent: str | None = None,
+    ability: Ability = "reach",
+    *,
+    grid: Grid | None = None,
+    settings: Settings = DEFAULT,
+) -> AbilityMap:
+    """Map where an agent sees or reaches what, and with what effort.
+
+    Args:
+        stage: The scene in a state, or the agent's standpoint, for whoever asks more than one thing.
+        agent: Whose; left out with a standpoint.
+        ability: ``see`` or ``reach``.
+        grid: Where; the agent's own workspace if left out. Maps are combined only if they have one grid.
+        settings: All settings; a standpoint has its own.
+
+    Raises:
+        UnknownNameError: There is no such agent, or no such map.
+    """
+    if ability not in TRIALS:
+        raise UnknownNameError("ability to map", ability, TRIALS)
+    here = stage if isinstance(stage, Standpoint) else Standpoint(stage, agent or "", settings)
+    with here.stage.showing(here.state):
+        where = grid or Grid.around(here.stage, here.agent.name, settings=here.settings.maps)
+        space = workspace_of(here, where)
+        levels = _levels(here, ability, space)
+        return AbilityMap(here.agent.name, ability, where, levels, space.solid, here.settings.digest)
+
+
+def _levels(here: Standpoint, ability: Ability, space: Workspace) -> Levels:
+    """Level by level, only the cells that no lower level won; (cells,)."""
+    make, parts = TRIALS[ability]
+    index, levels = space.cells.index, np.full(space.solid.size, NO_KNOWN_LEVEL, dtype=np.int8)
+    left = np.flatnonzero(~space.solid.ravel()[index])
+    asking = make(here, space.cells)
+    for level in range(NO_KNOWN_LEVEL):
+        if untracked_parts(here.state, here.agent.name, parts[level]):
+            levels[index[left]] = UNKNOWN_LEVEL
+            break
+        trials = asking.trials(level)
+        if trials is not None:
+            won = winners(here, trials, left)
+            levels[index[left[won]]] = level
+            left = left[~won]
+    return levels
+
+
+# --- Ability maps on disk: one ``.npz`` file that numpy opens, with arrays, grid and names.
+
+VERSION = 1
+HINT = "write it with taskgist map --npz"
+
+
+def write_maps(stream: IO[bytes], maps: Sequence[AbilityMap]) -> None:
+    """Write maps of one grid.
+
+    ``levels`` and ``solid`` are (maps, *grid.shape), ``agents`` and ``abilities`` (maps,); ``centers_m`` is
+    (*grid.shape, 3), for whoever reads them without taskgist; ``about`` is JSON: grid, settings digest, version.
+
+    Args:
+        stream: Where to; open for writing bytes.
+        maps: One or more.
+
+    Raises:
+        InputError: There are none, or their grids or settings differ.
+    """
+    grids = {(each.grid, each.settings_digest) for each in maps}
+    if len(grids) != 1:
+        hint = "make them with one grid, as Grid.around(stage, *agents)"
+        raise InputError(
+            "a file holds one or more maps of one grid and one digest of settings", field="maps", hint=hint
+        )
+    ((grid, digest),) = grids
+    about = {
+        "version": VERSION,
+        "settings": digest,
+        "origin_m": grid.origin_m,
+        "yaw_rad": grid.yaw_rad,
+        "cell_m": grid.cell_m,
+        "shape": grid.shape,
+    }
+    np.savez_compressed(
+        stream,
+        levels=np.stack([each.levels for each in maps]),
+        solid=np.stack([each.solid for each in maps]),
+        agents=np.array([each.agent for each in maps]),
+        abilities=np.array([each.ability for each in maps]),
+        centers_m=grid.centers().reshape(*grid.shape, 3).astype(np.float32),
+        about=np.array(json.dumps(about)),
+    )
+
+
+def read_maps(path: str | Path) -> tuple[AbilityMap, ...]:
+    """The maps in a file.
+
+    Raises:
+        InputError: It cannot be read, or holds no maps of this version.
+    """
+    try:
+        with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
+            return _maps(dict(arrays), path)
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror or error}", where=path, hint="check the path") from error
+    except (ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
+        raise InputError("holds no ability maps", where=path, hint=HINT) from error
+
+
+def _maps(arrays: dict[str, np.ndarray], path: str | Path) -> tuple[AbilityMap, ...]:
+    about = json.loads(str(arrays["about"]))
+    if about["version"] != VERSION:
+        problem = "holds ability maps of another version"
+        raise InputError(problem, where=path, field="version", value=about["version"], hint=HINT)
+    x, y, z = (float(value) for value in about["origin_m"])
+    first, second, third = (int(value) for value in about["shape"])
+    grid = Grid((x, y, z), float(about["yaw_rad"]), float(about["cell_m"]), (first, second, third))
+    rows = zip(arrays["agents"], arrays["abilities"], arrays["levels"], arrays["solid"], strict=True)
+    return tuple(
+        AbilityMap(str(agent), "see" if ability == "see" else "reach", grid, levels, solid, str(about["settings"]))
+        for agent, ability, levels, solid in rows
+    )

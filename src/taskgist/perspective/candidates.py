@@ -1,0 +1,378 @@
+"""Stances of an effort level, all at once: the states that base, legs and torso may take, by increasing amount.
+
+States are made one by one, when asked for. Where a stance brings eye, head and shoulders is told without showing it:
+by what the torso does, and by where the base gets to.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.common.arrays import Array
+from taskgist.common.compiled import compiled
+from taskgist.perspective.actions import MOVE, PAN, TILT, Amount, Bend, Stance
+from taskgist.perspective.floor import Floor, Place, moved
+from taskgist.world.bodies.agent import Agent
+from taskgist.world.geometry.linkage import POSE, Linkage, carry_pose
+from taskgist.world.geometry.transforms import Pose
+from taskgist.world.stage import Stage
+
+# --- The frames of an agent that abilities depend on: its eye, the joints of its head, and its shoulders.
+#
+# Frames are rows of 12 numbers, position and then orientation, as compiled functions take them: the eye first, then
+# the joints of the head (a point of the axis, and the axis as x), then the shoulders.
+
+EYE = 0
+"""Which of the frames is the eye."""
+
+
+@dataclass(frozen=True)
+class HeadJoint:
+    """A joint of the head: the virtual action that moves it, its index into qpos, range and present angle in radians.
+
+    ``depth`` is the joint's place in the model's order: of two joints of a head, the later one is carried by the other.
+    """
+
+    action: str
+    index: int
+    range_rad: tuple[float, float]
+    now_rad: float
+    depth: int
+
+
+class Neck(NamedTuple):
+    """The usable joints of a head, as compiled functions take them.
+
+    Attributes:
+        frames: Which of the agent's frames each is, (h,).
+        inwards: Their order from the eye to the base, (h,).
+        now: Their present angles, radians, (h,).
+        ranges: The angles that they may take, radians, (h, 2): the present one is always allowed.
+    """
+
+    frames: NDArray[np.intp]
+    inwards: NDArray[np.intp]
+    now: Array
+    ranges: Array
+
+
+@dataclass(frozen=True, eq=False)
+class UsableHead:
+    """Those joints of a head that may be used."""
+
+    joints: tuple[HeadJoint, ...]
+    neck: Neck
+
+    @classmethod
+    def of(cls, head: Sequence[HeadJoint], actions: frozenset[str]) -> UsableHead:
+        """The joints that some actions move."""
+        columns = [column for column, joint in enumerate(head) if joint.action in actions]
+        joints = tuple(head[column] for column in columns)
+        now = np.array([joint.now_rad for joint in joints])
+        low, high = np.array([joint.range_rad for joint in joints]).reshape(-1, 2).T
+        frames = EYE + 1 + np.array(columns, dtype=np.intp)
+        inwards = np.argsort([-joint.depth for joint in joints]).astype(np.intp)
+        return cls(joints, Neck(frames, inwards, now, np.column_stack((np.minimum(low, now), np.maximum(high, now)))))
+
+    def changes(self, angles: Array) -> dict[int, float]:
+        """Angles, (h,), by index into qpos."""
+        return {joint.index: angle for joint, angle in zip(self.joints, angles.tolist(), strict=True)}
+
+
+class Frames:
+    """Where an agent's frames are in one state, and where turns and leans of its torso would bring them.
+
+    Args:
+        stage: The scene in that state.
+        agent: The agent.
+
+    Attributes:
+        head: The joints of its head.
+        first_shoulder: Which of the frames is the first arm's shoulder.
+        base: Where its base is, metres, (3,).
+    """
+
+    def __init__(self, stage: Stage, agent: Agent) -> None:
+        model, profile = stage.scene.model, agent.profile
+        self._qpos = stage.state.qpos
+        frames = [(int(model.site_bodyid[agent.eye_site]), stage.eye(agent))]
+        head = []
+        for action, axis in ((PAN, profile.pan), (TILT, profile.tilt)):
+            if axis is not None:
+                joint = int(model.joint(f"{agent.name}/{axis.joint}").id)
+                index = agent.joints[axis.joint]
+                head.append(HeadJoint(action, index, axis.range_rad, float(self._qpos[index]), joint))
+                anchor, along = stage.screw(joint)
+                frames.append((int(model.jnt_bodyid[joint]), Pose(anchor, np.repeat(along[:, None], 3, axis=1))))
+        self.head, self.first_shoulder = tuple(head), len(frames)
+        self._usable: dict[frozenset[str], UsableHead] = {}
+        frames += [(arm.carrier_body, stage.shoulder(arm)) for arm in agent.arms]
+        torso = tuple(axis.joint for axis in (profile.turn, profile.lean) if axis is not None)
+        self._linkage = Linkage.of(stage, agent, torso, tuple(frames))
+        self.base = self._linkage.base
+
+    def usable(self, actions: frozenset[str]) -> UsableHead:
+        """The joints of the head that some actions move."""
+        if actions not in self._usable:
+            self._usable[actions] = UsableHead.of(self.head, actions)
+        return self._usable[actions]
+
+    def bent(self, angles: Sequence[Mapping[int, float]]) -> Array:
+        """Where new angles of the torso's joints by index into qpos, n of them, bring the frames: (n, f, 12)."""
+        joints = self._linkage.joints.tolist()
+        now = {index: float(self._qpos[index]) for index in joints}
+        moves = [[new.get(index, now[index]) - now[index] for index in joints] for new in angles]
+        return self._linkage.moved(np.array(moves).reshape(len(angles), len(joints)))
+
+
+Numbers = NDArray[np.int32]
+DIGITS = 6
+"""Amounts that agree to so many digits are equal, wherever the scene stands."""
+OVERHEAD_M = 1e-6
+"""Nobody turns to what is this near to the axis of the base."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bent:
+    """A posture of an agent, with all that its torso may do in it.
+
+    Attributes:
+        agent: Whose.
+        start: The posture.
+        frames: Where eye, head and shoulders are in it.
+        bends: What the torso may do.
+        rows: Where each of these brings the frames, (b, f, 12).
+        torso_rad: How much it is, (b,), rounded for comparing.
+    """
+
+    agent: Agent
+    start: Stance
+    frames: Frames
+    bends: Sequence[Bend]
+    rows: Array
+    torso_rad: Array
+
+    @classmethod
+    def of(cls, agent: Agent, start: Stance, frames: Frames, bends: Sequence[Bend]) -> Bent:
+        """A posture and bends of the torso."""
+        amounts = np.round([bend.by_rad for bend in bends], DIGITS)
+        return cls(agent, start, frames, bends, frames.bent([bend.changes for bend in bends]), amounts)
+
+
+@dataclass(frozen=True, eq=False)
+class Spots:
+    """Where a base may go, in order of the way.
+
+    Attributes:
+        offsets_m: How far it moves, metres along the world's x and y, (p, 2).
+        ways_m: Lengths of the ways, (p,).
+        rounded_m: The same, rounded for comparing.
+    """
+
+    offsets_m: Array
+    ways_m: Array
+    rounded_m: Array
+
+    @classmethod
+    def of(cls, places: Sequence[Place]) -> Spots:
+        """Some places."""
+        offsets = np.array([place.offset_m for place in places]).reshape(-1, 2)
+        ways = np.array([place.way_m for place in places])
+        return cls(offsets, ways, np.round(ways, DIGITS))
+
+
+HERE = Spots(np.zeros((1, 2)), np.zeros(1), np.zeros(1))
+AHEAD = np.zeros(1)
+
+
+class Table(NamedTuple):
+    """Stances as compiled functions take them.
+
+    Attributes:
+        rows: Where each bend brings the frames, (b, f, 12).
+        joints: How many joints of the head are among them.
+        base: Where the base is before it moves, metres, (3,).
+        offsets_m: How far it moves to each spot, (p, 2).
+        turns: Sine and cosine of the turn there, (p, 2).
+        spot: Which spot each stance has, (n,).
+        bend: Which bend, (n,).
+    """
+
+    rows: Array
+    joints: int
+    base: Array
+    offsets_m: Array
+    turns: Array
+    spot: Numbers
+    bend: Numbers
+
+
+class Stances:
+    """Stances by increasing amount: every spot with every bend.
+
+    Args:
+        bent: The posture, and what the torso may do.
+        spots: Where the base may go; it stays if left out.
+        turned_rad: How far the whole agent turns on the spot, (p,).
+
+    Attributes:
+        bent: As given.
+        table: For compiled functions.
+        ends: For each stance, which is the first one after it of another amount, (n,).
+    """
+
+    def __init__(self, bent: Bent, spots: Spots = HERE, turned_rad: Array = AHEAD) -> None:
+        self.bent, self._spots, self._turned_rad = bent, spots, turned_rad
+        spot, bend, self.ends, sines = _ordered(spots.rounded_m, turned_rad, bent.torso_rad)
+        self.table = Table(bent.rows, len(bent.frames.head), bent.frames.base, spots.offsets_m, sines, spot, bend)
+
+    def __len__(self) -> int:
+        return len(self.ends)
+
+    def __getitem__(self, index: int) -> Stance:
+        """The stance of that index."""
+        spot, bend = self.table.spot[index], self.bent.bends[self.table.bend[index]]
+        state, used = self.bent.start.state.replace(bend.changes), bend.actions
+        way_m, turned_rad = float(self._spots.ways_m[spot]), float(self._turned_rad[spot])
+        if self._spots is not HERE:
+            x, y = self._spots.offsets_m[spot].tolist()
+            state, used = moved(state, self.bent.agent, (x, y), turned_rad), (MOVE, *used)
+        return Stance(state, (*self.bent.start.actions, *used), Amount(way_m, abs(turned_rad), bend.by_rad))
+
+    @property
+    def offsets_m(self) -> Array:
+        """How far the base moves in each, metres along the world's x and y, (n, 2)."""
+        return self.table.offsets_m[self.table.spot]
+
+    def frames(self, index: int) -> Array:
+        """Where a stance brings the frames, (f, 12)."""
+        return _carried(self.table, index)
+
+    def shoulder(self, index: int, arm: int) -> Pose:
+        """Where a stance brings a shoulder, in the frame of what carries it."""
+        row = self.frames(index)[self.bent.frames.first_shoulder + arm]
+        return Pose(row[:3], row[3:].reshape(3, 3))
+
+
+@compiled
+def turns_towards(target: Array, base: Array, facing_rad: float, offsets_m: Array) -> Array:
+    """How far an agent turns at each place so that its chest faces a target, radians from −π to π.
+
+    Args:
+        target: Metres, (3,).
+        base: Where the base is now, metres, at least (2,).
+        facing_rad: Where the chest faces now, about the vertical.
+        offsets_m: How far the places are from there, (p, 2).
+    """
+    turns = np.zeros(len(offsets_m))
+    for p in range(len(turns)):
+        x, y = target[0] - base[0] - offsets_m[p, 0], target[1] - base[1] - offsets_m[p, 1]
+        if math.hypot(x, y) > OVERHEAD_M:
+            turn = math.atan2(y, x) - facing_rad
+            turns[p] = turn - 2 * math.pi * np.rint(turn / (2 * math.pi))
+    return turns
+
+
+@compiled
+def carry(table: Table, index: int, frame: int, pose: Array) -> None:
+    """Write where a stance brings one frame, (12,)."""
+    spot, turns = table.spot[index], table.turns
+    offset, row = table.offsets_m[spot], table.rows[table.bend[index], frame]
+    carry_pose(row, table.base, offset, turns[spot, 0], turns[spot, 1], pose)
+
+
+@compiled
+def _carried(table: Table, index: int) -> Array:
+    found = np.empty((table.rows.shape[1], POSE))
+    for frame in range(len(found)):
+        carry(table, index, frame, found[frame])
+    return found
+
+
+@compiled
+def _ordered(ways: Array, turned_rad: Array, torso: Array) -> tuple[Numbers, Numbers, Numbers, Array]:
+    """Every spot with every bend, by way, turn and bend of the torso.
+
+    Equal ones keep the order of spots, then of bends.
+
+    Returns:
+        Spot and bend of each, where its equals end, all (n,); and sine and cosine of the turn at each spot, (p, 2).
+    """
+    spots, bends = len(ways), len(torso)
+    spot, bend = np.empty(spots * bends, dtype=np.int32), np.empty(spots * bends, dtype=np.int32)
+    ends, sines = np.empty(spots * bends, dtype=np.int32), np.empty((spots, 2))
+    turns = np.rint(np.abs(turned_rad) * 10.0**DIGITS)
+    by_turn, by_torso = np.argsort(turns, kind="mergesort"), np.argsort(torso, kind="mergesort")
+    by_amount = by_turn[np.argsort(ways[by_turn], kind="mergesort")]
+    count, first = 0, 0
+    while first < spots:
+        one, last = by_amount[first], first + 1
+        while last < spots and ways[by_amount[last]] == ways[one] and turns[by_amount[last]] == turns[one]:
+            last += 1
+        low = 0
+        while low < bends:
+            high = low + 1
+            while high < bends and torso[by_torso[high]] == torso[by_torso[low]]:
+                high += 1
+            end = count + (last - first) * (high - low)
+            for p in range(first, last):
+                for b in range(low, high):
+                    spot[count], bend[count], ends[count] = by_amount[p], by_torso[b], end
+                    count += 1
+            low = high
+        first = last
+    for p in range(spots):
+        sines[p, 0], sines[p, 1] = math.sin(turned_rad[p]), math.cos(turned_rad[p])
+    return spot, bend, ends, sines
+
+
+# --- Walking: the stances of an agent that gets up, goes somewhere and turns there to what it wants (Move_To).
+
+
+class Walk:
+    """An agent ready to walk.
+
+    Args:
+        upright: The agent standing, with what its torso may do.
+        facing_rad: Where its chest faces then, about the vertical.
+        floor: Where it can get to.
+    """
+
+    def __init__(self, upright: Bent, facing_rad: float, floor: Floor) -> None:
+        self._upright, self._facing_rad, self.floor = upright, facing_rad, floor
+        self._base = np.array(upright.start.state.qpos[upright.agent.base])
+        self._spots: list[Spots] = []
+        self._last: tuple[bytes, list[Stances]] = b"", []
+
+    def stances(self, target: Array) -> Iterator[Stances]:
+        """Batches of growing distance: most objects are near to where somebody can stand.
+
+        Args:
+            target: What the agent turns to, metres, (3,).
+        """
+        if self._last[0] != target.tobytes():
+            self._last = target.tobytes(), []
+        known = self._last[1]  # the three abilities ask for the same ones, one after the other
+        for index, spots in enumerate(self._floor_spots()):
+            if index == len(known):
+                turned_rad = turns_towards(target, self._base, self._facing_rad, spots.offsets_m)
+                known.append(Stances(self._upright, spots, turned_rad))
+            yield known[index]
+
+    def _floor_spots(self) -> Iterator[Spots]:
+        """The floor in batches, for all targets the same."""
+        for index, places in enumerate(self.floor.batches()):
+            if index == len(self._spots):
+                self._spots.append(Spots.of(places))
+            yield self._spots[index]
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """All places that the agent can get to."""
+        return tuple(place for batch in self.floor.batches() for place in batch)

@@ -1,0 +1,1 @@
+"""Grasps: sampled on shapes, kept by form, judged by collisions."""

@@ -1,1 +1,0 @@
-"""Cells reached: from many stances, by the sector of any arm (5.1.2)."""

@@ -1,0 +1,396 @@
+"""Reach: some cell of the object is within the arm's length of the shoulder and inside its sector (5.1.2).
+
+A rough reach, as people perceive it: head, torso and base must not collide, the arm is not looked at. Who holds the
+object reaches it without effort. An arm that was not tracked can be stretched out all the same, for its shoulder
+hangs on the torso; only whether its hand holds the object is then unknown, unless the object is farther away than the
+whole arm.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.common.arrays import Array, Indices
+from taskgist.common.compiled import compiled
+from taskgist.perspective.actions import stretch
+from taskgist.perspective.candidates import Stances, Table, carry
+from taskgist.perspective.effort import NO_ARM, Among, Miss, Outcome, Why, untracked_parts
+from taskgist.perspective.viewpoint import Standpoint, Target
+from taskgist.world.bodies.agent import ArmIndices
+from taskgist.world.bodies.profile import Arm
+from taskgist.world.geometry.linkage import POSE
+from taskgist.world.holding import hand_known, holding_of
+
+# --- Held: level 0 of reach and grasp.
+#
+# Only the agent's own hands matter. One that was not tracked leaves it unknown, unless the object rests on something
+# or is farther away than the whole arm.
+
+WHOLE_ARM = 1.25
+"""A hand holds nothing farther from its shoulder than this times the arm's length (ours; a human's is 1.1)."""
+
+
+class Hold:
+    """Whether the agent holds the object: level 0 of reach and grasp.
+
+    Args:
+        here: Whose, and from where.
+        target: The object.
+    """
+
+    def __init__(self, here: Standpoint, target: Target) -> None:
+        self._here, self._target = here, target
+
+    @property
+    def side(self) -> str | None:
+        """Side of the hand that holds the object; None if no hand is known to."""
+        return self._here.held.get(self._target.name)
+
+    @property
+    def unknown(self) -> str | None:
+        """Why it is unknown: a hand that was not tracked might hold the object."""
+        if self.side is not None:
+            return None
+        here = self._here
+        stage, agent = here.stage.show(here.state), here.agent
+        for arm in agent.arms:
+            if not hand_known(stage, agent, arm) and self._could_hold(arm) and not self._at_rest():
+                return f"{agent.name}'s {arm.profile.side} hand not tracked, and it might hold the object"
+        return None
+
+    def outcome(self) -> Outcome | Why:
+        """Held, or not."""
+        if self.side is None:
+            return lambda: Miss(math.inf, "not held")
+        return Outcome(evidence=lambda: {"arm": self.side, "held": True})
+
+    def _could_hold(self, arm: ArmIndices) -> bool:
+        shoulder = self._here.stage.shoulder(arm).position
+        nearest = float(np.linalg.norm(self._target.points - shoulder, axis=1).min(initial=np.inf))
+        return nearest <= WHOLE_ARM * arm.profile.length_m
+
+    def _at_rest(self) -> bool:
+        contact, target = self._here.settings.contact, self._target
+        self._here.consulted.target.add_balls(target.centers, target.radii_m + contact.container_m)
+        holding = holding_of(self._here.stage, target.name, contact)
+        return holding is not None and bool(holding.support or holding.container)
+
+
+# --- The sector of an arm: which points lie within its length of the shoulder, and in front of it (5.1.2).
+#
+# Shoulders are given in the frame of what carries the arm, x forward and z up; the right arm's azimuth is mirrored.
+
+ROUNDING = 1e-9
+DIGITS = 6
+"""Distances that agree to so many digits are equal, wherever the scene stands."""
+NOWHERE = -1
+
+
+def out_of_reach(arm: Arm, shoulder: Array, points: Array) -> Miss:
+    """Why an arm reaches none of some points, (k, 3), from a shoulder, (3,)."""
+    gap_m = float(np.linalg.norm(points - shoulder, axis=1).min())
+    if gap_m <= arm.length_m:
+        return Miss(0.0, f"outside the sector of the {arm.side} arm", lambda: {"arm": arm.side})
+    beyond_m = gap_m - arm.length_m
+    far = f"{beyond_m:.2f} m" if beyond_m >= 0.005 else f"{1000 * beyond_m:.1f} mm"
+    why = f"{gap_m:.2f} m from the {arm.side} shoulder, {far} beyond the arm"
+    return Miss(beyond_m, why, lambda: {"arm": arm.side, "beyond_m": beyond_m})
+
+
+def arms_of(here: Standpoint) -> tuple[int, ...]:
+    """Indices of the agent's arms that may be stretched out."""
+    arms = here.agent.arms
+    return tuple(index for index, arm in enumerate(arms) if stretch(arm.profile.side) in here.actions)
+
+
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """Points, and a ball around them: those far from it need not be looked at one by one.
+
+    Attributes:
+        points: Metres, in the world, (k, 3).
+        middle: Centre of the ball, (3,).
+        radius_m: Its radius.
+    """
+
+    points: Array
+    middle: Array
+    radius_m: float
+
+    @classmethod
+    def of(cls, points: Array) -> Cloud:
+        """The cloud of some points, (k, 3)."""
+        return cls(points, *_ball(points))
+
+
+@compiled
+def _ball(points: Array) -> tuple[Array, float]:
+    """Middle of the box around some points, and how far the farthest is from it."""
+    low, high, squared = np.full(3, np.inf), np.full(3, -np.inf), 0.0
+    if not len(points):
+        return np.zeros(3), 0.0
+    for k in range(len(points)):
+        for axis in range(3):
+            low[axis], high[axis] = min(low[axis], points[k, axis]), max(high[axis], points[k, axis])
+    middle = (low + high) / 2
+    for k in range(len(points)):
+        x, y, z = points[k, 0] - middle[0], points[k, 1] - middle[1], points[k, 2] - middle[2]
+        squared = max(squared, x * x + y * y + z * z)
+    return middle, math.sqrt(squared)
+
+
+def grasps_in_reach(shoulder: Array, arm: ArmIndices, centers: Array, approaches: Array, facing: float) -> Indices:
+    """Indices of the grasps that one shoulder reaches, but for those from behind: nearest first, ties in their order.
+
+    Args:
+        shoulder: Its position in metres and the orientation of what carries it, a row of 12.
+        arm: Length and sector.
+        centers: Where the grasps are, metres, (k, 3).
+        approaches: Unit directions in which the palm comes, (k, 3).
+        facing: Least cosine between the approach and the direction from the shoulder to the grasp.
+    """
+    return _nearest_first(shoulder, arm.sector, centers, approaches, facing)
+
+
+@compiled
+def first_in_reach(
+    table: Table,
+    shoulders: Indices,
+    sectors: Array,
+    points: Array,
+    middle: Array,
+    radius_m: float,
+    start: int,
+    stop: int,
+    nearest: Indices,
+    reach_m: Array,
+    missed: Indices,
+    gap_m: Array,
+) -> int:
+    """The first of some stances from which an arm reaches one of some points; ``stop`` if there is none.
+
+    Args:
+        table: The stances.
+        shoulders: Which frame each arm's shoulder is, (a,).
+        sectors: Of these arms, (a, 6).
+        points: Metres, (k, 3).
+        middle: Centre of a ball that holds the points, (3,).
+        radius_m: Its radius.
+        start: From which stance on,
+        stop: and before which.
+        nearest: Written, for the stance found: the nearest point that each arm reaches, −1 for none, (a,); of equally
+            near ones the first.
+        reach_m: Written: how far it is, (a,).
+        missed: Kept up to date: of the stances passed over, the one from which each arm misses the points least, (a,).
+        gap_m: Kept up to date: how far its shoulder is from the nearest point then, (a,).
+    """
+    pose, gaps = np.empty(POSE), np.empty(len(shoulders))
+    for i in range(start, stop):
+        able = False
+        for arm in range(len(shoulders)):
+            carry(table, i, shoulders[arm], pose)
+            nearest[arm], gaps[arm] = NOWHERE, np.inf
+            ball_m = distance_m(pose, middle) - radius_m
+            if ball_m <= sectors[arm, 0] + ROUNDING or ball_m <= gap_m[arm]:
+                nearest[arm], reach_m[arm], gaps[arm] = _nearest(pose, sectors[arm], points)
+            able |= nearest[arm] != NOWHERE
+        if able:
+            return i
+        for arm in range(len(shoulders)):
+            if gaps[arm] < gap_m[arm]:
+                missed[arm], gap_m[arm] = i, gaps[arm]
+    return stop
+
+
+@compiled
+def _nearest(pose: Array, sector: Array, points: Array) -> tuple[int, float, float]:
+    """The nearest point that a shoulder reaches, −1 for none; how far it is; and how far the nearest of all is."""
+    nearest, reach_m, least_m, gap_m = NOWHERE, np.inf, np.inf, np.inf
+    for k in range(len(points)):
+        at_m = distance_m(pose, points[k])
+        gap_m = min(gap_m, at_m)
+        if at_m > sector[0] + ROUNDING or round(at_m, DIGITS) >= least_m:
+            continue
+        if _inside(pose, sector, points[k]):
+            nearest, reach_m, least_m = k, at_m, round(at_m, DIGITS)
+    return nearest, reach_m, gap_m
+
+
+@compiled
+def beyond(
+    table: Table, shoulders: Indices, sectors: Array, points: Array, middle: Array, radius_m: float, margin_m: float
+) -> bool:
+    """Whether all points are farther than a margin beyond every arm, from every stance; for what is given see above."""
+    pose = np.empty(POSE)
+    for i in range(len(table.spot)):
+        for arm in range(len(shoulders)):
+            carry(table, i, shoulders[arm], pose)
+            far_m = sectors[arm, 0] + margin_m
+            if distance_m(pose, middle) - radius_m > far_m:
+                continue
+            for k in range(len(points)):
+                if distance_m(pose, points[k]) <= far_m:
+                    return False
+    return True
+
+
+@compiled
+def _nearest_first(pose: Array, sector: Array, centers: Array, approaches: Array, facing: float) -> Indices:
+    found, distances, count = np.empty(len(centers), dtype=np.intp), np.empty(len(centers)), 0
+    for k in range(len(centers)):
+        at_m, along = distance_m(pose, centers[k]), 0.0
+        if at_m > sector[0] + ROUNDING:
+            continue
+        for axis in range(3):
+            along += approaches[k, axis] * (centers[k, axis] - pose[axis])
+        if along >= facing * at_m - ROUNDING and _inside(pose, sector, centers[k]):
+            found[count], distances[count] = k, np.rint(at_m * 10.0**DIGITS)
+            count += 1
+    return found[np.argsort(distances[:count], kind="mergesort")]
+
+
+@compiled
+def distance_m(pose: Array, point: Array) -> float:
+    """How far a point is from where a pose is."""
+    x, y, z = point[0] - pose[0], point[1] - pose[1], point[2] - pose[2]
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@compiled
+def _inside(pose: Array, sector: Array, point: Array) -> bool:
+    """Whether a point lies in the direction of a sector from a shoulder, whose carrier is turned as in a pose."""
+    dx, dy, dz = point[0] - pose[0], point[1] - pose[1], point[2] - pose[2]
+    x = dx * pose[3] + dy * pose[6] + dz * pose[9]
+    y = dx * pose[4] + dy * pose[7] + dz * pose[10]
+    z = dx * pose[5] + dy * pose[8] + dz * pose[11]
+    azimuth = math.atan2(-y if sector[1] else y, x)
+    elevation = math.atan2(z, math.hypot(x, y))
+    return bool(
+        sector[2] - ROUNDING <= azimuth <= sector[3] + ROUNDING
+        and sector[4] - ROUNDING <= elevation <= sector[5] + ROUNDING
+    )
+
+
+# --- What the judges of reach and grasp share: arms that are stretched out, and level 0, which is holding.
+
+PARTS: tuple[tuple[str, ...], ...] = ((), ("torso",), ("torso",), ("torso", "legs"), ("torso", "legs"))
+"""Parts that must be tracked to judge each level."""
+
+
+class ByHand:
+    """Judges an ability of the hands towards one object.
+
+    Args:
+        here: Whose, and from where.
+        target: The object.
+
+    ``arms`` are the indices of those that may be stretched out.
+    """
+
+    def __init__(self, here: Standpoint, target: Target) -> None:
+        self._here, self.target = here, target
+        self._stage, self._agent = here.stage, here.agent
+        self.arms = arms_of(here)
+        self._hold = Hold(here, target)
+
+    @cached_property
+    def surface(self) -> Cloud:
+        """The object's cells."""
+        return Cloud.of(self.target.points)
+
+    @cached_property
+    def sectors(self) -> Array:
+        """Lengths and sectors of these arms for compiled functions, (a, 6)."""
+        return np.array([self.arm(index).sector for index in self.arms]).reshape(-1, 6)
+
+    @cached_property
+    def shoulders(self) -> NDArray[np.intp]:
+        """Which of the agent's frames their shoulders are, (a,)."""
+        return self._here.first_shoulder + np.array(self.arms, dtype=np.intp)
+
+    def arm(self, index: int) -> ArmIndices:
+        """An arm of the agent by its index."""
+        return self._agent.arms[index]
+
+    def unknown(self, level: int) -> str | None:
+        """The shoulders are where the torso is; legs matter from their level on; hands for holding only."""
+        if level == 0:
+            return self._hold.unknown
+        return untracked_parts(self._here.state, self._agent.name, PARTS[level])
+
+    def without_effort(self) -> Outcome | Why:
+        """Level 0: held."""
+        return self._hold.outcome()
+
+
+class Reach(ByHand):
+    """Judges the ability to reach one object."""
+
+    def among(self, stances: Stances) -> Among:
+        """What the arms reach from some stances."""
+        return ReachAmong(self, stances, self.surface)
+
+
+class ReachAmong:
+    """What each arm reaches from n stances, of points of the object.
+
+    Args:
+        judge: Whose arms.
+        stances: The stances.
+        cloud: The points.
+    """
+
+    def __init__(self, judge: ByHand, stances: Stances, cloud: Cloud) -> None:
+        self._judge, self._stances, self._cloud = judge, stances, cloud
+        self._where = (stances.table, judge.shoulders, judge.sectors, cloud.points, cloud.middle, cloud.radius_m)
+        count = len(judge.arms)
+        self._nearest, self._reach_m = np.empty(count, dtype=np.intp), np.empty(count)
+        self._missed, self._gap_m = np.full(count, NOWHERE), np.full(count, np.inf)
+
+    def next(self, start: int, stop: int) -> int:
+        """The first stance from which an arm reaches one of the points."""
+        if not len(self._cloud.points):
+            return stop
+        return first_in_reach(*self._where, start, stop, self._nearest, self._reach_m, self._missed, self._gap_m)
+
+    def beyond(self, margin_m: float) -> bool:
+        """Whether all points are farther than this beyond every arm, from every stance."""
+        return beyond(*self._where, margin_m)
+
+    def able(self, index: int) -> list[int]:
+        """Which of the judge's arms reach some point from such a stance, the nearer shoulder's first."""
+        self.next(index, index + 1)
+        columns = np.flatnonzero(self._nearest != NOWHERE).tolist()
+        return sorted(columns, key=lambda column: round(float(self._reach_m[column]), DIGITS))
+
+    def outcomes(self, index: int) -> Iterator[Outcome]:
+        """How those arms reach the object."""
+        return iter([self._stretched(column) for column in self.able(index)])
+
+    def miss(self) -> Miss | None:
+        """Why the stances passed over reach nothing: the arm that misses the object least."""
+        if not self._judge.arms:
+            return NO_ARM
+        if not len(self._cloud.points):
+            return Miss(math.inf, "has no surface")
+        column = int(np.argmin(self._gap_m))
+        if self._missed[column] == NOWHERE:
+            return None
+        arm = self._judge.arms[column]
+        shoulder = self._stances.shoulder(int(self._missed[column]), arm)
+        return out_of_reach(self._judge.arm(arm).profile, shoulder.position, self._cloud.points)
+
+    def _stretched(self, column: int) -> Outcome:
+        side, distance_m = self._judge.arm(self._judge.arms[column]).profile.side, float(self._reach_m[column])
+        point = self._cloud.points[self._nearest[column]]
+        return Outcome(
+            actions=(stretch(side),),
+            merit=round(distance_m, DIGITS),
+            evidence=lambda: {"arm": side, "point_m": point.tolist(), "distance_m": distance_m},
+        )

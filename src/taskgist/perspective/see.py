@@ -1,0 +1,428 @@
+"""See: at least one visible pixel of the object lies in the gaze cone (5.1.1, with DESIGN 3's cone).
+
+With effort, the head aims at the object; if the object is seen so, the first of the steps on the way that sees it
+needs the least amount. What is not seen when looked at is not searched on the way. Stances from which the head cannot
+turn far enough, or does not even glimpse the object, are passed over without showing their states.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.common.arrays import Array, Indices
+from taskgist.common.compiled import compiled
+from taskgist.perspective.actions import STILL_RAD
+from taskgist.perspective.candidates import EYE, Neck, Stances, Table, carry
+from taskgist.perspective.effort import Miss, Outcome, Why, untracked_parts
+from taskgist.perspective.image import (
+    GRAZE_M,
+    Lens,
+    Sight,
+    away_m,
+    from_eye,
+    in_shadow,
+    lens_of,
+    look,
+    measured,
+    off_gaze,
+    sight_now,
+    window,
+)
+from taskgist.perspective.viewpoint import Sought, Standpoint, Target
+from taskgist.world.geometry.linkage import POSE, rotated, turn_pose
+from taskgist.world.geometry.rays import INF, NO_GEOM, Shapes, stand_between
+from taskgist.world.state import State
+
+# --- Aiming the head: analytic, joint by joint.
+#
+# Each joint of the head turns by the signed angle, about its own axis, between where the eye looks and where the
+# target is. Turning moves the eye as well, so this is done twice; what remains is below a degree for anything farther
+# than an arm. No convention about zero angles or signs of a robot's neck is needed.
+
+ROUNDS = 2
+
+
+def aimed(frames: Array, neck: Neck, target: Array) -> Array:
+    """Head angles with which the eye looks at a target, as nearly as the joints' ranges allow, radians, (h,).
+
+    Args:
+        frames: Where a stance brings the agent's frames, (f, 12).
+        neck: The joints that may be used.
+        target: Point in the world, metres, (3,).
+    """
+    angles = np.empty(len(neck.now))
+    aim(frames, neck, target, angles, np.empty(POSE))
+    return angles
+
+
+@compiled
+def turned_heads(frames: Array, neck: Neck, angles: Array) -> Array:
+    """Poses of the eye for angles of the head, (k, h), from a stance that brings the frames somewhere, (f, 12)."""
+    eyes = np.empty((len(angles), POSE))
+    for i in range(len(angles)):
+        turn_head(frames, neck, angles[i], eyes[i])
+    return eyes
+
+
+@compiled
+def aim(frames: Array, neck: Neck, target: Array, angles: Array, eye: Array) -> None:
+    """Aim the head: angles, (h,), and the pose of the eye with them, (12,), are written."""
+    joints, ranges, now = neck.frames, neck.ranges, neck.now
+    angles[:] = now
+    for _ in range(ROUNDS):
+        for joint in range(len(joints)):
+            turn_head(frames, neck, angles, eye)
+            turn = _angle_left(frames, neck, angles, joint, eye, target)
+            angles[joint] = min(max(angles[joint] + turn, ranges[joint, 0]), ranges[joint, 1])
+    turn_head(frames, neck, angles, eye)
+
+
+@compiled
+def turn_head(frames: Array, neck: Neck, angles: Array, eye: Array) -> None:
+    """Write the pose of the eye, (12,), for angles of the head, (h,): the innermost joint turns first."""
+    eye[:] = frames[EYE]
+    for joint in neck.inwards:
+        screw = frames[neck.frames[joint]]
+        turn_pose(eye, screw[:3], screw[3::3], angles[joint] - neck.now[joint])
+
+
+@compiled
+def _angle_left(frames: Array, neck: Neck, angles: Array, of: int, eye: Array, target: Array) -> float:
+    """Signed angle by which a joint still has to turn until the eye, as it is, looks at a target."""
+    row = frames[neck.frames[of]]
+    ax, ay, az = row[3], row[6], row[9]
+    within = True
+    for joint in neck.inwards:  # those nearer to the eye than the joint itself do not carry it
+        if not within:
+            screw, by = frames[neck.frames[joint]], angles[joint] - neck.now[joint]
+            ax, ay, az = rotated(screw[3], screw[6], screw[9], math.sin(by), math.cos(by), ax, ay, az)
+        within = within and joint != of
+    sx, sy, sz = eye[3], eye[6], eye[9]
+    ex, ey, ez = target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]
+    across = ax * (sy * ez - sz * ey) + ay * (sz * ex - sx * ez) + az * (sx * ey - sy * ex)
+    along = (sx * ex + sy * ey + sz * ez) - (ax * sx + ay * sy + az * sz) * (ax * ex + ay * ey + az * ez)
+    return math.atan2(across, along)
+
+
+# --- What many eyes see of an object, told roughly and quickly: never too little.
+#
+# The agent's own body is looked past, meshes hide nothing, and a mesh that is looked at fills the box around it. So
+# whoever does not even glimpse an object surely does not see it; whether the others do is for ``visibility`` to tell.
+
+HIDDEN, BESIDE = 0, 1
+"""Why an object is not glimpsed from a stance: something hides it, or the head cannot turn to it."""
+MARGIN_RAD = 1e-6
+"""How much farther than its cone the gaze counts as hopeful."""
+
+
+@compiled
+def first_glimpse(
+    table: Table,
+    neck: Neck,
+    shapes: Shapes,
+    others: Indices,
+    sought: Sought,
+    lens: Lens,
+    start: int,
+    stop: int,
+    missed: Indices,
+    off_rad: Array,
+    eyes: Array,
+) -> int:
+    """The first of some stances from which the aimed head may see an object in its gaze cone; ``stop`` if none.
+
+    Args:
+        table: The stances.
+        neck: The head's joints that may be used.
+        shapes: All shapes; where the agent's are does not matter.
+        others: Indices of those that may hide something: neither the agent's nor the object's.
+        sought: The object.
+        lens: Of the agent's eye.
+        start: From which stance on,
+        stop: and before which.
+        missed: Kept up to date: of the stances passed over, the one from which the gaze comes nearest to the object's
+            middle, among those whose head turns to the object (``HIDDEN``) and among the others (``BESIDE``), (2,).
+        off_rad: Kept up to date: the angle between the two then, (2,).
+        eyes: Lowest and highest corner of a box that is made to hold all eyes that look at the object, (2, 3).
+    """
+    frames, eye, angles = np.empty((EYE + 1 + table.joints, POSE)), np.empty(POSE), np.empty(len(neck.now))
+    hider = np.full(1, NO_GEOM, dtype=np.intp)
+    for i in range(start, stop):
+        for frame in range(len(frames)):
+            carry(table, i, frame, frames[frame])
+        aim(frames, neck, sought.middle, angles, eye)
+        kind = BESIDE if _nearest_rad(eye, sought) > lens.cone_rad + MARGIN_RAD else HIDDEN
+        if kind == HIDDEN:
+            for axis in range(3):
+                eyes[0, axis], eyes[1, axis] = min(eyes[0, axis], eye[axis]), max(eyes[1, axis], eye[axis])
+            # what hides it from one eye mostly hides it from the next as well
+            if hider[0] == NO_GEOM or in_shadow(from_eye(shapes, hider, eye, False), sought.corners, eye) == NO_GEOM:
+                glimpsed, hider[0] = _glimpsed(shapes, others, sought, lens, eye)
+                if glimpsed:
+                    return i
+        off = off_gaze(eye, sought.middle, 0.0)
+        if off < off_rad[kind]:
+            missed[kind], off_rad[kind] = i, off
+    return stop
+
+
+@compiled
+def next_glimpse(shapes: Shapes, others: Indices, sought: Sought, lens: Lens, eyes: Array, start: int) -> int:
+    """The first of some eyes, poses (n, 12), from ``start`` on, that glimpses the object; n if none does."""
+    for i in range(start, len(eyes)):
+        if _glimpsed(shapes, others, sought, lens, eyes[i])[0]:
+            return i
+    return len(eyes)
+
+
+@compiled
+def _glimpsed(shapes: Shapes, others: Indices, sought: Sought, lens: Lens, eye: Array) -> tuple[bool, int]:
+    """Whether an eye, pose (12,), may see an object in its gaze cone; if not, a shape that alone hides it, or −1."""
+    between = stand_between(shapes, others, -1, eye[:3], sought.centers, sought.radii_m)
+    hiders = from_eye(shapes, between, eye, False)
+    hider = in_shadow(hiders, sought.corners, eye)
+    if hider != NO_GEOM:
+        return False, hider
+    return _shows(from_eye(shapes, sought.shapes, eye, True), hiders, sought, lens, eye), NO_GEOM
+
+
+@compiled
+def _nearest_rad(eye: Array, sought: Sought) -> float:
+    """Angle between the gaze and the nearest of an object's balls."""
+    least, centers = math.pi, sought.centers
+    for k in range(len(centers)):
+        least = min(least, off_gaze(eye, centers[k], sought.radii_m[k]))
+    return least
+
+
+@compiled
+def _shows(wanted: Array, others: Array, sought: Sought, lens: Lens, eye: Array) -> bool:
+    """Whether the ray of some pixel meets a wanted shape, and none of the others before."""
+    hider, rays, frame = 0, lens.rays, eye[3:]
+    first_row, last_row, first_column, last_column = window(lens, eye, sought.centers, sought.radii_m)
+    for row in range(first_row, last_row):
+        for column in range(first_column, last_column):
+            x, y, z = rays[row, column, 0], rays[row, column, 1], rays[row, column, 2]
+            if x < lens.cone_cos:
+                continue
+            dx = frame[0] * x + frame[1] * y + frame[2] * z
+            dy = frame[3] * x + frame[4] * y + frame[5] * z
+            dz = frame[6] * x + frame[7] * y + frame[8] * z
+            nearest = INF
+            for k in range(len(wanted)):
+                nearest = min(nearest, away_m(wanted, k, dx, dy, dz))
+            if nearest == INF:
+                continue
+            if hider < len(others) and away_m(others, hider, dx, dy, dz) < nearest - GRAZE_M:
+                continue  # what hid one pixel mostly hides the next as well
+            hider = 0
+            while hider < len(others) and away_m(others, hider, dx, dy, dz) >= nearest - GRAZE_M:
+                hider += 1
+            if hider == len(others):
+                return True
+    return False
+
+
+# --- The head aimed at an object from many stances, and turned there in steps (5.1.1).
+
+NOT_ONE = -1
+
+
+class SeeAmong:
+    """The head aimed at the object from n stances.
+
+    Args:
+        see: Whose eye, and at what.
+        here: From where.
+        stances: The stances.
+    """
+
+    def __init__(self, see: See, here: Standpoint, stances: Stances) -> None:
+        self._see, self._here, self._stances = see, here, stances
+        self._head = stances.bent.frames.usable(here.actions)
+        self._sought = (here.stage.shapes, see.others, see.target.sought, see.lens)
+        self._missed, self._off_rad = np.full(2, NOT_ONE), np.full(2, np.inf)
+
+    def next(self, start: int, stop: int) -> int:
+        """The first stance from which the aimed head glimpses the object."""
+        table, eyes = self._stances.table, self._here.consulted.eyes.bounds
+        return first_glimpse(table, self._head.neck, *self._sought, start, stop, self._missed, self._off_rad, eyes)
+
+    def outcomes(self, index: int) -> Iterator[Outcome | Why]:
+        """The least turn of the head on the way that sees the object comes first."""
+        start, angles = self._stances[index].state, self._on_the_way(self._aimed(index))
+        aimed_at = start.replace(self._head.changes(angles[-1]))
+        sight = self._see.gaze(aimed_at)
+        if not sight.visible.any():
+            yield partial(self._see.miss, aimed_at, sight)
+            return
+        for step in self._glimpsed(index, angles):
+            changes = self._head.changes(angles[step]) if step else {}
+            state = start.replace(changes)
+            sight = self._see.gaze(state)
+            if sight.visible.any():
+                yield self._see.outcome(state, changes, self._turned(changes), sight)
+
+    def _aimed(self, index: int) -> Array:
+        """Angles of the head when it is aimed from a stance, (h,)."""
+        return aimed(self._stances.frames(index), self._head.neck, self._see.target.middle)
+
+    def _on_the_way(self, aimed: Array) -> Array:
+        """Angles of the head at equal steps from where it is to where it is aimed, both included, (k, h)."""
+        steps, now = self._here.settings.efforts.head_steps, self._head.neck.now
+        angles = now + (aimed - now) * (np.arange(steps + 1) / steps)[:, None]
+        angles[-1] = aimed
+        return np.asarray(angles)
+
+    def _glimpsed(self, index: int, angles: Array) -> Iterator[int]:
+        """Those of some angles of the head, from a stance, with which it glimpses the object."""
+        eyes = turned_heads(self._stances.frames(index), self._head.neck, angles)
+        self._here.consulted.eyes.add_points(eyes[:, :3])
+        step = next_glimpse(*self._sought, eyes, 0)
+        while step < len(eyes):
+            yield step
+            step = next_glimpse(*self._sought, eyes, step + 1)
+
+    def miss(self) -> Miss | None:
+        """Why the other stances do not see it."""
+        hidden = int(self._missed[HIDDEN])
+        if hidden != NOT_ONE:
+            state = self._stances[hidden].state.replace(self._head.changes(self._aimed(hidden)))
+            return self._see.miss(state, self._see.gaze(state))
+        return beside_gaze(float(self._off_rad[BESIDE])) if self._missed[BESIDE] != NOT_ONE else None
+
+    def _turned(self, changes: dict[int, float]) -> dict[str, float]:
+        """How far each action turns the head, radians."""
+        return {
+            joint.action: abs(changes[joint.index] - joint.now_rad)
+            for joint in self._head.joints
+            if joint.index in changes
+        }
+
+
+def beside_gaze(off_rad: float) -> Miss:
+    """The head cannot turn far enough: worse than being hidden."""
+    return Miss(math.pi + off_rad, f"no nearer than {math.degrees(off_rad):.0f}° to the gaze")
+
+
+PARTS: tuple[tuple[str, ...], ...] = (
+    ("head",),
+    ("head",),
+    ("head", "torso"),
+    ("head", "torso", "legs"),
+    ("head", "torso", "legs"),
+)
+"""Parts that must be tracked to judge each level."""
+
+
+class See:
+    """Judges the ability to see one object.
+
+    Args:
+        here: Whose, and from where.
+        target: The object.
+    """
+
+    def __init__(self, here: Standpoint, target: Target) -> None:
+        self._here, self.target = here, target
+        self._stage, self._agent = here.stage, here.agent
+        self._cone_rad = here.agent.profile.eye.gaze_cone_rad
+        self.lens = lens_of(here.agent.profile.eye)
+
+    def unknown(self, level: int) -> str | None:
+        """The eye is where the head is; torso and legs matter from their levels on."""
+        return untracked_parts(self._here.state, self._agent.name, PARTS[level])
+
+    def without_effort(self) -> Outcome | Why:
+        """Level 0: in the gaze cone of the current state."""
+        sight = sight_now(self._here, self.target)
+        self._here.consulted.target.add_balls(self.target.centers, self.target.radii_m)
+        self._here.consulted.eyes.add_points(sight.eye[None, :3])
+        state = self._here.state
+        if (sight.visible & (sight.rays_in_eye[:, 0] >= self.lens.cone_cos)).any():
+            return self.outcome(state, {}, {}, sight)
+        return partial(self._miss_now, state, sight)
+
+    def among(self, stances: Stances) -> SeeAmong:
+        """Where the head can turn to the object, and nothing hides all of it."""
+        return SeeAmong(self, self._here, stances)
+
+    @cached_property
+    def others(self) -> NDArray[np.intp]:
+        """Shapes that may hide the object from stances, wherever the agent's own are then, (n,)."""
+        others = self.target.others
+        return others[~self._here.is_own[others]]
+
+    def gaze(self, state: State) -> Sight:
+        """What is seen of the object in the gaze cone of a state."""
+        return look(self._stage.show(state), self._agent, self.target, cone_rad=self._cone_rad)
+
+    def outcome(self, state: State, angles: dict[int, float], turned: dict[str, float], sight: Sight) -> Outcome:
+        """Seen in a state, whose head has some angles, each turned by an action."""
+        return Outcome(
+            angles,
+            tuple(action for action, turn in turned.items() if turn > STILL_RAD),
+            head_rad=sum(turned.values()),
+            merit=-float(sight.visible.sum()),
+            evidence=partial(self._evidence, state),
+        )
+
+    def _evidence(self, state: State) -> dict[str, object]:
+        here, target = self._here, self.target
+        now = state is here.state
+        sight = sight_now(here, target) if now else look(self._stage.show(state), self._agent, target)
+        return measured(self._stage, self._agent, target, sight).evidence
+
+    def miss(self, state: State, sight: Sight) -> Miss:
+        """Why the object is not seen in a state, when looked at."""
+        off_rad = self._off_rad(state)
+        if len(sight.geoms):
+            return self._hidden(off_rad, state, sight)
+        if off_rad <= self._cone_rad and self._in_image(state):
+            return Miss(off_rad, "smaller than a pixel")
+        return beside_gaze(off_rad)
+
+    def _miss_now(self, state: State, sight: Sight) -> Miss:
+        """Why the object is not seen without effort: hidden, beside the gaze or out of the field of view."""
+        off_rad = self._off_rad(state)
+        beside = f"{math.degrees(off_rad):.0f}° beside the gaze (cone {math.degrees(self._cone_rad):.0f}°)"
+        if not len(sight.geoms):
+            return Miss(off_rad, "smaller than a pixel" if self._in_image(state) else f"out of view, {beside}")
+        if not sight.visible.any():
+            return self._hidden(off_rad, state, sight)
+        return Miss(off_rad, f"in view, but {beside}")
+
+    def _hidden(self, off_rad: float, state: State, sight: Sight) -> Miss:
+        """All of the object's pixels show something else."""
+        owners = self._stage.scene.owners
+        hiders = sorted({owners[geom] for geom in sight.geoms.tolist()})
+
+        def evidence() -> dict[str, object]:
+            eye = self._stage.show(state).eye(self._agent)
+            of = np.array([hiders.index(owners[geom]) for geom in sight.geoms.tolist()])
+            counts = [(owner, int((of == index).sum())) for index, owner in enumerate(hiders)]
+            hits = eye.to_world(sight.rays_in_eye * sight.distances_m[:, None])
+            first = [int(np.argmax(of == index)) for index in range(len(hiders))]
+            return {
+                "occluders": sorted(counts, key=lambda each: -each[1]),
+                "unoccluded_px": len(of),
+                "eye_m": eye.position.tolist(),
+                "hits_m": {owner: hits[row].tolist() for owner, row in zip(hiders, first, strict=True)},
+            }
+
+        return Miss(off_rad, f"occluded by {' and '.join(hiders)}", evidence)
+
+    def _in_image(self, state: State) -> bool:
+        """Whether the object's middle is within the field of view."""
+        x, y, z = self._stage.show(state).eye(self._agent).to_local(self.target.middle)
+        across, up = self._agent.profile.eye.fov_rad
+        return bool(x > 0 and abs(y) <= x * math.tan(across / 2) and abs(z) <= x * math.tan(up / 2))
+
+    def _off_rad(self, state: State) -> float:
+        eye = self._stage.show(state).eye_row(self._agent)
+        return off_gaze(eye, self.target.middle, 0.0)

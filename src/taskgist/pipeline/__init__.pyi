@@ -1,0 +1,14 @@
+from .checkup import Checkup as Checkup
+from .checkup import Finding as Finding
+from .checkup import check as check
+from .explain import episode_of as episode_of
+from .explain import explain_all as explain_all
+from .explain import explain_recording as explain_recording
+from .explain import label_of as label_of
+from .explain import learn as learn
+from .explain import observe_recording as observe_recording
+from .facts_over_time import Timeline as Timeline
+from .facts_over_time import attribute_nodes as attribute_nodes
+from .facts_over_time import timeline as timeline
+from .shipped import shipped_recordings as shipped_recordings
+from .shipped import shipped_study as shipped_study

@@ -1,0 +1,189 @@
+"""Is a recording fit to learn from? Findings, each with what to do about it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from taskgist.common.workers import Progress, silent
+from taskgist.facts import vocabulary as v
+from taskgist.facts.values import UNKNOWN, Observation, Raw
+from taskgist.observe.attributes import snapshot
+from taskgist.observe.history import History, LazyObserver
+from taskgist.recording.recording import Label, Recording
+from taskgist.settings import DEFAULT, Settings
+from taskgist.world.contacts import overlaps
+from taskgist.world.stage import Stage
+
+Severity = Literal["unfit", "warning", "note"]
+
+GAP_FACTOR = 3.0
+"""A step of time longer than this many usual ones is a gap."""
+SLOWEST_S = 0.1
+"""Frames farther apart than this are fewer than the windows of motion and holding ask for."""
+OVERLAP_M = 0.03
+"""Bodies that overlap deeper than this were tracked or shaped wrongly; fitted hands do so by 1-2 cm while they hold."""
+SOFT_M = 0.05
+"""Bodies and furniture: flesh and cushions give by as much."""
+OVERLAP_EVERY_S = 0.2
+POOR_FIT_CM = 5.0
+"""Median error of a fitted landmark above which facts of contact are doubtful."""
+SPINE = ("chest", "abdomen", "neck", "pelvis")
+"""Landmarks that lie elsewhere for each tracker; no fact hangs on them."""
+OF_THE_AGENT = frozenset({"posture", "hands"})
+"""Attributes of the target agent alone; all others are said of the object."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that a recording's user should know.
+
+    Attributes:
+        severity: "unfit" if nothing sensible can be learned while it stands.
+        about: What it concerns: an object, an agent's part, the label.
+        problem: What is wrong, in one clause.
+        remedy: What to do about it.
+    """
+
+    severity: Severity
+    about: str
+    problem: str
+    remedy: str = ""
+
+
+@dataclass(frozen=True)
+class Checkup:
+    """All findings on one recording."""
+
+    findings: tuple[Finding, ...]
+
+    @property
+    def fit(self) -> bool:
+        """Whether the recording can be learned from."""
+        return not any(finding.severity == "unfit" for finding in self.findings)
+
+
+def check(recording: Recording, settings: Settings = DEFAULT, progress: Progress = silent) -> Checkup:
+    """Examine a recording.
+
+    Args:
+        recording: The recording, with or without a label.
+        settings: All settings.
+        progress: Told how far it is.
+    """
+    findings = [
+        *_time_gaps(recording),
+        *_untracked(recording),
+        *_poor_fits(recording),
+        *_overlaps(recording, progress),
+        *_label(recording, LazyObserver(recording.scene, recording, settings), settings),
+        *_estimated(recording),
+    ]
+    order: dict[Severity, int] = {"unfit": 0, "warning": 1, "note": 2}
+    return Checkup(tuple(sorted(findings, key=lambda finding: order[finding.severity])))
+
+
+def _time_gaps(recording: Recording) -> Iterator[Finding]:
+    steps = np.diff(recording.times_s)
+    usual = float(np.median(steps))
+    if usual > SLOWEST_S:
+        rate = f"only {1 / usual:.0f} frames per second"
+        yield Finding("warning", "time", f"{rate}: short holds and stops are missed", "record faster")
+    for index in np.flatnonzero(steps > GAP_FACTOR * usual):
+        start = recording.times_s[index]
+        yield Finding(
+            "warning",
+            "time",
+            f"no frames for {steps[index]:.2f} s after {start:.2f} s (usually every {usual:.3f} s)",
+            "label around the gap, or record anew",
+        )
+
+
+def _untracked(recording: Recording) -> Iterator[Finding]:
+    for name, known in recording.tracked.items():
+        share = float(np.mean(known))
+        if share == 0.0:
+            yield Finding("warning", name, "never tracked: facts that need it are unknown", "track it, or map it")
+        elif share < 1.0:
+            lost = recording.times_s[~np.asarray(known)]
+            span = f"between {lost[0]:.2f} and {lost[-1]:.2f} s"
+            yield Finding("warning", name, f"untracked in {100 * (1 - share):.0f} % of the frames, {span}")
+
+
+def _poor_fits(recording: Recording) -> Iterator[Finding]:
+    for agent, report in recording.provenance.fit.items():
+        for point, error in report.get("points_cm", {}).items():
+            if point not in SPINE and error["median"] > POOR_FIT_CM:
+                yield Finding(
+                    "note",
+                    f"{agent}'s {point}",
+                    f"the fitted body is {error['median']:.1f} cm away from it (median)",
+                    "check the mapping's landmark, or give body sizes",
+                )
+
+
+def _overlaps(recording: Recording, progress: Progress) -> Iterator[Finding]:
+    stage = Stage(recording.scene)
+    worst: dict[tuple[str, str], tuple[float, float]] = {}
+    times = np.arange(recording.times_s[0], recording.times_s[-1], OVERLAP_EVERY_S)
+    for number, time_s in enumerate(times):
+        state = recording.at(float(time_s))
+        stage.show(state)
+        for pair, depth in overlaps(stage, deeper_than_m=OVERLAP_M).items():
+            if state.known(pair) and depth > worst.get(pair, (0.0, 0.0))[0]:
+                worst[pair] = (depth, float(time_s))
+        progress("looking for overlaps", (number + 1) / len(times))
+    for (a, b), (depth, time_s) in worst.items():
+        held = {a, b} & set(recording.scene.agents) and {a, b} & set(recording.scene.objects)
+        if not held and depth < SOFT_M and not {a, b} <= {*recording.scene.agents, *recording.scene.objects}:
+            continue  # a body gives where it sits or leans
+        yield Finding(
+            "note" if held else "warning",
+            f"{a} and {b}",
+            f"overlap by up to {100 * depth:.1f} cm (at {time_s:.2f} s)",
+            "usual where a hand closes around it" if held else "check shapes and poses",
+        )
+
+
+def _label(recording: Recording, observer: History, settings: Settings) -> Iterator[Finding]:
+    label = recording.label
+    if label is None:
+        yield Finding("unfit", "label", "there is none", "set one: taskgist label RECORDING --help")
+        return
+    if observer.motion(label.target_object).at(label.start_s) == v.MOVING:
+        yield Finding(
+            "note", "label", f"{label.target_object} is already moving at the start", "start the label earlier"
+        )
+    yield from _unknown_facts(recording, label, observer, settings)
+
+
+def _unknown_facts(recording: Recording, label: Label, observer: History, settings: Settings) -> Iterator[Finding]:
+    stage = Stage(recording.scene)
+    for end, time_s in (("start", label.start_s), ("end", label.end_s)):
+        stage.show(recording.at(time_s))
+        observed = snapshot(stage, observer, agent=label.target_agent, name=label.target_object, settings=settings)
+        unknown = [name for name, observation in observed.items() if _is_unknown(observation)]
+        if set(observed) - OF_THE_AGENT <= set(unknown):
+            yield Finding(
+                "unfit",
+                label.target_object,
+                f"no fact can be said of it at the label's {end} ({time_s:.2f} s)",
+                "move the label to where object and target agent are tracked",
+            )
+        elif unknown:
+            yield Finding(
+                "note", f"facts at the label's {end}", f"unknown: {', '.join(unknown)}", "they are not counted"
+            )
+
+
+def _is_unknown(observation: Observation[Raw]) -> bool:
+    value = observation.value
+    return value is UNKNOWN or (isinstance(value, Mapping) and all(status is None for status in value.values()))
+
+
+def _estimated(recording: Recording) -> Iterator[Finding]:
+    for name in sorted(recording.scene.estimated):
+        yield Finding("note", name, "its place or shape is an estimate", "")

@@ -1,0 +1,126 @@
+"""The timeline of a recording: every attribute of one agent and object, as intervals of equal value.
+
+What was watched over time (posture, hands, placement, motion) is exact to the frame; abilities, predicates and
+visibility are sampled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from taskgist.common.workers import Progress, silent
+from taskgist.facts.predicates import Predicate, with_predicates
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.tree import HypothesisTree
+from taskgist.facts.values import Unknown, Value
+from taskgist.observe.attributes import Snapshot, snapshot, status_observations
+from taskgist.observe.history import History, Interval
+from taskgist.recording.recording import Recording
+from taskgist.settings import DEFAULT, Settings
+from taskgist.world.stage import Stage
+
+Samples = dict[str, list[tuple[float, str | None]]]
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """Every attribute over time, from one agent's perspective of one object.
+
+    Attributes:
+        agent: Whose perspective.
+        name: Which object.
+        every_s: How often abilities, predicates and visibility were sampled, in seconds.
+        rows: By attribute: intervals of equal symbol, in order; None is unknown.
+    """
+
+    agent: str
+    name: str
+    every_s: float
+    rows: dict[str, tuple[Interval[str | None], ...]]
+
+
+def timeline(
+    recording: Recording,
+    observer: History,
+    *,
+    agent: str,
+    name: str,
+    every_s: float = 0.5,
+    tree: HypothesisTree = STANDARD_TREE,
+    settings: Settings = DEFAULT,
+    predicates: Iterable[Predicate] = (),
+    progress: Progress = silent,
+) -> Timeline:
+    """Sample every attribute through a recording.
+
+    Args:
+        recording: The recording.
+        observer: One that has seen all of it.
+        agent: Whose perspective.
+        name: Which object.
+        every_s: Seconds between samples.
+        tree: Gives the symbols; ``predicates`` extend it.
+        settings: All settings.
+        predicates: A user's own predicates.
+        progress: Told how far it is.
+    """
+    predicates = tuple(predicates)
+    whole = with_predicates(tree, predicates)
+    stage = Stage(recording.scene)
+    first, last = float(recording.times_s[0]), float(recording.times_s[-1])
+    times = [*np.arange(first, last, every_s), last]
+    samples: Samples = {}
+    for number, time_s in enumerate(times):
+        stage.show(recording.at(float(time_s)))
+        observed = snapshot(stage, observer, agent=agent, name=name, settings=settings, predicates=predicates)
+        _collect(samples, float(time_s), symbols(whole, observed, settings))
+        progress("taking perspective", (number + 1) / len(times))
+    watched: Samples = {}
+    for time_s in map(float, recording.times_s):
+        _collect(watched, time_s, symbols(whole, status_observations(observer, agent, name, time_s), settings))
+    return Timeline(agent, name, every_s, {key: _intervals(row, last) for key, row in (samples | watched).items()})
+
+
+def _collect(samples: Samples, time_s: float, found: Mapping[str, str | None]) -> None:
+    for attribute, symbol in found.items():
+        samples.setdefault(attribute, []).append((time_s, symbol))
+
+
+def symbols(tree: HypothesisTree, observed: Snapshot, settings: Settings) -> dict[str, str | None]:
+    """The symbol of each attribute of a snapshot, in the tree's order; None is unknown."""
+    nodes = tree.instantiate(observed, observed, settings)
+    return {
+        attribute: _text(nodes[node].value)
+        for attribute, node in attribute_nodes(tree).items()
+        if attribute in observed
+    }
+
+
+def attribute_nodes(tree: HypothesisTree) -> dict[str, str]:
+    """The node of instant 2 that shows each attribute's symbol."""
+    nodes: dict[str, str] = {}
+    for subtree in tree.subtrees:
+        leaves = [subtree.leaf] if subtree.leaf else []
+        while leaves:
+            leaf = leaves.pop(0)
+            nodes[leaf.attribute.name] = f"{subtree.name}.{leaf.part}.2"
+            leaves.extend(leaf.children)
+    return nodes
+
+
+def _text(value: Value) -> str | None:
+    return None if isinstance(value, Unknown) else value
+
+
+def _intervals(samples: list[tuple[float, str | None]], last_s: float) -> tuple[Interval[str | None], ...]:
+    intervals: list[Interval[str | None]] = []
+    for time_s, value in samples:
+        if intervals and intervals[-1].value == value:
+            continue
+        if intervals:
+            intervals[-1] = Interval(intervals[-1].value, intervals[-1].start_s, time_s)
+        intervals.append(Interval(value, time_s, last_s))
+    return tuple(intervals)

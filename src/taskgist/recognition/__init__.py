@@ -1,0 +1,5 @@
+"""Recognition: what a recording shows: episodes and labels, proposed."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

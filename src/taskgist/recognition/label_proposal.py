@@ -1,0 +1,176 @@
+"""Proposing a label from the facts: who did what for whom, from when to when.
+
+The object that is taken in a hand or set in motion is the target object; who takes it first performs; the target agent
+is who holds it in the end, if that is somebody else, and otherwise the other agent. The label starts while the
+object still lies still, just before anything touches it, and ends when the performer lets go (a handover), or
+when the object has come to rest where it stays. What the task is called only people know; a handover is proposed as
+*give*.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from taskgist.errors import LabelError
+from taskgist.facts import vocabulary as v
+from taskgist.observe.history import Interval, Observer
+from taskgist.observe.status import HandUse
+from taskgist.recording.recording import Label, Recording
+
+BEFORE_S = 0.3
+"""How long before the first event a label starts."""
+SETTLED_S = 0.1
+"""How long after a handover a label ends, so that it hangs on no single frame."""
+AFTER_S = 0.3
+"""How long after the object has come to rest a label ends."""
+
+
+@dataclass(frozen=True)
+class Grip:
+    """One hand holds the object from ``start_s`` until ``end_s``, in seconds."""
+
+    agent: str
+    side: str
+    start_s: float
+    end_s: float
+
+
+def grips_of(observer: Observer, recording: Recording, name: str) -> tuple[Grip, ...]:
+    """Who holds an object when, in order of time."""
+    grips = [
+        Grip(agent, side, interval.start_s, interval.end_s)
+        for agent in recording.scene.agents
+        for side in observer.sides(agent)
+        for interval in _holding(observer.hand(agent, side).intervals, name)
+    ]
+    return tuple(sorted(grips, key=lambda grip: (grip.start_s, grip.agent, grip.side)))
+
+
+def _holding(intervals: tuple[Interval[HandUse], ...], name: str) -> list[Interval[HandUse]]:
+    return [i for i in intervals if i.value.symbol == v.HOLDING_OBJECT and i.value.of == name]
+
+
+def propose_label(
+    recording: Recording,
+    observer: Observer,
+    *,
+    task: str | None = None,
+    target_object: str | None = None,
+    performing_agent: str | None = None,
+    target_agent: str | None = None,
+) -> Label:
+    """Propose a label; what is given is kept.
+
+    Args:
+        recording: The recording.
+        observer: One that has seen all of it.
+        task: Name of the task.
+        target_object: The object.
+        performing_agent: Who performs.
+        target_agent: For whom.
+
+    Raises:
+        LabelError: Nothing happens that would tell, or it does not tell which task it is.
+    """
+    name = target_object or _moved_most(recording)
+    grips = grips_of(observer, recording, name)
+    performer = performing_agent or _performer(recording, grips, target_agent)
+    receiver = _receiver(grips, performer)
+    target = target_agent or receiver or _other(recording, performer)
+    handover = _handover(observer, name, grips, performer, target)
+    name_of_task = task or ("give" if handover else None)
+    if name_of_task is None:
+        raise LabelError("the facts do not tell which task this is", field="task", hint="name it: --task show")
+    start, start_how = _start(recording, observer, name, grips)
+    end, end_how = handover or _rest(recording, observer, name, after_s=start)
+    times = (_tidy(recording, start), _tidy(recording, end))
+    return Label(name_of_task, performer, target, name, *times, f"proposed: {start_how}; {end_how}")
+
+
+def _tidy(recording: Recording, time_s: float) -> float:
+    """To the millisecond, inside of the recording."""
+    return min(max(round(time_s, 3), float(recording.times_s[0])), float(recording.times_s[-1]))
+
+
+def _moved_most(recording: Recording) -> str:
+    def path(name: str) -> float:
+        places = recording.qpos[:, recording.scene.object_slice(name)][:, :3]
+        known = recording.tracked.get(name)
+        places = places if known is None else places[np.asarray(known)]
+        return float(np.linalg.norm(places - places[:1], axis=1).max(initial=0.0))
+
+    moved = {name: path(name) for name in recording.scene.objects}
+    best = max(moved, key=lambda name: moved[name], default=None)
+    if best is None or moved[best] < 0.02:
+        raise LabelError("no object moves in this recording", field="target_object", hint="name it: --object NAME")
+    return best
+
+
+def _performer(recording: Recording, grips: tuple[Grip, ...], target_agent: str | None) -> str:
+    if grips:
+        return next((grip.agent for grip in grips if grip.agent != target_agent), grips[0].agent)
+    if target_agent is not None:
+        return _other(recording, target_agent)
+    raise LabelError("nobody is seen to hold the object", field="performing_agent", hint="name it: --performer P1")
+
+
+def _receiver(grips: tuple[Grip, ...], performer: str) -> str | None:
+    return next((grip.agent for grip in grips if grip.agent != performer), None)
+
+
+def _other(recording: Recording, agent: str) -> str:
+    others = [name for name in recording.scene.agents if name != agent]
+    if len(others) != 1:
+        raise LabelError("which agent is the target is not clear", field="target_agent", hint="name it: --target P2")
+    return others[0]
+
+
+def _handover(
+    observer: Observer, name: str, grips: tuple[Grip, ...], performer: str, target: str
+) -> tuple[float, str] | None:
+    """The moment at which the target agent holds the object and the performer no longer does.
+
+    Where hands are hidden at that moment, the first one thereafter at which it is known where the object is.
+    """
+    grip_of_target = next((grip for grip in grips if grip.agent == target), None)
+    if grip_of_target is None:
+        return None
+    taken, held_until = grip_of_target.start_s, grip_of_target.end_s
+    released = max((g.end_s for g in grips if g.agent == performer and g.start_s <= taken), default=None)
+    if released is None:
+        return None
+    event = _placed(observer, name, from_s=max(released, taken), until_s=held_until)
+    end = min(event + SETTLED_S, (event + held_until) / 2)
+    return end, f"ends {SETTLED_S} s after {performer} has let go, while {target} holds it"
+
+
+def _placed(observer: Observer, name: str, *, from_s: float, until_s: float) -> float:
+    """The first moment in a span at which the object's placement is known; its start, if there is none."""
+    known = (i for i in observer.placement(name).intervals if i.value.symbol is not None and i.end_s > from_s)
+    moment = next((max(i.start_s, from_s) for i in known), from_s)
+    return moment if moment < until_s else from_s
+
+
+def _start(recording: Recording, observer: Observer, name: str, grips: tuple[Grip, ...]) -> tuple[float, str]:
+    """Just before the object is first moved or held, while it still lies still and its place is known."""
+    first = _placed(observer, name, from_s=float(recording.times_s[0]), until_s=float(recording.times_s[-1]))
+    moving = [i.start_s for i in observer.motion(name).intervals if i.value == v.MOVING and i.start_s > first]
+    events = [*moving[:1], *(grip.start_s for grip in grips if grip.start_s > first)]
+    event = min(events, default=first)
+    still = [i for i in observer.motion(name).intervals if i.value == v.STATIC and i.start_s < event]
+    earliest = still[-1].start_s if still else first
+    start = max(first, earliest, event - BEFORE_S)
+    if event <= first:
+        return start, "starts where the object is first known"
+    return start, f"starts {event - start:.2g} s before the object is moved"
+
+
+def _rest(recording: Recording, observer: Observer, name: str, *, after_s: float) -> tuple[float, str]:
+    """Just after the object has last come to rest."""
+    last = float(recording.times_s[-1])
+    still = [i.start_s for i in observer.motion(name).intervals if i.value == v.STATIC and i.start_s > after_s]
+    if not still:
+        return last, "ends with the recording"
+    return min(last, still[-1] + AFTER_S), f"ends {AFTER_S} s after the object comes to rest"

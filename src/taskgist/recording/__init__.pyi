@@ -1,0 +1,6 @@
+from .mcap import read as read
+from .mcap import write as write
+from .recording import Label as Label
+from .recording import Provenance as Provenance
+from .recording import Recording as Recording
+from .recording import Signal as Signal

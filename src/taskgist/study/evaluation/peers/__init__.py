@@ -1,1 +1,0 @@
-"""Other learners on the very same facts, each behind a door of its own."""

@@ -1,0 +1,316 @@
+"""Pictures of what an agent sees, with the target object marked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Ellipse
+from numpy.typing import NDArray
+
+from taskgist.common.arrays import Array
+from taskgist.perspective.image import visibility
+from taskgist.recording.recording import Label
+from taskgist.settings import DEFAULT, Settings
+from taskgist.view.rendering import HIGHLIGHT, looking, pinhole, render, save_figure
+from taskgist.world.geometry.transforms import Pose
+from taskgist.world.stage import Stage
+from taskgist.world.state import State
+
+EYE_WIDTH_PX = 640
+OVERVIEW_PX = (640, 400)
+OVERVIEW_FOV_RAD = (math.radians(55), math.radians(36))
+
+
+def see_picture(
+    stage: Stage,
+    agent: str,
+    path: Path,
+    *,
+    target: str | None = None,
+    settings: Settings = DEFAULT,
+    title: str | None = None,
+) -> Path:
+    """Save what an agent sees in the state that the stage shows.
+
+    Args:
+        stage: The scene in a state.
+        agent: Whose eyes.
+        path: The PNG file to write.
+        target: An object to mark.
+        settings: For the visibility score in the title.
+        title: Instead of the default title.
+    """
+    figure = Figure(figsize=(7, 6.2), layout="constrained")
+    axes = figure.subplots()
+    draw_eye(axes, stage, agent, target, settings, title or f"{agent} at {stage.state.time_s:.2f} s")
+    return save_figure(figure, path)
+
+
+def before_after_picture(
+    stage: Stage,
+    states: tuple[State, State],
+    agent: str,
+    target: str,
+    path: Path,
+    *,
+    settings: Settings = DEFAULT,
+    title: str = "",
+) -> Path:
+    """Save a demonstration's start and end: the room from the side, and what the target agent sees.
+
+    Args:
+        stage: The scene; shows the last state afterwards.
+        states: Start and end.
+        agent: The target agent.
+        target: The target object.
+        path: The PNG file to write.
+        settings: For the visibility scores in the titles.
+        title: Title of the whole picture.
+    """
+    figure = Figure(figsize=(12, 8.6), layout="constrained")
+    figure.suptitle(title, fontsize=13)
+    grid = figure.subplots(2, 2, gridspec_kw={"height_ratios": [1, 1.25]})
+    camera = overview_camera(stage, states)
+    for column, (name, state) in enumerate(zip(("start", "end"), states, strict=True)):
+        stage.show(state)
+        draw_overview(grid[0, column], stage, camera, target, f"{name}, {state.time_s:.2f} s")
+        draw_eye(grid[1, column], stage, agent, target, settings, f"what {agent} sees at the {name}")
+    return save_figure(figure, path)
+
+
+def draw_eye(axes: Axes, stage: Stage, agent: str, target: str | None, settings: Settings, title: str) -> None:
+    """Draw what an agent sees; the dashed circle is its gaze cone."""
+    body = stage.scene.agent(agent)
+    eye = body.profile.eye
+    height = round(EYE_WIDTH_PX * eye.image_px[1] / eye.image_px[0])
+    marked = stage.scene.object_geoms(target) if target else ()
+    image = render(
+        stage,
+        stage.eye(body),
+        pinhole(eye.fov_rad, EYE_WIDTH_PX, height),
+        exclude_body=body.eye_exclude_body,
+        highlight=[int(geom) for geom in marked],
+    )
+    axes.imshow(np.clip(image.rgb, 0, 1))
+    axes.set_title(f"{title}{_score_text(stage, agent, target, settings)}", fontsize=10)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    _draw_gaze(axes, eye.fov_rad, eye.gaze_cone_rad, EYE_WIDTH_PX, height)
+    if target:
+        _mark(axes, np.isin(image.geoms, marked), target)
+
+
+def draw_overview(
+    axes: Axes, stage: Stage, camera: tuple[NDArray[np.float64], NDArray[np.float64]], target: str, title: str
+) -> None:
+    """Draw the room from the side, the target object in the colour of attention."""
+    marked = [int(geom) for geom in stage.scene.object_geoms(target)]
+    image = render(stage, looking(*camera), pinhole(OVERVIEW_FOV_RAD, *OVERVIEW_PX), highlight=marked)
+    axes.imshow(np.clip(image.rgb, 0, 1))
+    axes.set_title(title, fontsize=10)
+    axes.set_axis_off()
+
+
+def overview_camera(stage: Stage, states: tuple[State, ...]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A place from which all agents and objects are in the picture, and the point to look at; metres."""
+    scene = stage.scene
+    points = [state.qpos[scene.base_slice(agent)][:3] for state in states for agent in scene.agents]
+    points += [state.qpos[scene.object_slice(name)][:3] for state in states for name in scene.objects]
+    cloud = np.array(points)
+    middle = (cloud.min(axis=0) + cloud.max(axis=0)) / 2
+    middle[2] = 0.9
+    across = _across(cloud[: len(scene.agents)])
+    width = float(np.ptp(cloud[:, :2] @ across[:2])) + 0.9
+    away = np.array([across[1], -across[0], 0.0])
+    distance = max(3.4, width / (2 * math.tan(OVERVIEW_FOV_RAD[0] / 2)) + 0.6)
+    return middle + away * distance + 0.35 * distance * across + np.array([0, 0, 0.85]), middle
+
+
+def _across(agents: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit direction from the first agent to the last, along which a picture is wide."""
+    line = agents[-1] - agents[0] if len(agents) > 1 else np.array([1.0, 0.0, 0.0])
+    line[2] = 0.0
+    length = float(np.linalg.norm(line))
+    return line / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
+
+
+def _score_text(stage: Stage, agent: str, target: str | None, settings: Settings) -> str:
+    if target is None:
+        return ""
+    seen = visibility(stage, agent, target, settings)
+    if seen is None:
+        return f"\n{target}: unknown"
+    hidden = f", {100 * (1 - seen.visible_share):.0f} % occluded" if seen.unoccluded_px else ""
+    return f"\n{target}: visibility score {100 * seen.score:.2f} %{hidden}"
+
+
+def _draw_gaze(axes: Axes, fov_rad: tuple[float, float], cone_rad: float, width: int, height: int) -> None:
+    if cone_rad >= max(fov_rad) / 2:
+        return
+    across = width * math.tan(cone_rad) / math.tan(fov_rad[0] / 2)
+    down = height * math.tan(cone_rad) / math.tan(fov_rad[1] / 2)
+    middle = (width / 2 - 0.5, height / 2 - 0.5)
+    axes.add_patch(Ellipse(middle, across, down, fill=False, linestyle="--", linewidth=1, edgecolor="black", alpha=0.6))
+
+
+def _mark(axes: Axes, mask: NDArray[np.bool_], name: str) -> None:
+    """Outline the visible pixels of the target and name it."""
+    if not mask.any():
+        axes.text(0.02, 0.03, f"{name} is not visible", transform=axes.transAxes, fontsize=10, backgroundcolor="white")
+        return
+    axes.contour(mask, levels=[0.5], colors=["black"], linewidths=1.0)
+    rows, columns = np.nonzero(mask)
+    axes.annotate(
+        name,
+        (float(columns.mean()), float(rows.min())),
+        xytext=(0, 28),
+        textcoords="offset points",
+        ha="center",
+        fontsize=10,
+        color="black",
+        bbox={"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": tuple(HIGHLIGHT)},
+        arrowprops={"arrowstyle": "->", "color": "black"},
+    )
+
+
+# --- Scenes from outside: a camera that shows all people and things of a demonstration, with everybody's name.
+
+FOV_RAD = (math.radians(40), math.radians(28))
+STEEPNESS = 0.42
+"""How far the camera looks down: the tangent of the angle."""
+ASIDE = 0.30
+"""How far it looks along the line from one person to the other, relative to across it."""
+MARGIN = 1.08
+SMOOTHING = 2
+"""Rays in each direction for one pixel."""
+ABOVE_EYE_M = 0.17
+"""Height of names above the eyes."""
+SOLID = 0.6
+"""How much of the ball around a part of a body the part fills, about."""
+NAME_M = np.array([0.0, 0.0, 0.32])
+"""What the picture must hold above the eyes: head and name."""
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A camera outside.
+
+    Attributes:
+        pose: Looks along its x axis.
+        width_px: Width of its pictures.
+        height_px: Their height.
+    """
+
+    pose: Pose
+    width_px: int
+    height_px: int
+
+    def pixel(self, point: Array) -> tuple[float, float]:
+        """Column and row of a point of the world, metres, (3,)."""
+        ahead, left, up = self.pose.matrix.T @ (point - self.pose.position)
+        across = (1 - left / ahead / math.tan(FOV_RAD[0] / 2)) / 2
+        down = (1 - up / ahead / math.tan(FOV_RAD[1] / 2)) / 2
+        return float(across * self.width_px), float(down * self.height_px)
+
+
+def camera_outside(stage: Stage, states: Sequence[State], target: str, *, width_px: int = 480) -> Camera:
+    """The camera that shows most of the target object, of the four that look across the people's line.
+
+    Args:
+        stage: The scene; shows the last state afterwards.
+        states: What the picture must hold.
+        target: The target object.
+        width_px: Width of the pictures.
+    """
+    height_px = round(width_px * math.tan(FOV_RAD[1] / 2) / math.tan(FOV_RAD[0] / 2))
+    cameras = [Camera(pose, width_px, height_px) for pose in _poses(stage, states)]
+    return max(cameras, key=lambda camera: _least_seen(stage, states, target, camera))
+
+
+def draw_outside(axes: Axes, stage: Stage, camera: Camera, label: Label, title: str) -> None:
+    """Draw the state that the stage shows, the target object in the colour of attention.
+
+    Args:
+        axes: Where to draw.
+        stage: The scene in a state.
+        camera: From where.
+        label: Who performs, for whom, with what.
+        title: Title of the picture.
+    """
+    axes.imshow(_smooth_picture(stage, camera, label.target_object))
+    axes.set_title(title, fontsize=9)
+    axes.set_axis_off()
+    roles = {label.performing_agent: "performer", label.target_agent: "target agent"}
+    for name in stage.scene.agents:
+        head = stage.eye(stage.scene.agent(name)).position + (0.0, 0.0, ABOVE_EYE_M)
+        column, row = camera.pixel(head)
+        text = f"{name}, {roles[name]}" if name in roles else name
+        axes.text(column, row, text, fontsize=7.5, ha="center", va="bottom")
+
+
+def _poses(stage: Stage, states: Sequence[State]) -> list[Pose]:
+    """From both sides of the line between the people, each from a bit to the left and to the right."""
+    points, middle, along = _surroundings(stage, states)
+    poses = []
+    for side in (1.0, -1.0):
+        for aside in (ASIDE, -ASIDE):
+            away = np.array([along[1] * side, -along[0] * side, 0.0]) + aside * along
+            away = away / np.linalg.norm(away) + (0.0, 0.0, STEEPNESS)
+            away /= np.linalg.norm(away)
+            poses.append(looking(middle + _distance_m(points - middle, away) * away, middle))
+    return poses
+
+
+def _surroundings(stage: Stage, states: Sequence[State]) -> tuple[Array, Array, Array]:
+    """Points that the picture must hold, (n, 3); their middle; and the direction from the first person to the last."""
+    clouds, people = [], []
+    for state in states:
+        stage.show(state)
+        for name in stage.scene.agents:
+            geoms = stage.scene.agent(name).geoms
+            centers, radii = stage.geom_centers(geoms), SOLID * stage.scene.model.geom_rbound[geoms][:, None]
+            clouds += [centers - radii, centers + radii]
+            people.append(stage.eye(stage.scene.agent(name)).position)
+            clouds.append((people[-1] + NAME_M)[None])
+        clouds.append(np.array([state.qpos[stage.scene.object_slice(name)][:3] for name in stage.scene.objects]))
+    points = np.concatenate(clouds)
+    line = people[len(stage.scene.agents) - 1] - people[0]
+    line[2] = 0.0
+    length = float(np.linalg.norm(line))
+    along = line / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
+    return points, (points.min(axis=0) + points.max(axis=0)) / 2, along
+
+
+def _distance_m(offsets: Array, away: Array) -> float:
+    """How far away the camera must be for all points around the middle to be in its picture."""
+    matrix = looking(away, np.zeros(3)).matrix
+    ahead, left, up = (offsets @ matrix).T
+    needed = [
+        MARGIN * np.abs(offset) / math.tan(fov / 2) - ahead for offset, fov in zip((left, up), FOV_RAD, strict=True)
+    ]
+    return float(np.max(needed))
+
+
+def _least_seen(stage: Stage, states: Sequence[State], target: str, camera: Camera) -> int:
+    """Pixels of the target object in the state in which fewest are seen, in a small picture."""
+    rays = pinhole(FOV_RAD, camera.width_px // 2, camera.height_px // 2)
+    marked = stage.scene.object_geoms(target)
+    counts = []
+    for state in states:
+        stage.show(state)
+        counts.append(int(np.isin(render(stage, camera.pose, rays).geoms, marked).sum()))
+    return min(counts)
+
+
+def _smooth_picture(stage: Stage, camera: Camera, target: str) -> Array:
+    width, height = camera.width_px, camera.height_px
+    rays = pinhole(FOV_RAD, SMOOTHING * width, SMOOTHING * height)
+    marked = [int(geom) for geom in stage.scene.object_geoms(target)]
+    rgb = np.clip(render(stage, camera.pose, rays, highlight=marked).rgb, 0, 1)
+    return np.asarray(rgb.reshape(height, SMOOTHING, width, SMOOTHING, 3).mean(axis=(1, 3)))

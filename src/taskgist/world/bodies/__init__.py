@@ -1,0 +1,1 @@
+"""Bodies: agent profiles, and people and robots made of them."""

@@ -1,0 +1,259 @@
+"""The human body as an MJCF model, made to measure.
+
+The body stands at its zero configuration: x forward, y left, z up, arms hanging with the palms towards the thighs.
+Its root is the pelvis (a free joint at the mid-hip). Hinges, all in radians: torso turn, lean, side; head pan, tilt,
+roll; per arm the girdle (protraction, elevation), shoulder (flexion, abduction, rotation), elbow, forearm rotation
+and wrist (flexion, deviation); per leg hip (flexion, abduction), knee and ankle. Positive is turning left, leaning
+forward, looking up, flexing, raising outward.
+
+Sites carry the names of landmarks that trackers deliver (``left_elbow``, ``nose``), so that fitting is a matter of
+names. Joint ranges follow the norms of the American Academy of Orthopaedic Surgeons [AAOS 1965], rounded; widths of
+the shapes are ours, read off [Winter 2009] and clothed bodies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, fields
+
+from taskgist.errors import SceneError
+
+# --- Sizes of a human body: stature scales every segment, and a measured segment may replace its share.
+#
+# Shares of stature are those of Drillis & Contini (1966) as printed in [Winter 2009, Fig. 4.1]; joint-centre offsets
+# that the figure does not give (hips, waist, heel) are ours and marked so.
+
+SHARES: Mapping[str, float] = {
+    "foot_height": 0.039,
+    "shank": 0.246,
+    "thigh": 0.245,
+    "trunk": 0.288,  # mid-hip to the line of the shoulders: 0.818 - 0.530
+    "shoulder_breadth": 0.259,
+    "neck": 0.052,  # line of the shoulders to chin: 0.870 - 0.818
+    "head": 0.130,  # chin to crown
+    "upper_arm": 0.186,
+    "forearm": 0.146,
+    "hand": 0.108,
+    "foot": 0.152,
+    "hip_breadth": 0.100,  # between the joint centres (ours)
+}
+STATURE_RANGE_M = (0.6, 2.5)
+SEGMENT_TOLERANCE = 2.5
+
+
+@dataclass(frozen=True)
+class HumanSize:
+    """Lengths of a human body in metres, each between joint centres."""
+
+    stature_m: float
+    foot_height_m: float
+    shank_m: float
+    thigh_m: float
+    trunk_m: float
+    shoulder_breadth_m: float
+    neck_m: float
+    head_m: float
+    upper_arm_m: float
+    forearm_m: float
+    hand_m: float
+    foot_m: float
+    hip_breadth_m: float
+
+    @property
+    def hip_height_m(self) -> float:
+        """Height of the hips of a standing body over the floor."""
+        return self.foot_height_m + self.shank_m + self.thigh_m
+
+    @classmethod
+    def from_stature(cls, stature_m: float = 1.75, **measured_m: float) -> HumanSize:
+        """A body of the given stature; measured segments replace their share.
+
+        Args:
+            stature_m: Standing height in metres.
+            measured_m: Segment lengths in metres, by field name (``upper_arm_m=0.29``).
+
+        Raises:
+            SceneError: An unknown segment, or a length that no human body has.
+        """
+        _check("stature_m", stature_m, STATURE_RANGE_M)
+        lengths = {f"{name}_m": share * stature_m for name, share in SHARES.items()}
+        known = {f.name for f in fields(cls)}
+        for name, value in measured_m.items():
+            if name not in known:
+                raise SceneError("no such body size", field=name, hint=f"known sizes: {', '.join(sorted(known))}")
+            usual = lengths[name]
+            _check(name, value, (usual / SEGMENT_TOLERANCE, usual * SEGMENT_TOLERANCE))
+            lengths[name] = value
+        return cls(stature_m=stature_m, **lengths)
+
+
+def _check(name: str, value: float, allowed: tuple[float, float]) -> None:
+    if not allowed[0] <= value <= allowed[1]:
+        raise SceneError(
+            f"no human body is between {allowed[0]:.2f} and {allowed[1]:.2f} m there",
+            field=name,
+            value=value,
+            hint="lengths are in metres: check the unit",
+        )
+
+
+SKIN, CLOTH, TROUSERS, SHOE = "0.87 0.68 0.55 1", "0.35 0.45 0.62 1", "0.25 0.27 0.32 1", "0.15 0.13 0.12 1"
+WAIST_SHARE = 0.22  # of the trunk: the lumbar joint above the mid-hip (ours)
+PALM_SHARE = 0.53  # of the hand: wrist to knuckles
+GROUP = 1
+
+
+def human_mjcf(size: HumanSize) -> str:
+    """MJCF text of a human body.
+
+    Args:
+        size: Segment lengths in metres.
+
+    Returns:
+        A complete MJCF document whose only top-level body is ``pelvis``.
+    """
+    s = size
+    waist = WAIST_SHARE * s.trunk_m
+    return "\n".join(
+        (
+            '<mujoco model="human"><compiler angle="degree" autolimits="true"/>',
+            f'<default><geom group="{GROUP}" density="1000"/><site group="4" size="0.01"/></default>',
+            '<worldbody><body name="pelvis"><freejoint name="root"/>',
+            _geom(
+                "pelvis",
+                "ellipsoid",
+                (0.065 * s.stature_m, 0.098 * s.stature_m, 0.065 * s.stature_m),
+                TROUSERS,
+            ),
+            _site("pelvis"),
+            *_each_side(_leg, s),
+            f'<body name="torso" pos="0 0 {waist:.5f}">',
+            _hinge("torso_turn", "0 0 1", (-90, 90)),
+            _hinge("torso_lean", "0 1 0", (-30, 90)),
+            _hinge("torso_side", "1 0 0", (-35, 35)),
+            *_trunk(s, waist),
+            *_head(s, s.trunk_m - waist + s.neck_m),
+            *_each_side(_arm, s),
+            "</body></body></worldbody></mujoco>",
+        )
+    )
+
+
+def _trunk(s: HumanSize, waist_m: float) -> Iterator[str]:
+    top = s.trunk_m - waist_m
+    half = 0.5 * (top + 0.03 * s.stature_m)
+    depth, width = 0.062 * s.stature_m, 0.092 * s.stature_m
+    yield _geom("trunk", "ellipsoid", (depth, width, half + 0.02 * s.stature_m), CLOTH, (0, 0, half - 0.02))
+    yield _geom("neck", "capsule", (0.031 * s.stature_m, 0.5 * s.neck_m), SKIN, (0, 0, top + 0.4 * s.neck_m))
+    yield _site("abdomen", (0, 0, 0))
+    yield _site("chest", (0, 0, 0.45 * top))
+    yield _site("neck", (0, 0, top + 0.15 * s.neck_m))
+
+
+def _head(s: HumanSize, height_m: float) -> Iterator[str]:
+    deep, wide, tall = 0.42 * s.head_m, 0.33 * s.head_m, 0.5 * s.head_m
+    eye = (deep, 0.0, 0.508 * s.head_m)  # eyes 0.936 of stature: 0.066 above the chin
+    yield f'<body name="head" pos="0 0 {height_m:.5f}">'
+    yield _hinge("head_pan", "0 0 1", (-80, 80))
+    yield _hinge("head_tilt", "0 -1 0", (-60, 60))
+    yield _hinge("head_roll", "1 0 0", (-45, 45))
+    yield _geom("head", "ellipsoid", (deep, wide, tall), SKIN, (0, 0, tall))
+    yield _site("head_base")
+    yield _site("head", (0, 0, tall))
+    yield _site("head_top", (0, 0, s.head_m))
+    yield _site("eye", eye)
+    yield _site("nose", (1.15 * deep, 0, 0.40 * s.head_m))
+    for side, sign in (("left", 1), ("right", -1)):
+        yield _site(f"{side}_eye", (0.9 * deep, sign * 0.14 * s.head_m, eye[2]))
+        yield _geom(
+            f"{side}_eye", "sphere", (0.06 * s.head_m,), "0.1 0.1 0.1 1", (0.86 * deep, sign * 0.14 * s.head_m, eye[2])
+        )
+        yield _site(f"{side}_ear", (0, sign * wide, 0.45 * s.head_m))
+    yield "</body>"
+
+
+def _arm(s: HumanSize, side: str, sign: int) -> Iterator[str]:
+    shoulder_z = (1 - WAIST_SHARE) * s.trunk_m
+    sternum_y = 0.02 * s.stature_m
+    y = 0.5 * s.shoulder_breadth_m - sternum_y
+    yield f'<body name="{side}_clavicle" pos="0 {sign * sternum_y:.5f} {shoulder_z:.5f}">'
+    yield _hinge(f"{side}_girdle_protraction", f"0 0 {-sign}", (-20, 35))
+    yield _hinge(f"{side}_girdle_elevation", f"{sign} 0 0", (-10, 35))
+    yield _link(f"{side}_clavicle", (0, sign * y, 0), 0.022 * s.stature_m, CLOTH)
+    yield f'<body name="{side}_upper_arm" pos="0 {sign * y:.5f} 0">'
+    yield _hinge(f"{side}_shoulder_flexion", "0 -1 0", (-60, 180))
+    yield _hinge(f"{side}_shoulder_abduction", f"{sign} 0 0", (-50, 180))
+    yield _hinge(f"{side}_shoulder_rotation", f"0 0 {sign}", (-90, 90))
+    yield _link(f"{side}_upper_arm", (0, 0, -s.upper_arm_m), 0.027 * s.stature_m, CLOTH)
+    yield _site(f"{side}_shoulder")
+    yield f'<body name="{side}_forearm" pos="0 0 {-s.upper_arm_m:.5f}">'
+    yield _hinge(f"{side}_elbow", "0 -1 0", (0, 150))
+    yield _hinge(f"{side}_forearm_rotation", f"0 0 {sign}", (-90, 90))
+    yield _link(f"{side}_forearm", (0, 0, -s.forearm_m), 0.021 * s.stature_m, SKIN)
+    yield _site(f"{side}_elbow")
+    yield from _hand(s, side, sign)
+    yield "</body></body></body>"
+
+
+def _hand(s: HumanSize, side: str, sign: int) -> Iterator[str]:
+    palm, fingers = PALM_SHARE * s.hand_m, (1 - PALM_SHARE) * s.hand_m
+    yield f'<body name="{side}_hand" pos="0 0 {-s.forearm_m:.5f}">'
+    yield _hinge(f"{side}_wrist_flexion", f"{-sign} 0 0", (-70, 80))
+    yield _hinge(f"{side}_wrist_deviation", "0 -1 0", (-30, 30))
+    yield _geom(f"{side}_palm", "box", (0.042, 0.014, palm / 2), SKIN, (0, 0, -palm / 2))
+    yield _geom(f"{side}_fingers", "box", (0.038, 0.010, fingers / 2), SKIN, (0, 0, -palm - fingers / 2))
+    yield _geom(f"{side}_thumb", "capsule", (0.010, 0.025), SKIN, (0.045, -sign * 0.02, -0.55 * palm))
+    yield _site(f"{side}_wrist")
+    yield _site(f"{side}_hand", (0, 0, -palm))
+    yield _site(f"{side}_palm", (0, -sign * 0.03, -0.9 * palm))
+    yield _site(f"{side}_thumb", (0.045, -sign * 0.02, -0.9 * palm))
+    yield _site(f"{side}_fingertip", (0, 0, -s.hand_m))
+    yield "</body>"
+
+
+def _leg(s: HumanSize, side: str, sign: int) -> Iterator[str]:
+    sole = s.foot_height_m
+    yield f'<body name="{side}_thigh" pos="0 {sign * s.hip_breadth_m / 2:.5f} 0">'
+    yield _hinge(f"{side}_hip_flexion", "0 -1 0", (-30, 125))
+    yield _hinge(f"{side}_hip_abduction", f"{sign} 0 0", (-30, 45))
+    yield _link(f"{side}_thigh", (0, 0, -s.thigh_m), 0.040 * s.stature_m, TROUSERS)
+    yield _site(f"{side}_hip")
+    yield f'<body name="{side}_shank" pos="0 0 {-s.thigh_m:.5f}">'
+    yield _hinge(f"{side}_knee", "0 1 0", (0, 140))
+    yield _link(f"{side}_shank", (0, 0, -s.shank_m), 0.028 * s.stature_m, TROUSERS)
+    yield _site(f"{side}_knee")
+    yield f'<body name="{side}_foot" pos="0 0 {-s.shank_m:.5f}">'
+    yield _hinge(f"{side}_ankle", "0 -1 0", (-50, 40))
+    yield _geom(f"{side}_foot", "box", (s.foot_m / 2, 0.045, sole / 2), SHOE, (0.27 * s.foot_m, 0, -sole / 2))
+    yield _site(f"{side}_ankle")
+    yield _site(f"{side}_toe", (0.75 * s.foot_m, 0, -sole / 2))
+    yield _site(f"{side}_heel", (-0.23 * s.foot_m, 0, -sole / 2))
+    yield "</body></body></body>"
+
+
+def _each_side(build: object, size: HumanSize) -> Iterable[str]:
+    assert callable(build)
+    for side, sign in (("left", 1), ("right", -1)):
+        yield from build(size, side, sign)
+
+
+def _hinge(name: str, axis: str, range_deg: tuple[float, float]) -> str:
+    return f'<joint name="{name}" type="hinge" axis="{axis}" range="{range_deg[0]} {range_deg[1]}"/>'
+
+
+def _geom(name: str, kind: str, size: tuple[float, ...], rgba: str, pos: tuple[float, float, float] = (0, 0, 0)) -> str:
+    return f'<geom name="{name}" type="{kind}" size="{_numbers(size)}" pos="{_numbers(pos)}" rgba="{rgba}"/>'
+
+
+def _link(name: str, end: tuple[float, float, float], radius: float, rgba: str) -> str:
+    """A capsule along a segment, its round ends inside the joints."""
+    ends = _numbers((*(0.12 * x for x in end), *(0.88 * x for x in end)))
+    return f'<geom name="{name}" type="capsule" size="{radius:.5f}" fromto="{ends}" rgba="{rgba}"/>'
+
+
+def _site(name: str, pos: tuple[float, float, float] = (0, 0, 0)) -> str:
+    return f'<site name="{name}" pos="{_numbers(pos)}"/>'
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(f"{value:.5f}" for value in values)

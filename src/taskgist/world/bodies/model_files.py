@@ -1,0 +1,355 @@
+"""Models as files of a bundle: one flat MJCF document, and its meshes beside it, wherever they come from.
+
+MJCF is gathered as it is; URDF becomes MJCF here, so that a recording of a robot opens without ROS and without the
+package that the robot came from.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Collection, Iterator, Mapping
+from importlib import resources
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from taskgist.common.toml import UNREADABLE
+from taskgist.errors import InputError, SceneError, UnknownNameError
+from taskgist.world.bodies.human import HumanSize, human_mjcf
+from taskgist.world.bodies.profile import AgentProfile, Arm
+from taskgist.world.bodies.urdf import Shapes, flat_name, is_urdf, read_urdf
+
+# --- What a profile names, held against what its model has: every name that is missing, with the one that was meant.
+
+FREE, HINGE, SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
+
+
+def name_problems(spec: mujoco.MjSpec, profile: AgentProfile, where: str) -> Iterator[InputError]:
+    """Every name of the profile that its model does not have, and every one of the wrong kind.
+
+    Args:
+        spec: The model.
+        profile: The profile.
+        where: Profile's file for the messages.
+    """
+    yield from _root_problems(spec, profile, where)
+    bodies = {str(body.name) for body in spec.bodies if body.name != "world"}
+    for field, name in _bodies(profile):
+        if name not in (*bodies, UNREADABLE):
+            yield UnknownNameError("body", name, bodies, where=f"{where}: {field}")
+    yield from _frame_problems(spec, profile, where, bodies)
+    yield from _joint_problems(spec, profile, where)
+    for arm in profile.arms:
+        yield from _arm_problems(spec, arm, where)
+
+
+def _root_problems(spec: mujoco.MjSpec, profile: AgentProfile, where: str) -> Iterator[InputError]:
+    roots = [str(body.name) or "(no name)" for body in spec.worldbody.bodies]
+    if len(roots) != 1:
+        names = ", ".join(roots) or "none"
+        hint = "keep the robot, and leave floor and furniture to the scene"
+        problem = f"a model of an agent has one top-level body, {profile.model!r} has {len(roots)}: {names}"
+        yield SceneError(problem, where=where, field="model", hint=hint)
+        return
+    joints = spec.worldbody.first_body().joints
+    if joints and [joint.type for joint in joints] != [FREE]:
+        hint = "without any it is made free to stand anywhere"
+        problem = "the root body of an agent's model has a free joint, or none"
+        yield SceneError(problem, where=where, field="model", value=str(joints[0].name), hint=hint)
+
+
+def _bodies(profile: AgentProfile) -> Iterator[tuple[str, str]]:
+    yield from (("eye.exclude", name) for name in (profile.eye.exclude, *profile.eye.housing))
+    yield from ((f"posture.{key}", name) for key in ("thighs", "feet") for name in getattr(profile.legs, key))
+    for arm in profile.arms:
+        yield f"arms.{arm.side}.root", arm.root
+        yield f"arms.{arm.side}.hand", arm.hand
+        if arm.carrier:
+            yield f"arms.{arm.side}.carrier", arm.carrier
+    yield from ((f"parts.{part}", name) for part, names in profile.parts for name in names)
+
+
+def _frame_problems(
+    spec: mujoco.MjSpec, profile: AgentProfile, where: str, bodies: Collection[str]
+) -> Iterator[InputError]:
+    sites = {str(site.name) for site in spec.sites if site.name}
+    for _, field, frame in (each for each in profile.frames if each[2].name != UNREADABLE):
+        if frame.name not in sites and frame.name not in bodies:
+            yield UnknownNameError("site or body", frame.name, {*sites, *bodies}, where=f"{where}: {field}")
+        elif frame.name in sites and not frame.is_plain:
+            hint = "move and turn the site in the model, or name the body that it sits in"
+            yield SceneError("a site is taken as it stands", where=where, field=field, value=frame.name, hint=hint)
+
+
+def _joint_problems(spec: mujoco.MjSpec, profile: AgentProfile, where: str) -> Iterator[InputError]:
+    kinds = {str(joint.name): joint.type for joint in spec.joints if joint.type in (HINGE, SLIDE)}
+    for field, name in _joints(profile):
+        if name not in (*kinds, UNREADABLE):
+            yield UnknownNameError("joint", name, kinds, where=f"{where}: {field}")
+        elif kinds.get(name, HINGE) != HINGE and field != "rest_m":
+            hint = "give its rest under [rest_m]" if field == "rest_deg" else "name a joint that turns"
+            yield SceneError("a joint that slides", where=where, field=field, value=name, hint=hint)
+
+
+def _joints(profile: AgentProfile) -> Iterator[tuple[str, str]]:
+    yield from ((field, axis.joint) for field, axis in profile.axes)
+    for key in ("hips", "knees", "ankles"):
+        yield from ((f"posture.{key}", name) for name in getattr(profile.legs, key))
+    yield from (("rest_deg", name) for name, _ in profile.rest_rad)
+    yield from (("rest_m", name) for name, _ in profile.rest_m)
+
+
+def _arm_problems(spec: mujoco.MjSpec, arm: Arm, where: str) -> Iterator[InputError]:
+    """A hand that its arm does not carry, or a palm: how far it reaches would be told of something else."""
+    root = spec.body(arm.root) if arm.root else None
+    site = spec.site(arm.palm.name) if arm.palm.name else None
+    palm = str(site.parent.name) if site is not None else arm.palm.name
+    for key, name in (("hand", arm.hand), ("palm", palm)):
+        body = spec.body(name) if name else None
+        if root is not None and body is not None and arm.root not in _carriers(body):
+            hint = f"name what hangs on {arm.root!r}, or another root"
+            problem = f"the {key} is no part of the arm, which begins with {arm.root!r}"
+            yield SceneError(problem, where=where, field=f"arms.{arm.side}.{key}", value=name, hint=hint)
+
+
+def _carriers(body: mujoco.MjsBody) -> set[str]:
+    """Names of a body and all that carry it."""
+    names: set[str] = set()
+    while body is not None and body.name != "world":
+        names.add(str(body.name))
+        body = body.parent
+    return names
+
+
+# --- Finding files that robot descriptions name: ``package://`` as ROS means it, ``file://``, and relative paths.
+#
+# The first part of ``package://NAME/rest`` is the folder of a package. It is searched among the folders of
+# ``ROS_PACKAGE_PATH`` and ``AMENT_PREFIX_PATH``, around the file that names it, and where Python's packages keep
+# their shared data: the pip package ``example-robot-data`` (extra ``robots``) puts its robots there.
+
+PACKAGE = "package://"
+FILE = "file://"
+ROBOTS = "example-robot-data"
+SHARES = ("cmeel.prefix/share", "share")
+"""Where below a folder of Python's path, or its prefix, packages keep shared data."""
+
+
+def find_file(uri: str, *, near: Path | None, where: str | Path, field: str) -> Path:
+    """The file that a robot description, a profile or a scene names.
+
+    Args:
+        uri: ``package://NAME/path``, ``file:///path``, or a path relative to ``near``.
+        near: Folder of the file that names it; None for what comes with taskgist.
+        where: File for error messages.
+        field: Field for error messages.
+
+    Raises:
+        SceneError: There is no such file.
+    """
+    if uri.startswith(PACKAGE):
+        return _in_package(uri, near, where, field)
+    path = Path(uri.removeprefix(FILE))
+    path = path if near is None else near / path
+    if path.is_file():
+        return path
+    raise SceneError("no such file", where=where, field=field, value=str(path), hint="paths are relative to the file")
+
+
+def _in_package(uri: str, near: Path | None, where: str | Path, field: str) -> Path:
+    name, _, rest = uri.removeprefix(PACKAGE).lstrip("/").partition("/")
+    for root in _roots(near):
+        for folder in (root / name, root):
+            if (folder is not root or root.name == name) and (folder / rest).is_file():
+                return folder / rest
+    hint = f"add the folder that holds {name!r} to ROS_PACKAGE_PATH"
+    if name == ROBOTS:
+        hint = f"pip install 'taskgist[robots]', or {hint}"
+    raise SceneError("no such file in any package", where=where, field=field, value=uri, hint=hint)
+
+
+def _roots(near: Path | None) -> Iterator[Path]:
+    """Folders that may hold a package, the surest first."""
+    if near is not None:
+        yield from (near.resolve(), *near.resolve().parents)
+    for folder in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
+        if folder:
+            yield Path(folder)
+    for folder in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        if folder:
+            yield Path(folder) / "share"
+    for folder in (*sys.path, sys.prefix):
+        yield from (Path(folder) / share for share in SHARES)
+
+
+# --- Shapes of no size: MuJoCo refuses them without saying which one it means.
+
+SIZES = {
+    mujoco.mjtGeom.mjGEOM_SPHERE: 1,
+    mujoco.mjtGeom.mjGEOM_CAPSULE: 2,
+    mujoco.mjtGeom.mjGEOM_CYLINDER: 2,
+    mujoco.mjtGeom.mjGEOM_ELLIPSOID: 3,
+    mujoco.mjtGeom.mjGEOM_BOX: 3,
+}
+"""How many sizes each kind of shape has."""
+
+
+def size_problems(spec: mujoco.MjSpec, where: str) -> Iterator[InputError]:
+    """Every shape of a model whose size is zero or less."""
+    for geom in spec.geoms:
+        if geom.type not in SIZES or geom.meshname:
+            continue
+        count = 1 if np.isfinite(geom.fromto[0]) else SIZES[geom.type]
+        sizes = [float(size) for size in geom.size[:count]]
+        if any(size <= 0 for size in sizes):
+            kind = geom.type.name.removeprefix("mjGEOM_").lower()
+            name = repr(str(geom.name)) if geom.name else "without a name"
+            field = f"{kind} {name} of body {str(geom.parent.name)!r}"
+            hint = f"give it {count} size{'s' if count > 1 else ''} above zero, in metres"
+            yield SceneError("a shape of no size", where=where, field=field, value=sizes, hint=hint)
+
+
+BUILDERS: dict[str, Callable[[HumanSize], str]] = {"human": human_mjcf}
+"""Models that are made to measure, by the name under which a profile asks for them."""
+
+
+def builtin_models() -> tuple[str, ...]:
+    """Names of the models that come with taskgist, made to measure or not."""
+    return tuple(sorted((*BUILDERS, *(path.stem for path in _folder().glob("*.xml")))))
+
+
+def body_files(
+    profile: AgentProfile, key: str, *, prefix: str, folder: Path | None, where: str, size: HumanSize | None = None
+) -> dict[str, bytes]:
+    """The files of an agent's model.
+
+    Args:
+        profile: Names the model: built in, ``package://...``, or a file.
+        key: Name of the model's document in the bundle.
+        prefix: Put before the names of its meshes.
+        folder: To which a file is relative; None if the profile is built in.
+        where: The profile's file, for messages.
+        size: For models that are made to measure; without it, these are left to whoever knows the size.
+
+    Raises:
+        SceneError: A file is missing or is no model.
+    """
+    if profile.model in BUILDERS:
+        return {key: BUILDERS[profile.model](size).encode()} if size else {}
+    if profile.model in builtin_models():
+        path = _folder() / f"{profile.model}.xml"
+    else:
+        path = find_file(profile.model, near=folder, where=where, field="model")
+    return model_files(path, key, prefix=prefix, shapes=profile.shapes)
+
+
+def is_found_anywhere(model: str) -> bool:
+    """Whether a model is found without the folder of the file that names it."""
+    return model in builtin_models() or model.startswith(PACKAGE)
+
+
+def model_files(
+    path: Path, key: str, *, prefix: str = "", shapes: Shapes = "visual", room: bool = False
+) -> dict[str, bytes]:
+    """A model as one flat XML document under ``key``, and its meshes under names without folders.
+
+    Args:
+        path: MJCF or URDF.
+        key: Name of the document.
+        prefix: Put before the names of meshes.
+        shapes: Which shapes of a URDF are seen.
+        room: Whether a URDF's root link is the world.
+
+    Raises:
+        SceneError: A file is missing or is no model.
+    """
+    text = read_file(path)
+    if is_urdf(text):
+        near = path.parent
+        spec, files = read_urdf(
+            text,
+            lambda uri: read_file(find_file(uri, near=near, where=path, field="mesh")),
+            where=path,
+            prefix=prefix,
+            shapes=shapes,
+            room=room,
+        )
+    else:
+        spec, files = _mjcf(path, prefix)
+    return {**files, key: _xml(spec, files, path)}
+
+
+def _mjcf(path: Path, prefix: str) -> tuple[mujoco.MjSpec, dict[str, bytes]]:
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+    except ValueError as error:
+        raise SceneError(f"MuJoCo cannot read this model: {error}", where=path) from error
+    files: dict[str, bytes] = {}
+    for meshes, folder in ((spec.meshes, spec.meshdir), (spec.textures, spec.texturedir)):
+        for asset in meshes:
+            if asset.file:
+                source = path.parent / folder / asset.file
+                asset.file = prefix + asset.file.replace("/", "_")
+                files[asset.file] = read_file(source, named_by=str(path))
+    spec.meshdir = spec.texturedir = ""
+    return spec, files
+
+
+def _xml(spec: mujoco.MjSpec, files: Mapping[str, bytes], path: Path) -> bytes:
+    spec.assets = dict(files)
+    for problem in size_problems(spec, str(path)):
+        raise problem
+    try:
+        return str(spec.to_xml()).encode()
+    except ValueError as error:
+        raise SceneError(f"MuJoCo cannot read this model: {error}", where=path) from error
+
+
+def read_model(files: dict[str, bytes], name: str, *, where: str, room: bool) -> mujoco.MjSpec:
+    """A model of a bundle; meshes of a URDF are added to the bundle under the names that MuJoCo asks for.
+
+    Args:
+        files: The bundle.
+        name: Name of the model's document.
+        where: File for error messages.
+        room: Whether a URDF's root link is the world.
+
+    Raises:
+        SceneError: It is missing or is no model.
+    """
+    if name not in files:
+        raise SceneError("no such file", where=where, field="scene.model", value=name)
+    where = f"{where}: {name}"
+    if is_urdf(files[name]):
+        spec, meshes = read_urdf(files[name], lambda uri: _mesh(files, uri, where), where=where, room=room)
+        files |= meshes
+        return spec
+    try:
+        return mujoco.MjSpec.from_string(files[name].decode("utf-8"))
+    except (ValueError, UnicodeDecodeError) as error:
+        raise SceneError(f"MuJoCo cannot read this model: {error}", where=where) from error
+
+
+def _mesh(files: Mapping[str, bytes], uri: str, where: str) -> bytes:
+    for name in (uri, flat_name(uri)):
+        if name in files:
+            return files[name]
+    raise SceneError("no such file", where=where, field="mesh", value=uri)
+
+
+def read_file(path: Path, *, named_by: str | None = None) -> bytes:
+    """A file's content.
+
+    Raises:
+        SceneError: It cannot be read.
+    """
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        hint = f"named by {named_by}" if named_by else "check the path"
+        raise SceneError(f"cannot be read: {error.strerror}", where=path, hint=hint) from error
+
+
+def _folder() -> Path:
+    return Path(str(resources.files("taskgist.world") / "models"))

@@ -1,0 +1,204 @@
+"""Is a profile fit to use? Every problem by name, what the body lacks, and the body itself on an empty floor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.common.toml import UNREADABLE
+from taskgist.errors import InputError, UnknownNameError
+from taskgist.world.assembly import DEFAULT_STATURE_M
+from taskgist.world.bodies.agent import Agent
+from taskgist.world.bodies.frames import OPTICAL_WXYZ
+from taskgist.world.bodies.human import HumanSize
+from taskgist.world.bodies.model_files import body_files, name_problems, read_file, read_model, size_problems
+from taskgist.world.bodies.profile import (
+    AS_THE_JOINT,
+    AgentProfile,
+    builtin_profile_text,
+    builtin_profiles,
+    examine_profile,
+)
+from taskgist.world.geometry.transforms import matrix_from_wxyz
+from taskgist.world.scene import Scene
+
+# --- Does a body look ahead, and do its joints turn it as their names in the profile say? A mistake here compiles.
+
+MOSTLY = 0.7
+"""Cosine of 45°: nearer to an axis than across it."""
+ROUGHLY = 0.5
+"""Cosine of 60°, for heads that rest bent."""
+UPRIGHT = {"head.pan": "pan turns to the side", "torso.turn": "turn turns to the side"}
+ACROSS = {"head.tilt": "tilt looks up and down", "torso.lean": "lean bends forward"}
+
+Vector = NDArray[np.float64]
+
+
+def direction_doubts(model: mujoco.MjModel, body: Agent, qpos: Vector) -> Iterator[str]:
+    """What a body that stands at the origin, heading along x, has probably the wrong way round.
+
+    Args:
+        model: The compiled scene.
+        body: The agent.
+        qpos: A state in which it rests.
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = qpos
+    mujoco.mj_kinematics(model, data)
+    eye = data.site_xmat[body.eye_site].reshape(3, 3)
+    yield from _eye_doubts(eye, body)
+    carriers = _carriers(model, int(model.site_bodyid[body.eye_site]))
+    for field, axis in body.profile.axes:
+        joint = int(model.joint(f"{body.name}/{axis.joint}").id)
+        yield from _axis_doubts(field, axis.joint, np.array(data.xaxis[joint]))
+        if field.startswith("head") and int(model.jnt_bodyid[joint]) not in carriers:
+            yield f"{field}: the joint {axis.joint!r} does not move the eye"
+
+
+def _eye_doubts(eye: Vector, body: Agent) -> Iterator[str]:
+    ahead, up = eye[0, 0], eye[2, 2]
+    if ahead >= ROUGHLY and up >= ROUGHLY:
+        return
+    turned = eye @ matrix_from_wxyz(OPTICAL_WXYZ)
+    optical = turned[0, 0] >= ROUGHLY and turned[2, 2] >= ROUGHLY
+    hint = "it would with optical = true" if optical else "turn it by rpy_deg, or the joints by rest_deg"
+    name = body.profile.eye.frame.name
+    if ahead < ROUGHLY:
+        yield f"eye.frame: {name!r} does not look ahead, but along {_told(eye[:, 0])} (x ahead, z up); {hint}"
+    else:
+        yield f"eye.frame: {name!r} looks ahead with its z along {_told(eye[:, 2])}, not upwards; {hint}"
+
+
+def _axis_doubts(field: str, joint: str, axis: Vector) -> Iterator[str]:
+    """About the vertical, or level and across the body's heading."""
+    if field in UPRIGHT and abs(axis[2]) < MOSTLY:
+        yield f"{field}: {UPRIGHT[field]}, but the axis of {joint!r} is {_told(axis)}, not upright"
+    if field in ACROSS and abs(axis[1]) < MOSTLY:
+        yield f"{field}: {ACROSS[field]}, but the axis of {joint!r} is {_told(axis)}, not level and across the body"
+
+
+def _carriers(model: mujoco.MjModel, body: int) -> set[int]:
+    """A body and all that carry it."""
+    found = {body}
+    while body := int(model.body_parentid[body]):
+        found.add(body)
+    return found
+
+
+def _told(vector: Vector) -> str:
+    return "(" + ", ".join(f"{value + 0.0:.1f}" for value in np.round(vector, 1) + 0.0) + ")"
+
+
+def sliding_before(model: mujoco.MjModel, body: Agent) -> tuple[str, ...]:
+    """Joints that slide between base and shoulders, as a torso's lift does: no virtual action moves them."""
+    carriers: set[int] = set()
+    for arm in body.arms:
+        carriers |= _carriers(model, arm.carrier_body)
+    return tuple(
+        str(model.joint(j).name).partition("/")[2]
+        for j in range(model.njnt)
+        if int(model.jnt_bodyid[j]) in carriers and int(model.jnt_type[j]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+    )
+
+
+BODY = "body"
+"""Name of the agent in the scene of a check."""
+SCENE = f'[scene]\nname = "an empty floor"\nmodel = "floor.xml"\n[agents.{BODY}]\nprofile = "{BODY}.profile.toml"\n'
+FLOOR = '<mujoco><worldbody><geom name="floor" type="plane" size="5 5 0.1"/></worldbody></mujoco>'
+
+
+@dataclass(frozen=True, eq=False)
+class BodyCheck:
+    """What was found of a profile.
+
+    Attributes:
+        name: As it was given.
+        given: The profile as its document has it; None if that cannot be read.
+        problems: Why it cannot be used; empty if it can.
+        doubts: What can be used and is probably wrong: an eye that looks aside, a joint about the wrong axis.
+        lacks: What the body does not have, or has otherwise than the profile says, and what follows.
+        scene: The body alone on an empty floor; None beside problems.
+    """
+
+    name: str
+    given: AgentProfile | None
+    problems: tuple[InputError, ...]
+    doubts: tuple[str, ...] = ()
+    lacks: tuple[str, ...] = ()
+    scene: Scene | None = None
+
+
+def check_body(profile: str) -> BodyCheck:
+    """Check a profile.
+
+    Args:
+        profile: Name of a built-in profile, or a TOML file.
+
+    Raises:
+        SceneError: The file cannot be read.
+        UnknownNameError: There is no such built-in profile.
+    """
+    text, folder, where = _document(profile)
+    given, misread = examine_profile(text, where=where, stature_m=DEFAULT_STATURE_M)
+    if given is None:
+        return BodyCheck(profile, None, misread)
+    files, misnamed = _files(given, folder, where)
+    if misread or misnamed:
+        return BodyCheck(profile, given, (*misread, *misnamed))
+    bundle = {"scene.toml": SCENE.encode(), "floor.xml": FLOOR.encode(), f"{BODY}.profile.toml": text, **files}
+    try:
+        scene = Scene.from_bundle(bundle, where=where)
+    except InputError as error:
+        return BodyCheck(profile, given, (error,))
+    doubts = direction_doubts(scene.model, scene.agent(BODY), scene.initial.qpos)
+    return BodyCheck(profile, given, (), tuple(doubts), tuple(_lacks(given, scene)), scene)
+
+
+def _document(profile: str) -> tuple[bytes, Path | None, str]:
+    if profile in builtin_profiles():
+        return builtin_profile_text(profile).encode(), None, f"profile {profile}"
+    if not profile.endswith(".toml"):
+        raise UnknownNameError("profile", profile, builtin_profiles(), where="built-in profiles, and files (.toml)")
+    return read_file(Path(profile)), Path(profile).parent, profile
+
+
+def _files(given: AgentProfile, folder: Path | None, where: str) -> tuple[dict[str, bytes], tuple[InputError, ...]]:
+    """The model's files, or everything that is wrong with it."""
+    if given.model == UNREADABLE:
+        return {}, ()
+    key = f"{BODY}.model.xml"
+    try:
+        size = HumanSize.from_stature(DEFAULT_STATURE_M)
+        files = body_files(given, key, prefix=f"{BODY}_", folder=folder, where=where, size=size)
+        spec = read_model(files, key, where=where, room=False)
+    except InputError as error:
+        return {}, (error,)
+    return files, (*size_problems(spec, where), *name_problems(spec, given, where))
+
+
+def _lacks(given: AgentProfile, scene: Scene) -> Iterator[str]:
+    agent = scene.agent(BODY)
+    has = {
+        "arms": (given.arms, "it reaches and grasps nothing"),
+        "hand": (given.hand, "it reaches, and grasps nothing"),
+        "head.pan": (given.pan, "to look aside it turns its torso, or itself"),
+        "head.tilt": (given.tilt, "it looks neither up nor down"),
+        "torso.turn": (given.turn, "it turns only as a whole"),
+        "torso.lean": (given.lean, "it does not lean over to reach or see"),
+        "base.moves": (given.moves, "it stays where it stands"),
+        "posture": ("sitting" in given.legs.can, "it neither sits down nor stands up"),
+        "solid shapes": (len(agent.core_geoms), "head, torso and base push into nothing: every way is free"),
+    }
+    yield from (f"no {field}: {meaning}" for field, (there, meaning) in has.items() if not there)
+    for joint in sliding_before(scene.model, agent):
+        yield f"{joint!r} slides between base and shoulders, and no virtual action moves it: a scene may, by joints_m"
+    for (field, asked), (_, found) in zip(given.axes, agent.profile.axes, strict=True):
+        if asked.range_rad not in (AS_THE_JOINT, found.range_rad):
+            low, high = (math.degrees(limit) for limit in found.range_rad)
+            yield f"{field}.range_deg is wider than the joint {found.joint!r}: it turns from {low:.0f} to {high:.0f}"

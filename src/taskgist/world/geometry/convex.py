@@ -1,0 +1,378 @@
+"""Convex parts of a concave mesh: found by CoACD [Wei 2022], kept in the user's cache, written as OBJ.
+
+The pieces of a mesh are looked at one by one: what is convex is a part already, only what has hollows is cut.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import os
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from taskgist.common.arrays import Array, Indices
+from taskgist.common.files import replacing
+from taskgist.errors import SceneError
+from taskgist.world.geometry.shapes import hull_planes
+
+# --- Pieces of a mesh, and whether one has hollows that its convex hull would fill.
+
+SAME_M = 1e-6
+"""Vertices nearer than this are one: STL files repeat them in every triangle."""
+ROWS = 4096
+"""Faces looked at at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A mesh: vertices in metres, (n, 3), and the vertices of each triangle, (m, 3)."""
+
+    vertices: Array
+    faces: Indices
+
+    @property
+    def corners(self) -> Array:
+        """Corners of the triangles, metres, (m, 3, 3)."""
+        return np.asarray(self.vertices[self.faces])
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether every edge joins two triangles that agree on what is outside."""
+        edges = _edges(self.faces)
+        return len(np.unique(edges, axis=0)) == len(edges) and set(map(tuple, edges)) == set(map(tuple, edges[:, ::-1]))
+
+
+def joined(vertices: Array, faces: Indices) -> Piece:
+    """A mesh as it is if it is closed, so that boards that touch stay apart; else with coincident vertices made one."""
+    mesh = Piece(vertices, faces)
+    return mesh if mesh.is_closed else _merged(vertices, faces)
+
+
+def _merged(vertices: Array, faces: Indices) -> Piece:
+    """A mesh whose coincident vertices are one, without the triangles that thereby vanish."""
+    _, first, new = np.unique(np.round(vertices / SAME_M), axis=0, return_index=True, return_inverse=True)
+    faces = new.reshape(-1)[faces]
+    whole = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
+    return Piece(vertices[first], faces[whole])
+
+
+def pieces(mesh: Piece) -> list[Piece]:
+    """The parts of a mesh that hang together by edges of two triangles, largest first; closed ones face outwards."""
+    labels = _labels(mesh.faces)
+    names, sizes = np.unique(labels, return_counts=True)
+    return [_outward(_used(mesh, labels == name)) for name in names[np.argsort(-sizes, kind="stable")]]
+
+
+def hollow_m(piece: Piece) -> float:
+    """Depth of a piece's deepest hollow, metres: how far a face lies beneath the convex hull, along its normal.
+
+    Infinite for what is not closed, such as a bowl without thickness, and 0 for what is flat.
+    """
+    planes = _planes(piece.vertices)
+    if planes is None:
+        return 0.0
+    if not piece.is_closed:
+        return float("inf")
+    corners = piece.corners
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+    middles = corners.mean(axis=1)
+    rows = range(0, len(middles), ROWS)
+    return max(float(_exits_m(middles[i : i + ROWS], normals[i : i + ROWS], *planes).max()) for i in rows)
+
+
+def is_flat(piece: Piece) -> bool:
+    """Whether a piece has no inside."""
+    return _planes(piece.vertices) is None
+
+
+def _exits_m(points: Array, directions: Array, normals: Array, offsets: Array) -> Array:
+    """How far from each point its direction leaves a convex hull, (n,)."""
+    rates, rooms = directions @ normals.T, offsets - points @ normals.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ways = np.where(rates > 1e-9, rooms / rates, np.inf)
+    return np.asarray(ways.min(axis=1))
+
+
+def _planes(vertices: Array) -> tuple[Array, Array] | None:
+    """Normals and offsets of the faces of a convex hull, in the frame of the points; None if they are flat."""
+    spec = mujoco.MjSpec()
+    spec.add_mesh(name="hull", uservert=vertices.ravel())
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="hull")
+    try:
+        model = spec.compile()
+    except ValueError:
+        return None
+    turn = np.zeros(9)
+    mujoco.mju_quat2Mat(turn, model.mesh_quat[0].astype(float))
+    normals, offsets = hull_planes(model, 0)
+    normals = normals @ turn.reshape(3, 3).T
+    return normals, offsets + normals @ model.mesh_pos[0]
+
+
+def _edges(faces: Indices) -> Indices:
+    return np.concatenate((faces[:, (0, 1)], faces[:, (1, 2)], faces[:, (2, 0)]))
+
+
+def _labels(faces: Indices) -> Indices:
+    """A number for each triangle, the same for those that hang together."""
+    edges = np.sort(_edges(faces), axis=1)
+    _, edge, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    edge = edge.reshape(-1)
+    shared = np.flatnonzero(count[edge] == 2)
+    a, b = (shared[np.argsort(edge[shared], kind="stable")].reshape(-1, 2) % len(faces)).T
+    labels = np.arange(len(faces))
+    while True:
+        before = labels.copy()
+        least = np.minimum(labels[a], labels[b])
+        np.minimum.at(labels, a, least)
+        np.minimum.at(labels, b, least)
+        labels = labels[labels]
+        if np.array_equal(labels, before):
+            return labels
+
+
+def _used(mesh: Piece, chosen: NDArray[np.bool_]) -> Piece:
+    used, faces = np.unique(mesh.faces[chosen], return_inverse=True)
+    return Piece(mesh.vertices[used], faces.reshape(-1, 3))
+
+
+def _outward(piece: Piece) -> Piece:
+    inside_out = piece.is_closed and float(np.linalg.det(piece.corners).sum()) < 0
+    return Piece(piece.vertices, piece.faces[:, ::-1]) if inside_out else piece
+
+
+log = logging.getLogger("taskgist.world")
+HOLLOW_M = 0.005
+"""Hollows up to this depth are filled (ours: half of what a contact may be deeper than usual)."""
+HOLLOW_SHARE = 0.01
+"""And up to this share of the mesh's extent (ours: a cupboard's mouldings need no parts of their own)."""
+MOST_PIECES = 64
+"""Meshes of more pieces are cut as a whole."""
+SEARCH = {"mcts_iterations": 20, "mcts_nodes": 10, "mcts_max_depth": 2, "resolution": 500, "seed": 1}
+"""CoACD's search: seconds instead of the default's minutes, with parts as tight."""
+SHEET_M = 0.001
+"""Thickness given to what has none."""
+
+
+def tolerance_m(mesh: Piece) -> float:
+    """Depth of the hollows of a mesh that its solid shape may fill, metres."""
+    return max(HOLLOW_M, HOLLOW_SHARE * float(np.ptp(mesh.vertices, axis=0).max()))
+
+
+def parts_name(mesh: Piece) -> str:
+    """Name of the file with a mesh's parts, by a digest of what they depend on."""
+    content = (np.round(mesh.vertices * 1e6).astype("<i8").tobytes(), mesh.faces.astype("<i8").tobytes())
+    search = repr((HOLLOW_M, HOLLOW_SHARE, MOST_PIECES, SHEET_M, sorted(SEARCH.items())))
+    return f"parts-{hashlib.sha256(b''.join((*content, search.encode()))).hexdigest()[:16]}.obj"
+
+
+def parts_text(mesh: Piece, name: str) -> bytes | None:
+    """The convex parts of a mesh as an OBJ document; None if they cannot be found, which is logged.
+
+    Args:
+        mesh: A mesh with hollows.
+        name: Its name, for messages.
+    """
+    kept = cache_folder() / parts_name(mesh)
+    if kept.is_file():
+        return kept.read_bytes()
+    log.info("mesh %r is concave: cutting it into convex parts, once", name)
+    found = _cut(mesh, name)
+    if found is None:
+        return None
+    text = _as_obj(found)
+    try:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        with replacing(kept) as stream:
+            stream.write(text)
+    except OSError as error:
+        log.info("convex parts are not kept for the next time: %s", error)
+    return text
+
+
+def read_parts(text: bytes) -> list[Array]:
+    """Vertices of the parts in an OBJ document, metres, (n, 3) each.
+
+    Raises:
+        ValueError: It is no such document.
+    """
+    parts: list[list[list[float]]] = []
+    for line in text.decode("utf-8").splitlines():
+        kind, _, rest = line.partition(" ")
+        if kind == "o":
+            parts.append([])
+        elif kind == "v":
+            parts[-1].append([float(number) for number in rest.split()])
+    arrays = [np.array(part) for part in parts]
+    if not arrays or any(array.shape != (len(array), 3) or not np.isfinite(array).all() for array in arrays):
+        raise ValueError("an OBJ document with three finite numbers per vertex was expected")
+    return arrays
+
+
+def cache_folder() -> Path:
+    """Where parts are kept for the next time, by the platform's convention."""
+    if sys.platform == "darwin":
+        root = Path.home() / "Library" / "Caches"
+    else:
+        variable, otherwise = ("LOCALAPPDATA", "AppData/Local") if os.name == "nt" else ("XDG_CACHE_HOME", ".cache")
+        root = Path(os.environ.get(variable) or Path.home() / otherwise)
+    return root / "taskgist" / "parts"
+
+
+def _cut(mesh: Piece, name: str) -> list[Piece] | None:
+    limit_m = tolerance_m(mesh)
+    apart = pieces(mesh)
+    parts: list[Piece] = []
+    for piece in apart if len(apart) <= MOST_PIECES else [mesh]:
+        if is_flat(piece):
+            parts.append(_thickened(piece))
+        elif hollow_m(piece) <= limit_m:
+            parts.append(piece)
+        else:
+            cut = _coacd(piece, limit_m, name)
+            if cut is None:
+                return None
+            parts += cut
+    return parts
+
+
+def _thickened(piece: Piece) -> Piece:
+    normal = np.linalg.svd(piece.vertices - piece.vertices.mean(axis=0))[2][-1]
+    both = [piece.vertices + sign * SHEET_M / 2 * normal for sign in (-1, 1)]
+    return Piece(np.concatenate(both), np.concatenate((piece.faces, piece.faces[:, ::-1] + len(piece.vertices))))
+
+
+def _coacd(piece: Piece, limit_m: float, name: str) -> list[Piece] | None:
+    try:
+        import coacd
+    except ImportError:
+        log.warning(
+            "mesh %r is concave, but taken for its convex hull: nothing fits into it (to mend: pip install coacd)", name
+        )
+        return None
+    coacd.set_log_level("off")
+    found = coacd.run_coacd(coacd.Mesh(piece.vertices, piece.faces), threshold=limit_m, real_metric=True, **SEARCH)
+    if not found:
+        log.warning("mesh %r is concave, but cannot be cut into convex parts: taken for its convex hull", name)
+        return None
+    return [Piece(np.asarray(vertices), np.asarray(faces)) for vertices, faces in found]
+
+
+def _as_obj(parts: Sequence[Piece]) -> bytes:
+    """Rounded to micrometres; any program that opens OBJ shows them."""
+    lines, start = ["# convex parts of a mesh, metres"], 1
+    for number, part in enumerate(parts):
+        lines.append(f"o part{number}")
+        lines += [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in part.vertices]
+        lines += [f"f {a + start} {b + start} {c + start}" for a, b, c in part.faces]
+        start += len(part.vertices)
+    return ("\n".join(lines) + "\n").encode()
+
+
+# --- Concave meshes become what they are: a bin can be reached into, a handle grasped.
+#
+# MuJoCo collides a mesh as its convex hull, while its rays meet the true triangles. Therefore a mesh with hollows
+# keeps its looks and stops to collide; convex parts collide in its place, in a group that nobody sees. The parts are
+# files of the scene's bundle, so that a recording's scene is the same everywhere. Agents' links stay hulls: only
+# whether head, torso and base push into things is asked of them.
+
+SOLID_GROUP = 3
+"""Geom group of shapes that block but are not seen."""
+PART = "/part"
+"""What the name of a part begins with, behind the name of its whole."""
+
+
+def decompose(
+    spec: mujoco.MjSpec, compiled: Callable[[mujoco.MjSpec], mujoco.MjModel], files: dict[str, bytes], where: str
+) -> None:
+    """Let convex parts collide in the place of a model's concave meshes.
+
+    Args:
+        spec: The model of room and objects; changed.
+        compiled: Compiles it; only asked if there is a mesh that collides.
+        files: The bundle of the scene; files with the parts are added where they are missing.
+        where: File name for error messages.
+
+    Raises:
+        SceneError: A file with parts is damaged.
+    """
+    solid = [geom for geom in spec.geoms if _collides(geom)]
+    if not solid:
+        return
+    model = compiled(spec)
+    parts = {name: _parts(spec, model, name, files, where) for name in dict.fromkeys(g.meshname for g in solid)}
+    for geom in solid:
+        if parts[geom.meshname]:
+            _replace(geom, parts[geom.meshname])
+
+
+def whole(name: str) -> str:
+    """Name of the shape that a part belongs to; other names stay as they are."""
+    return name.partition(PART)[0]
+
+
+def _collides(geom: mujoco.MjsGeom) -> bool:
+    return geom.type == mujoco.mjtGeom.mjGEOM_MESH and bool(geom.contype or geom.conaffinity)
+
+
+def _parts(
+    spec: mujoco.MjSpec, model: mujoco.MjModel, name: str, files: dict[str, bytes], where: str
+) -> tuple[str, ...]:
+    """Names of the meshes of a concave mesh's parts; none for a convex one."""
+    mesh = _mesh(model, name)
+    if hollow_m(mesh) <= tolerance_m(mesh):
+        return ()
+    key = parts_name(mesh)
+    text = files[key] if key in files else parts_text(mesh, name)
+    if text is None:
+        return ()
+    files[key] = text
+    try:
+        found = read_parts(text)
+    except (ValueError, IndexError) as error:
+        hint = "delete it, and it is made anew"
+        raise SceneError(
+            f"damaged convex parts of mesh {name!r}: {error}", where=f"{where}: {key}", hint=hint
+        ) from error
+    for number, vertices in enumerate(found):
+        spec.add_mesh(name=f"{name}{PART}{number}", uservert=vertices.ravel())
+    return tuple(f"{name}{PART}{number}" for number in range(len(found)))
+
+
+def _mesh(model: mujoco.MjModel, name: str) -> Piece:
+    """A compiled mesh in the frame of its file."""
+    mesh = model.mesh(name).id
+    vertices: Array = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]].astype(float)
+    faces = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]].astype(np.intp)
+    turn = np.zeros(9)
+    mujoco.mju_quat2Mat(turn, model.mesh_quat[mesh].astype(float))
+    return joined(vertices @ turn.reshape(3, 3).T + model.mesh_pos[mesh], faces)
+
+
+def _replace(geom: mujoco.MjsGeom, parts: tuple[str, ...]) -> None:
+    """The shape is only seen from now on; its parts, which weigh nothing, collide."""
+    for number, part in enumerate(parts):
+        added = geom.parent.add_geom(
+            name=f"{geom.name}{PART}{number}" if geom.name else "",
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=part,
+            pos=geom.pos,
+            quat=geom.quat,
+            contype=geom.contype,
+            conaffinity=geom.conaffinity,
+            friction=geom.friction,
+            condim=geom.condim,
+            group=SOLID_GROUP,
+            mass=0,
+        )
+        for field in ("type", "axisangle", "euler", "xyaxes", "zaxis"):  # other ways to say how it is turned
+            setattr(added.alt, field, getattr(geom.alt, field))
+    geom.contype = geom.conaffinity = 0

@@ -1,0 +1,1 @@
+"""The lab: simulated demonstrations, the paper reproduced, and how well tasks are learned."""

@@ -1,0 +1,157 @@
+"""``taskgist evaluate``: how well are tasks learned?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.table import Table as RichTable
+
+from taskgist.cli.common import JsonOption, check_target, command, console, make_folder, print_json, progress_bar
+from taskgist.common.workers import Progress
+from taskgist.errors import InputError, UnknownNameError
+from taskgist_lab.evaluation.experiments import demonstrations_needed, transfer
+from taskgist_lab.evaluation.learner import Coded
+from taskgist_lab.evaluation.noise import CONDITIONS
+from taskgist_lab.evaluation.pool import HELD_OUT_EVERY, SOURCES, Pool, Wanted, kept_pool
+from taskgist_lab.evaluation.robustness import compared, makers, robustness
+from taskgist_lab.evaluation.sheets import Sheet, sheets_of
+from taskgist_lab.evaluation.values import CLEAN, Result
+
+HELD_OUT_SEED = 1000
+"""Seed of the demonstrations that nothing was developed on; smaller ones are for development."""
+Experiment = Callable[[Coded, int, int, Progress], Result]
+
+EXPERIMENTS: Mapping[str, Experiment] = {
+    "needed": lambda coded, draws, seed, _: demonstrations_needed(coded, draws=draws, seed=seed),
+    "transfer": lambda coded, draws, seed, _: transfer(coded, draws=draws, seed=seed),
+    "robustness": lambda coded, draws, seed, progress: robustness(coded, draws=draws, seed=seed, progress=progress),
+    "peers": lambda coded, draws, seed, progress: compared(
+        coded, draws=draws, seed=seed, peers=makers(seed), progress=progress
+    ),
+}
+"""The experiments by name, in their order."""
+
+
+@command
+def evaluate(
+    experiments: Annotated[
+        list[str] | None, typer.Argument(help=f"Which: {', '.join(EXPERIMENTS)}; all of them by default.")
+    ] = None,
+    pool: Annotated[
+        Path | None, typer.Option("--pool", help="File of judged demonstrations: reused, extended, made if missing.")
+    ] = None,
+    demonstrations: Annotated[
+        int, typer.Option("--demonstrations", "-n", help="Demonstrations of each task; every third is held out.")
+    ] = 45,
+    seed: Annotated[
+        int, typer.Option("--seed", help="Seed. The default one is held out: smaller ones were developed on.")
+    ] = HELD_OUT_SEED,
+    draws: Annotated[int, typer.Option("--draws", help="Random orders in which each task is learned.")] = 200,
+    source: Annotated[
+        str, typer.Option("--source", help=f"Where demonstrations come from: {', '.join(SOURCES)}.")
+    ] = "generator",
+    processes: Annotated[
+        int | None, typer.Option("--processes", help="Processes; one for each core by default.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Folder for pictures; made if new.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Measure how well tasks are learned from demonstrations.
+
+    needed: how many demonstrations it takes to understand a task as people do (Table 4 of the paper).
+
+    transfer: whether a learned clause holds in demonstrations that were held out, and not in those of other tasks.
+
+    robustness: the same under tracker noise, lost frames, labels that are off and wrong demonstrations, by several
+    rules, the paper's first.
+
+    peers: other learners on the very same facts (pip install 'taskgist[peers]', and 'taskgist[orange]'); what is not
+    installed is left out.
+
+    The demonstrations are generated. Every number is a mean over random orders, with its spread. The first run makes
+    the demonstrations, which takes minutes; --pool keeps them.
+
+    Example: taskgist evaluate needed transfer --pool pool.json.gz -o pictures
+    """
+    chosen = _chosen(experiments)
+    _check(demonstrations, draws, processes, out)
+    if pool is not None:
+        check_target(pool, "--pool")
+    conditions = tuple(CONDITIONS) if "robustness" in chosen else (CLEAN,)
+    wanted = Wanted(source, seed, demonstrations, conditions)
+    with progress_bar(quiet=as_json) as progress:
+        judged = kept_pool(pool, wanted, processes=processes, progress=progress)
+        coded = Coded.of(judged)
+        results = {name: EXPERIMENTS[name](coded, draws, seed, progress) for name in chosen}
+    pictures = _pictures(results, out) if out else ()
+    if as_json:
+        found = {name: result.to_json() for name, result in results.items()}
+        print_json({"pool": _about(judged), "draws": draws, "pictures": [str(path) for path in pictures], **found})
+        return
+    _print_pool(judged)
+    for result in results.values():
+        for sheet in sheets_of(result):
+            _print_sheet(sheet)
+    for path in pictures:
+        console.print(f"picture: {path}")
+
+
+def _chosen(names: list[str] | None) -> tuple[str, ...]:
+    for name in names or ():
+        if name not in EXPERIMENTS:
+            raise UnknownNameError("experiment", name, EXPERIMENTS)
+    return tuple(name for name in EXPERIMENTS if not names or name in names)
+
+
+def _check(demonstrations: int, draws: int, processes: int | None, out: Path | None) -> None:
+    if demonstrations < HELD_OUT_EVERY:
+        hint = f"every {HELD_OUT_EVERY}rd is held out: give {HELD_OUT_EVERY} or more, better 30"
+        raise InputError("too few", field="--demonstrations", value=demonstrations, hint=hint)
+    for name, value in (("--draws", draws), ("--processes", processes)):
+        if value is not None and value < 1:
+            raise InputError("too few", field=name, value=value, hint="give 1 or more")
+    if out is not None:
+        make_folder(out, "--out")
+
+
+def _about(pool: Pool) -> dict[str, Any]:
+    clean = [each.task for each in pool.samples if each.condition == CLEAN]
+    return {
+        "source": pool.source,
+        "seed": pool.seed,
+        "settings": pool.context.settings_digest,
+        "tree": pool.context.tree_version,
+        "demonstrations": {task: clean.count(task) for task in pool.tasks},
+        "failures": [f"{each.task} {each.number} {each.condition}: {each.problem}" for each in pool.failures],
+    }
+
+
+def _print_pool(pool: Pool) -> None:
+    counts = ", ".join(f"{task} {count}" for task, count in _about(pool)["demonstrations"].items())
+    console.print(f"{SOURCES[pool.source].text}, seed {pool.seed}: {counts}")
+    if pool.failures:
+        first = pool.failures[0]
+        problem = f"{first.task} {first.number} {first.condition}: {first.problem}"
+        console.print(f"{len(pool.failures)} could not be played or watched, such as {problem}", style="dim")
+    console.print()
+
+
+def _print_sheet(sheet: Sheet) -> None:
+    table = RichTable(title=sheet.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+    for column in sheet.header:
+        table.add_column(column, overflow="fold")
+    for row in sheet.rows:
+        table.add_row(*row)
+    console.print(table)
+    if sheet.note:
+        console.print(sheet.note, style="dim")
+    console.print()
+
+
+def _pictures(results: Mapping[str, Result], folder: Path) -> tuple[Path, ...]:
+    from taskgist_lab.view import picture_of  # with matplotlib, which only pictures should wait for
+
+    return tuple(picture_of(result, folder / f"evaluation_{name}.png") for name, result in results.items())

@@ -1,0 +1,1 @@
+"""Evaluation: how well tasks are learned from generated demonstrations."""

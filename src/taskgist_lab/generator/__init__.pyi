@@ -1,0 +1,10 @@
+from .arrangement import Setting as Setting
+from .simulation import TASKS as TASKS
+from .simulation import WAYS as WAYS
+from .simulation import Series as Series
+from .simulation import Written as Written
+from .simulation import note as note
+from .simulation import simulate as simulate
+from .simulation import simulate_all as simulate_all
+from .simulation import simulate_files as simulate_files
+from .way import Way as Way

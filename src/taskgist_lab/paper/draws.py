@@ -1,0 +1,514 @@
+"""Draws: every demonstration performed and judged anew, with people and things moved at random.
+
+A clause that hangs on a millimetre was not learned. So each demonstration is played again in a room in which everybody
+and everything stands elsewhere by a little; the demonstrator acts anew by its own geometry, and is judged anew. One
+*draw* of a task is one such performance of each of its demonstrations, all moved independently.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import json
+import math
+import re
+import time
+import zlib
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from taskgist.common.files import replacing
+from taskgist.common.frozen import FrozenMap, Json
+from taskgist.common.workers import Progress, in_order, silent
+from taskgist.errors import InputError, KnowledgeError, TaskgistError
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.tree import HypothesisTree
+from taskgist.facts.values import UNKNOWN, Observation, Unknown, Value
+from taskgist.learning.clause import clause_of
+from taskgist.learning.experience import Experience
+from taskgist.learning.explanation import Context, Explanation
+from taskgist.learning.understanding import Understanding, understand
+from taskgist.observe.attributes import ability_observations
+from taskgist.pipeline.explain import explain_recording, label_of
+from taskgist.pipeline.shipped import shipped_study
+from taskgist.recording.mcap import read
+from taskgist.recording.recording import Recording
+from taskgist.settings import DEFAULT, Learning
+from taskgist.world.stage import Stage
+from taskgist_lab.paper.demonstrations import STUDY
+from taskgist_lab.paper.published import CLAUSES, Goal, PublishedClause, Result, Section
+
+# --- The study's demonstrations: read, judged and timed.
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One demonstration, judged.
+
+    Args:
+        explanation: What was found.
+        recording_digest: Digest of what was recorded.
+        length_s: From the label's start to its end.
+        seconds: Time that judging took, from the recording in memory to the explanation.
+        perspective_seconds: Time that the target agent's abilities took alone, at start and end.
+    """
+
+    explanation: Explanation
+    recording_digest: str
+    length_s: float
+    seconds: float
+    perspective_seconds: float
+
+
+def judge_study(
+    paths: Mapping[str, Sequence[Path]] | None = None, *, processes: int | None = None, progress: Progress = silent
+) -> dict[str, tuple[Judged, ...]]:
+    """Judge all demonstrations, by task and in the study's order.
+
+    Args:
+        paths: Recordings by task; by default those that are shipped.
+        processes: How many work at the same time; by default one on each core.
+        progress: Told how far it is.
+
+    Raises:
+        RecordingError: One cannot be read.
+        LabelError: One has no label.
+        InputError: The number of processes is less than one.
+    """
+    paths = shipped_study() if paths is None else paths
+    files = [path for of_task in paths.values() for path in of_task]
+    coming = in_order(lambda number: judge(files[number]), len(files), processes)
+    _timed(read(files[0]))  # what is loaded or compiled but once is paid for here, and not by each worker
+    judged = []
+    for each in coming:
+        judged.append(each)
+        progress(f"judged {each.explanation.demonstration}", len(judged) / len(files))
+    rest = iter(judged)
+    return {task: tuple(next(rest) for _ in of_task) for task, of_task in paths.items()}
+
+
+def judge(path: Path) -> Judged:
+    """Judge one demonstration and measure how long that takes."""
+    recording = read(path)
+    label = label_of(recording)
+    seconds, explanation = _timed(recording)
+    perspective_seconds = _perspective_seconds(read(path))
+    return Judged(explanation, recording.digest, label.end_s - label.start_s, seconds, perspective_seconds)
+
+
+def understanding_of(
+    task: str,
+    judged: Sequence[Judged],
+    *,
+    tree: HypothesisTree = STANDARD_TREE,
+    settings: Learning = DEFAULT.learning,
+) -> Understanding:
+    """What these demonstrations of a task teach."""
+    return understand(Experience.of(task, (each.explanation for each in judged)), tree, settings)
+
+
+def _timed(recording: Recording) -> tuple[float, Explanation]:
+    begin = time.perf_counter()
+    explanation = explain_recording(recording, predicates=())
+    return time.perf_counter() - begin, explanation
+
+
+def _perspective_seconds(recording: Recording) -> float:
+    label = label_of(recording)
+    begin = time.perf_counter()
+    stage = Stage(recording.scene)
+    for time_s in (label.start_s, label.end_s):
+        stage.show(recording.at(time_s))
+        ability_observations(stage, label.target_agent, label.target_object, DEFAULT)
+    return time.perf_counter() - begin
+
+
+DISTANCE_M, ANGLE_RAD = 0.03, math.radians(5)
+"""How far people and things are moved at most in x and in y, and turned."""
+SEEDS_PER_DEMONSTRATION = 100_000
+"""No two demonstrations share a seed, as no two are moved alike."""
+
+Outcome = tuple[Value, ...] | str
+"""Values of all nodes in canonical order; or the reason why it could not be played."""
+Draw = tuple[Outcome, ...]
+"""An outcome for each demonstration of a task."""
+
+
+@dataclass(frozen=True)
+class Draws:
+    """What came of displaced demonstrations.
+
+    Args:
+        study: Digest of the recordings that were not displaced; see ``digest_of``.
+        context: Settings and tree under which all was judged.
+        by_task: The draws of each task, the first one first.
+    """
+
+    study: str
+    context: Context = field(default_factory=Context.of)
+    by_task: Mapping[str, tuple[Draw, ...]] = field(default_factory=FrozenMap)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "by_task", FrozenMap(self.by_task))
+
+    def count(self, task: str) -> int:
+        """How often a task was drawn."""
+        return len(self.by_task.get(task, ()))
+
+    def add(self, task: str, draw: Draw) -> Draws:
+        """These draws and one more."""
+        more = {**self.by_task, task: (*self.by_task.get(task, ()), draw)}
+        return replace(self, by_task=FrozenMap(more))
+
+
+@dataclass(frozen=True)
+class Job:
+    """One demonstration of one draw; both are counted from one."""
+
+    task: str
+    number: int
+    draw: int
+
+    @property
+    def seed(self) -> int:
+        """Seed of its displacement."""
+        before = sum(len(STUDY[task]) for task in list(STUDY)[: list(STUDY).index(self.task)])
+        return SEEDS_PER_DEMONSTRATION * (before + self.number) + self.draw
+
+
+def digest_of(judged: Mapping[str, Sequence[Judged]]) -> str:
+    """Digest of the recordings of a study, 16 hexadecimal digits: other recordings, other draws."""
+    digests = [each.recording_digest for of_task in judged.values() for each in of_task]
+    return hashlib.sha256(" ".join(digests).encode()).hexdigest()[:16]
+
+
+def measure(
+    known: Draws,
+    count: int,
+    *,
+    tasks: Sequence[str] = tuple(STUDY),
+    processes: int | None = None,
+    progress: Progress = silent,
+) -> Iterator[Draws]:
+    """Draw until each task has been drawn so often, on all cores.
+
+    Args:
+        known: Draws that there are already: what they hold is not played again.
+        count: Draws of each task.
+        tasks: Which tasks.
+        processes: How many work at the same time; by default one on each core.
+        progress: Told how far it is.
+
+    Yields:
+        What is known after each draw of all tasks, so that it can be kept.
+
+    Raises:
+        InputError: The number of processes is less than one.
+    """
+    missing = {draw: [task for task in tasks if draw > known.count(task)] for draw in range(1, count + 1)}
+    rounds = {draw: due for draw, due in missing.items() if due}
+    jobs = [Job(task, n, draw) for draw, due in rounds.items() for task in due for n in range(1, len(STUDY[task]) + 1)]
+    outcomes = _played(jobs, processes)
+    for done, (draw, due) in enumerate(rounds.items()):
+        for number, task in enumerate(due, start=1):
+            known = known.add(task, tuple(next(outcomes) for _ in STUDY[task]))
+            progress(f"draw {draw} of {count}, {task}", (done + number / len(due)) / len(rounds))
+        yield known
+
+
+def _played(jobs: Sequence[Job], processes: int | None) -> Iterator[Outcome]:
+    first, rest = jobs[:1], jobs[1:]
+    coming = in_order(lambda number: play(rest[number]), len(rest), processes)
+    yield from map(play, first)  # what is compiled now, workers need not compile
+    yield from coming
+
+
+def play(job: Job) -> Outcome:
+    """Perform one displaced demonstration, and judge it."""
+    demonstration = STUDY[job.task][job.number - 1]
+    try:
+        recording = demonstration.record(job.seed, distance_m=DISTANCE_M, angle_rad=ANGLE_RAD)
+    except TaskgistError as error:  # the displaced room leaves no way to do it
+        return f"{demonstration.name}: {error}"
+    nodes = explain_recording(recording, predicates=()).nodes
+    return tuple(nodes[node.name].value for node in STANDARD_TREE.nodes)
+
+
+# --- Draws on disk: one compact file, written whole or not at all, that says under what it was measured.
+
+FORMAT = "taskgist draws 1"
+AGAIN = "measure anew: taskgist paper --draws 200 --save FILE"
+
+
+def shipped_draws() -> Draws | None:
+    """The measurement that comes with taskgist, if there is one."""
+    path = Path(str(resources.files("taskgist_lab") / "data" / "draws.json.gz"))
+    return read_draws(path) if path.is_file() else None
+
+
+def write_draws(draws: Draws, path: Path) -> None:
+    """Write draws to a file, compressed.
+
+    Raises:
+        InputError: It cannot be written.
+    """
+    values: dict[str | None, int] = {}
+    tasks = {
+        task: [[_packed(each, values) for each in draw] for draw in drawn] for task, drawn in draws.by_task.items()
+    }
+    document = {
+        "format": FORMAT,
+        "study": draws.study,
+        "settings": draws.context.settings_digest,
+        "tree": draws.context.tree_version,
+        "distance_m": DISTANCE_M,
+        "angle_rad": ANGLE_RAD,
+        "nodes": [node.name for node in STANDARD_TREE.nodes],
+        "values": list(values),
+        "draws": tasks,
+    }
+    text = json.dumps(document, ensure_ascii=False, separators=(",", ":"))
+    try:
+        with replacing(path) as stream:
+            stream.write(gzip.compress(text.encode(), mtime=0))  # the same draws give the same bytes
+    except OSError as error:
+        hint = "name a file in a folder that exists and may be written to"
+        raise InputError(f"cannot be written: {error.strerror}", where=path, hint=hint) from error
+
+
+def read_draws(path: Path) -> Draws:
+    """Read draws that ``write_draws`` wrote.
+
+    Raises:
+        KnowledgeError: The file cannot be read, or holds something else.
+    """
+    try:
+        document: dict[str, Any] = json.loads(gzip.decompress(path.read_bytes()))
+        if document["format"] != FORMAT:
+            raise ValueError(f"its format is {document['format']!r}, not {FORMAT!r}")
+        if (document["distance_m"], document["angle_rad"]) != (DISTANCE_M, ANGLE_RAD):
+            raise ValueError("people and things were moved by other amounts")
+        values = [UNKNOWN if value is None else str(value) for value in document["values"]]
+        tasks = {str(task): tuple(_draw(draw, values) for draw in drawn) for task, drawn in document["draws"].items()}
+        context = Context(str(document["settings"]), str(document["tree"]))
+        return Draws(str(document["study"]), context, tasks)
+    except (OSError, EOFError, zlib.error, KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        raise KnowledgeError(f"no draws: {error}", where=path, hint=AGAIN) from error
+
+
+def outdated(draws: Draws, study: str) -> str:
+    """What these draws were measured with that is different now; nothing if all is the same.
+
+    Args:
+        draws: Draws from a file.
+        study: Digest of the present recordings; see ``digest_of``.
+    """
+    now = Context.of()
+    differences = {
+        "settings": draws.context.settings_digest != now.settings_digest,
+        "hypothesis tree": draws.context.tree_version != now.tree_version,
+        "recordings": draws.study != study,
+    }
+    return ", ".join(f"other {what}" for what, different in differences.items() if different)
+
+
+def _packed(outcome: Outcome, values: dict[str | None, int]) -> list[int] | str:
+    """Each value as its number among those met so far; unknown is null."""
+    if isinstance(outcome, str):
+        return outcome
+    plain = (None if isinstance(value, Unknown) else value for value in outcome)
+    return [values.setdefault(value, len(values)) for value in plain]
+
+
+def _draw(packed: list[Any], values: list[Value]) -> Draw:
+    return tuple(each if isinstance(each, str) else tuple(values[int(number)] for number in each) for each in packed)
+
+
+# --- Learning from many draws: those that agree and dissent alike are learned from but once.
+#
+# Each node is judged by how often each of its values was observed, and with so few demonstrations any dissent makes
+# it irrelevant (6.4): which values dissent, and in which demonstration, does not matter then. So a draw is reduced to
+# a *pattern*, which keeps what all demonstrations agree on and says of the rest only how often it was observed.
+# Hundreds of draws have few patterns, and learning from a pattern gives the very clause of the draw.
+
+MOST_DEMONSTRATIONS = 6
+"""With so many, one that dissents makes a node irrelevant: CF = 1/2 lies below d1 = 21/40."""
+
+Values = Mapping[str, str]
+"""What a clause says, by node."""
+
+
+def learned_clauses(draws: Iterable[Draw]) -> Iterator[Values]:
+    """The clause of each draw of which all demonstrations could be played.
+
+    Args:
+        draws: Draws of one task.
+    """
+    for draw in draws:
+        outcomes = [outcome for outcome in draw if not isinstance(outcome, str)]
+        if len(outcomes) == len(draw):
+            assert len(draw) <= MOST_DEMONSTRATIONS, "a dissent might not matter"
+            yield _clause(tuple(_pattern(column) for column in zip(*outcomes, strict=True)))
+
+
+def _pattern(column: tuple[Value, ...]) -> tuple[Value, ...]:
+    """Values of one node: as they are where they agree, else as numbers, the most frequent one first."""
+    known = [value for value in column if not isinstance(value, Unknown)]
+    counts = Counter(known)
+    if len(counts) > 1:
+        known = [f"value {rank}" for rank, (_, count) in enumerate(counts.most_common(), 1) for _ in range(count)]
+    return (*known, *[UNKNOWN] * (len(column) - len(known)))
+
+
+@cache
+def _clause(columns: tuple[tuple[Value, ...], ...]) -> Values:
+    explanations = [
+        Explanation(
+            task="any",
+            demonstration=f"{number}",
+            performing_agent="",
+            target_agent="",
+            target_object="",
+            source=f"{number}",
+            context=Context.of(),
+            nodes={node.name: Observation(value) for node, value in zip(STANDARD_TREE.nodes, outcome, strict=True)},
+        )
+        for number, outcome in enumerate(zip(*columns, strict=True), start=1)
+    ]
+    clause = clause_of(understand(Experience.of("any", explanations)))
+    return {literal.node: literal.value for literal in clause.literals}
+
+
+# --- In how many draws each predicate of the paper's clauses is learned all the same.
+
+GOAL = 0.95
+"""Share of the draws in which a predicate shall survive."""
+NAME = "draws"
+"""The section's key."""
+WHERE = "goal 95 %"
+Z = 1.959964
+"""Standard deviations on either side that hold 95 % of a normal distribution."""
+ABOUT = (
+    "Share of the draws in which a predicate is learned although people and things of every demonstration were moved "
+    "by up to 3 cm and 5°. A draw in which a demonstration cannot be played counts as lost. The paper prints no such "
+    "figure; ours is held to a goal of 95 %, which is met, or not, where the whole 95 % interval lies on one side."
+)
+
+MEASURED = " Measured with {context}."
+
+
+@dataclass(frozen=True)
+class Survival:
+    """What the draws of one task say.
+
+    Args:
+        draws: How many there were.
+        survived: In how many each predicate of the paper's clause was learned, by node.
+        whole: In how many the clause was the paper's, no predicate more or less.
+        instead: By lost node: what was learned of that subtree in its place, and how often.
+        unplayed: How many demonstrations could not be played, over all draws, by the reason.
+    """
+
+    draws: int
+    survived: Mapping[str, int]
+    whole: int
+    instead: Mapping[str, Mapping[str, int]]
+    unplayed: Mapping[str, int]
+
+    def to_json(self) -> dict[str, Json]:
+        """Plain data."""
+        return {
+            "draws": self.draws,
+            "survived": dict(self.survived),
+            "intervals": {node: wilson(count, self.draws) for node, count in self.survived.items()},
+            "whole_clause": self.whole,
+            "instead": {node: dict(counts) for node, counts in self.instead.items()},
+            "unplayed": dict(self.unplayed),
+        }
+
+
+def draws_section(draws: Draws | None, *, why_not: str = "") -> Section:
+    """Hold survival to the goal, predicate by predicate.
+
+    Args:
+        draws: The draws; None where there are none that fit.
+        why_not: Why there are none.
+    """
+    survivals = {task: survival(task, draws) for task in CLAUSES if draws and draws.count(task)}
+    results = []
+    for task, published in CLAUSES.items():
+        found = survivals.get(task)
+        for predicate in published.predicates:
+            name = f"{task}: {STANDARD_TREE.node(predicate.node).title}"
+            results.append(_judged(name, predicate.node, found, why_not))
+    details: dict[str, Json] = {task: found.to_json() for task, found in survivals.items()}
+    about = ABOUT + (MEASURED.format(context=draws.context) if draws else "")
+    return Section(NAME, "How well the clauses bear displacement", tuple(results), about, details)
+
+
+def survival(task: str, draws: Draws) -> Survival:
+    """Learn from every draw of a task, and count."""
+    published = CLAUSES[task]
+    drawn = draws.by_task[task]
+    expected = {predicate.node: predicate.value for predicate in published.predicates}
+    learned = list(learned_clauses(drawn))
+    return Survival(
+        draws=len(drawn),
+        survived=FrozenMap(
+            {node: sum(each.get(node) == value for each in learned) for node, value in expected.items()}
+        ),
+        whole=sum(each == expected for each in learned),
+        instead=FrozenMap(_instead(published, learned)),
+        unplayed=FrozenMap(Counter(_reason(each) for draw in drawn for each in draw if isinstance(each, str))),
+    )
+
+
+def wilson(successes: int, trials: int) -> tuple[float, float]:
+    """The 95 % interval of a share (Wilson 1927)."""
+    share, spread = successes / trials, Z * Z / trials
+    middle = (share + spread / 2) / (1 + spread)
+    half = Z / (1 + spread) * math.sqrt(share * (1 - share) / trials + spread / (4 * trials))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def _reason(outcome: str) -> str:
+    """Why something could not be played, less the amounts, which always differ."""
+    return re.sub(r"\d+(\.\d+)?", "#", outcome)
+
+
+def _instead(published: PublishedClause, learned: Sequence[Mapping[str, str]]) -> dict[str, Mapping[str, int]]:
+    lost: dict[str, Counter[str]] = {}
+    for predicate in published.predicates:
+        subtree = predicate.node.partition(".")[0]
+        for clause in learned:
+            if clause.get(predicate.node) != predicate.value:
+                found = [f"{node} = {value}" for node, value in clause.items() if node.partition(".")[0] == subtree]
+                lost.setdefault(predicate.node, Counter())[" ∧ ".join(found) or "nothing"] += 1
+    return {node: FrozenMap(counts) for node, counts in lost.items()}
+
+
+def _judged(name: str, node: str, found: Survival | None, why_not: str) -> Result:
+    if found is None:
+        return Result(name, WHERE, None, None, None, why_not)
+    survived = found.survived[node]
+    goal, told = _reached(survived, found.draws), ""
+    if goal is not Goal.MET:
+        instead = [f"{what} ({count} times)" for what, count in found.instead.get(node, {}).items()]
+        unplayed = [f"not played: {what} ({count} times)" for what, count in found.unplayed.items()]
+        told = "; ".join([f"{WHERE}: {survived} of {found.draws}, {goal.value}", *_lost(instead), *unplayed])
+    return Result(name, WHERE, None, survived / found.draws, goal, told)
+
+
+def _reached(survived: int, draws: int) -> Goal:
+    """Met or not where chance cannot have it otherwise; open in between."""
+    low, high = wilson(survived, draws)
+    return Goal.MET if low >= GOAL else Goal.NOT_MET if high < GOAL else Goal.OPEN
+
+
+def _lost(instead: Sequence[str]) -> list[str]:
+    return [f"learned instead: {', '.join(instead)}"] if instead else []

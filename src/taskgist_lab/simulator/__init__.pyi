@@ -1,0 +1,11 @@
+from .demonstration import Script as Script
+from .demonstration import Step as Step
+from .demonstration import demonstrate as demonstrate
+from .means import Roles as Roles
+from .means import hold_up as hold_up
+from .means import put_behind as put_behind
+from .means import put_on_top as put_on_top
+from .room import Person as Person
+from .room import Room as Room
+from .room import Table as Table
+from .room import Thing as Thing

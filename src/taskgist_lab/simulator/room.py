@@ -1,0 +1,338 @@
+"""Rooms: where people are, and what is around them; a value that can be varied and becomes a scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from taskgist.world.bodies.profile import Posture
+from taskgist.world.scene import Scene
+
+# --- Furniture and small things of a room, as MJCF text.
+
+OAK, WHITE, GREY = "0.62 0.45 0.28 1", "0.93 0.92 0.89 1", "0.45 0.47 0.50 1"
+SEAT_M = 0.45
+"""Height of a chair's seat."""
+CHAIR_M = (0.42, 0.42, 0.04)
+"""Depth and width of the seat, and the thickness of its boards."""
+FURNITURE_BACK_M = 0.45
+"""Height of a chair's back above its seat."""
+LEG_M = 0.05
+"""Thickness of the legs of tables and chairs."""
+
+
+@dataclass(frozen=True)
+class Thing:
+    """A small object that can be moved.
+
+    Attributes:
+        name: Its name.
+        size_m: Full size of a box (x, y, z), or diameter and height of a cylinder.
+        position_m: Where the middle of its underside is, (3,).
+        yaw_rad: Heading.
+        rgba: Colour as MJCF text.
+    """
+
+    name: str
+    size_m: tuple[float, ...]
+    position_m: tuple[float, float, float]
+    yaw_rad: float = 0.0
+    rgba: str = OAK
+
+    @property
+    def height_m(self) -> float:
+        """Height."""
+        return self.size_m[-1]
+
+    def mjcf(self) -> str:
+        """A free body whose frame is in its middle."""
+        x, y, z = self.position_m
+        is_box = len(self.size_m) == 3
+        size = [s / 2 for s in self.size_m]
+        kind = "box" if is_box else "cylinder"
+        shape = f'<geom name="{self.name}" type="{kind}" size="{text(size)}" rgba="{self.rgba}"/>'
+        place = placed((x, y, z + self.height_m / 2), self.yaw_rad)
+        return f'<body name="{self.name}" {place}><freejoint/>{shape}</body>'
+
+    def meshes(self) -> Mapping[str, bytes]:
+        """The files of its meshes by name; none."""
+        return {}
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table with four legs; also any other board on legs.
+
+    Attributes:
+        name: Its name.
+        centre_m: Floor point beneath its middle, (2,).
+        size_m: Full size (x, y) of its top, and the height of its upper face.
+        yaw_rad: Heading.
+        board_m: Thickness of its top.
+    """
+
+    name: str
+    centre_m: tuple[float, float] = (0.0, 0.0)
+    size_m: tuple[float, float, float] = (0.70, 1.40, 0.72)
+    yaw_rad: float = 0.0
+    board_m: float = 0.03
+
+    @property
+    def height_m(self) -> float:
+        """Height of its upper face."""
+        return self.size_m[2]
+
+    def mjcf(self) -> str:
+        """A fixed body whose frame is on the floor."""
+        depth, width, height = self.size_m
+        board = box((depth, width, self.board_m), (0, 0, height - self.board_m / 2), OAK)
+        legs = _legs(depth, width, height - self.board_m)
+        return fixed(self.name, (*self.centre_m, 0.0), self.yaw_rad, (board, *legs))
+
+
+def chair(name: str, centre_m: tuple[float, float], yaw_rad: float) -> str:
+    """A chair that faces ``yaw_rad``, with its seat over a floor point."""
+    depth, width, board = CHAIR_M
+    seat = box((depth, width, board), (0, 0, SEAT_M - board / 2), GREY)
+    back = box((board, width, FURNITURE_BACK_M), (-(depth + board) / 2, 0, SEAT_M + FURNITURE_BACK_M / 2), GREY)
+    return fixed(name, (*centre_m, 0.0), yaw_rad, (seat, back, *_legs(depth, width, SEAT_M - board)))
+
+
+def sideboard(name: str, centre_m: tuple[float, float], yaw_rad: float) -> str:
+    """A closed cupboard at the wall."""
+    return fixed(name, (*centre_m, 0.0), yaw_rad, (box((0.40, 1.60, 0.80), (0, 0, 0.40), WHITE),))
+
+
+def _legs(depth_m: float, width_m: float, height_m: float) -> Iterable[str]:
+    for x in (-1, 1):
+        for y in (-1, 1):
+            place = (x * (depth_m - LEG_M) / 2, y * (width_m - LEG_M) / 2, height_m / 2)
+            yield box((LEG_M, LEG_M, height_m), place, GREY)
+
+
+def fixed(name: str, place_m: tuple[float, float, float], yaw_rad: float, parts: Iterable[str]) -> str:
+    """A body that does not move, of some parts."""
+    return f'<body name="{name}" {placed(place_m, yaw_rad)}>{"".join(parts)}</body>'
+
+
+def placed(position_m: Iterable[float], yaw_rad: float) -> str:
+    """Attributes that say where something is, and how it is turned about the vertical."""
+    quaternion = (math.cos(yaw_rad / 2), 0.0, 0.0, math.sin(yaw_rad / 2))
+    return f'pos="{text(position_m)}" quat="{text(quaternion)}"'
+
+
+def box(size_m: tuple[float, float, float], centre_m: tuple[float, float, float], rgba: str) -> str:
+    """A part: a box of full size (x, y, z)."""
+    half = text(s / 2 for s in size_m)
+    return f'<geom type="box" size="{half}" pos="{text(centre_m)}" rgba="{rgba}"/>'
+
+
+def cylinder(radius_m: float, height_m: float, centre_m: tuple[float, float, float], rgba: str) -> str:
+    """A part: an upright cylinder."""
+    size = text((radius_m, height_m / 2))
+    return f'<geom type="cylinder" size="{size}" pos="{text(centre_m)}" rgba="{rgba}"/>'
+
+
+def text(values: Iterable[float]) -> str:
+    """Numbers as MJCF text."""
+    return " ".join(f"{value:.6g}" for value in values)
+
+
+LAP = {
+    "shoulder_flexion": -16.0,
+    "shoulder_abduction": 8.0,
+    "shoulder_rotation": -15.0,
+    "elbow": 88.0,
+    "forearm_rotation": -55.0,
+}
+"""Degrees with which the hands lie in the lap, palms down."""
+HANGING = {"shoulder_abduction": 8.0, "elbow": 12.0}
+"""Degrees with which the arms hang."""
+REST = {"sitting": LAP, "standing": HANGING}
+HUMAN = "human"
+SIDEBOARD_M = (0.0, 2.0)
+"""Where the sideboard stands, out of everybody's way."""
+
+
+@dataclass(frozen=True)
+class Person:
+    """Somebody in a room.
+
+    Attributes:
+        name: Name of the agent.
+        stature_m: Standing height.
+        position_m: Floor point beneath the pelvis, (2,).
+        yaw_rad: Heading; 0 looks along x.
+        posture: Sitting (a chair is put there) or standing.
+        head_deg: Pan and tilt of the head at rest; who acts, or is acted for, looks where the script says.
+        chair: Whether a chair is put there for somebody who sits; without it, furniture is to sit on.
+        profile: What body it has: that of a person, or a robot's, which stands and has the size that it has.
+    """
+
+    name: str
+    stature_m: float
+    position_m: tuple[float, float]
+    yaw_rad: float
+    posture: Posture = "sitting"
+    head_deg: tuple[float, float] = (0.0, 0.0)
+    chair: bool = True
+    profile: str = HUMAN
+
+
+class Furniture(Protocol):
+    """Something that stands in a room and is not moved."""
+
+    def mjcf(self) -> str:
+        """A fixed body."""
+
+
+@dataclass(frozen=True)
+class Room:
+    """A room: a table, people around it, things on it.
+
+    Attributes:
+        name: Its name.
+        people: Who is there.
+        things: What can be moved.
+        table: The table.
+        furniture: What else stands there; None: a sideboard at the wall.
+    """
+
+    name: str
+    people: tuple[Person, ...]
+    things: tuple[Thing, ...]
+    table: Table
+    furniture: tuple[Furniture, ...] | None = None
+
+    def scene(self) -> Scene:
+        """The room as a scene with everybody at rest."""
+        texts = {"scene.toml": self._toml().encode(), "room.xml": self._mjcf().encode()}
+        return Scene.from_bundle({**texts, **self._meshes()}, where=self.name)
+
+    def varied(self, rng: np.random.Generator, *, distance_m: float, angle_rad: float) -> Room:
+        """The room with its people and things moved and turned at random.
+
+        Args:
+            rng: Source of the variation.
+            distance_m: Largest displacement in x and in y.
+            angle_rad: Largest turn.
+        """
+        people, things = [], []
+        for person in self.people:
+            dx, dy, turn = _shift(rng, distance_m, angle_rad)
+            x, y = person.position_m
+            people.append(replace(person, position_m=(x + dx, y + dy), yaw_rad=person.yaw_rad + turn))
+        for thing in self.things:
+            dx, dy, turn = _shift(rng, distance_m, angle_rad)
+            x, y, z = thing.position_m
+            things.append(replace(thing, position_m=(x + dx, y + dy, z), yaw_rad=thing.yaw_rad + turn))
+        return replace(self, people=tuple(people), things=tuple(things))
+
+    def _toml(self) -> str:
+        head = f'[scene]\nname = "{self.name}"\nmodel = "room.xml"\n'
+        return "\n".join((head, *(_agent_toml(person) for person in self.people)))
+
+    def _mjcf(self) -> str:
+        floor = '<geom name="floor" type="plane" size="4 4 0.1" rgba="0.75 0.72 0.68 1"/><light pos="0 0 3"/>'
+        bodies = (floor, *self._furniture(), *(thing.mjcf() for thing in self.things))
+        meshes = "".join(f'<mesh name="{Path(file).stem}" file="{file}"/>' for file in self._meshes())
+        assets = f"<asset>{meshes}</asset>" if meshes else ""
+        return f'<mujoco model="{self.name}">{assets}<worldbody>{"".join(bodies)}</worldbody></mujoco>'
+
+    def _meshes(self) -> dict[str, bytes]:
+        return {file: text for thing in self.things for file, text in thing.meshes().items()}
+
+    def _furniture(self) -> Iterable[str]:
+        yield self.table.mjcf()
+        if self.furniture is None:
+            yield sideboard("sideboard", SIDEBOARD_M, -math.pi / 2)
+        yield from (piece.mjcf() for piece in self.furniture or ())
+        for person in self.people:
+            if person.posture == "sitting" and person.chair:
+                yield chair(f"chair_{person.name}", person.position_m, person.yaw_rad)
+
+
+def _shift(rng: np.random.Generator, distance_m: float, angle_rad: float) -> tuple[float, float, float]:
+    dx, dy = rng.uniform(-distance_m, distance_m, 2)
+    return float(dx), float(dy), float(rng.uniform(-angle_rad, angle_rad))
+
+
+def _agent_toml(person: Person) -> str:
+    return "\n".join(
+        (
+            f"[agents.{person.name}]",
+            f'profile = "{person.profile}"',
+            f"position_m = [{person.position_m[0]:.6f}, {person.position_m[1]:.6f}]",
+            f"yaw_deg = {math.degrees(person.yaw_rad):.6f}",
+            f'posture = "{person.posture}"',
+            *(_body_toml(person) if person.profile == HUMAN else ()),
+            "",
+        )
+    )
+
+
+def _body_toml(person: Person) -> tuple[str, str]:
+    """A person's size, and how it rests; robots rest as their profiles have it."""
+    joints = {f"{side}_{joint}": angle for side in ("left", "right") for joint, angle in REST[person.posture].items()}
+    if person.head_deg != (0.0, 0.0):
+        joints |= dict(zip(("head_pan", "head_tilt"), person.head_deg, strict=True))
+    angles = ", ".join(f"{joint} = {angle:.3f}" for joint, angle in joints.items())
+    return f"body = {{ stature_m = {person.stature_m:.4f} }}", f"joints_deg = {{ {angles} }}"
+
+
+# --- What is in the living room of the study: people at a table, and things on it. Sizes are ours.
+
+TABLE = Table("table")
+HIGH_TABLE = Table("table", size_m=(*TABLE.size_m[:2], 0.92))
+"""As high as a kitchen's worktop: people stand at it."""
+CLOSE_M, LIVING_ROOM_BACK_M, STANDING_M = 0.67, 0.93, 0.63
+"""Distances of a pelvis from the middle of the table: sitting with the thighs under it, sitting back with the knees
+before it (room to stand up), standing at it."""
+RED, BLUE, GREEN, BLACK, PINE = (
+    "0.78 0.16 0.13 1",
+    "0.18 0.32 0.62 1",
+    "0.25 0.50 0.30 1",
+    "0.12 0.12 0.13 1",
+    "0.85 0.68 0.42 1",
+)
+SIZES_M: Mapping[str, tuple[tuple[float, ...], str]] = {
+    "cup": ((0.075, 0.10), RED),
+    "wooden_cube": ((0.07, 0.07, 0.07), PINE),
+    "white_box": ((0.16, 0.32, 0.26), WHITE),
+    "screen": ((0.06, 0.50, 0.40), OAK),
+    "book": ((0.15, 0.22, 0.03), BLUE),
+    "bottle": ((0.07, 0.24), GREEN),
+    "tape": ((0.09, 0.03), BLACK),
+}
+"""Full sizes (box, or diameter and height) and colours of the things."""
+
+
+def on_table(name: str, x: float, y: float, yaw_deg: float = 0.0, *, table: Table = TABLE) -> Thing:
+    """One of the things, on the table.
+
+    Args:
+        name: One of ``SIZES_M``.
+        x: Place across the table, metres from its middle.
+        y: Place along it.
+        yaw_deg: Heading.
+        table: The table; its middle is that of the room.
+    """
+    size, rgba = SIZES_M[name]
+    return Thing(name, size, (x, y, table.height_m), math.radians(yaw_deg), rgba)
+
+
+def left(stature_m: float, away_m: float, y: float = 0.0, *, posture: Posture = "sitting") -> Person:
+    """P1, at the left side of the table and facing it, ``away_m`` from its middle."""
+    return Person("P1", stature_m, (-away_m, y), 0.0, posture)
+
+
+def right(
+    stature_m: float, away_m: float, y: float = 0.0, *, posture: Posture = "sitting", turned_deg: float = 0.0
+) -> Person:
+    """P2, at the right side, facing the table or turned from it (positive: to its left)."""
+    return Person("P2", stature_m, (away_m, y), math.pi + math.radians(turned_deg), posture)

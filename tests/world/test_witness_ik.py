@@ -1,0 +1,71 @@
+"""Inverse kinematics on the real joints confirms reach verdicts, as far as a sector of a sphere can be right."""
+
+import numpy as np
+import pytest
+
+from benchmarks.ik import ArmIK
+from benchmarks.reach_agreement import agreement
+from taskgist.errors import SceneError
+from taskgist.world import Stage
+from tools.rooms import Person, Room
+
+
+@pytest.fixture(scope="module")
+def stage() -> Stage:
+    return Room((), (Person("P1", (0.0, 0.0)),)).stage()
+
+
+def test_the_palm_comes_to_where_it_is(stage: Stage) -> None:
+    agent = stage.scene.agent("P1")
+    for arm in agent.arms:
+        ik = ArmIK(stage.scene, stage.state, agent, arm, starts=1)
+        assert ik.gap_m(stage.site(arm.palm_site).position, enough_m=1e-3) <= 1e-3
+
+
+def test_the_palm_comes_to_where_some_configuration_brings_it(stage: Stage) -> None:
+    agent, rng = stage.scene.agent("P1"), np.random.default_rng(4)
+    arm = agent.arm("right")
+    ik = ArmIK(stage.scene, stage.state, agent, arm)
+    for _ in range(5):
+        angles = {
+            index: rng.uniform(*stage.scene.model.joint(f"P1/{name}").range)
+            for name, index in agent.joints.items()
+            if name.startswith("right_") and not name.endswith(("hip_flexion", "hip_abduction", "knee", "ankle"))
+        }
+        target = stage.show(stage.scene.initial.replace(angles)).site(arm.palm_site).position
+        stage.show(stage.scene.initial)
+        assert ik.gap_m(target, enough_m=0.01) <= 0.01
+
+
+def test_what_is_too_far_stays_too_far_and_the_body_stays_where_it_is(stage: Stage) -> None:
+    agent = stage.scene.agent("P1")
+    arm = agent.arm("left")
+    shoulder = stage.shoulder(arm).position
+    ik = ArmIK(stage.scene, stage.state, agent, arm, starts=3)
+    gap = ik.gap_m(shoulder + (1.5, 0.0, 0.0), enough_m=0.01)
+    assert 1.5 - 0.9 < gap < 1.5 - 0.6
+    bent = ArmIK(stage.scene, stage.state, agent, arm, also={"torso_lean": (0.0, 1.0)}, starts=3)
+    assert bent.gap_m(shoulder + (1.5, 0.0, 0.0), enough_m=0.01) < gap - 0.1
+
+
+@pytest.mark.parametrize(("level", "targets", "least"), [(1, 150, 0.65), (2, 40, 0.8)])
+def test_the_human_sector_agrees_with_the_human_arm(level: int, targets: int, least: float) -> None:
+    """In front of the shoulder; what perspective calls reached, the joints reach."""
+    found = agreement("human", level=level, targets=targets)
+    assert found.counts.total() == targets
+    assert found.counts[True, True] > targets / 4
+    assert found.precision >= 0.98
+    assert found.share >= least
+
+
+@pytest.mark.parametrize(("body", "precision"), [("jido", 0.9), ("hrp2", 0.65), ("pr2", 0.9), ("talos", 0.65)])
+def test_the_sectors_of_robots_agree_with_their_joints(body: str, precision: float) -> None:
+    """Some sectors are rounder than the arms: a share of what they call reached is beyond the joints."""
+    try:
+        found = agreement(body, level=1, targets=80, starts=4)
+    except SceneError as error:
+        pytest.skip(str(error))  # its model comes with a package of its own
+    assert found.counts[True, True] > 20
+    assert found.counts[False, False] > 20
+    assert found.precision >= precision
+    assert found.share >= 0.65
