@@ -95,8 +95,8 @@ def parse_scene_file(text: bytes | str, *, where: str) -> SceneFile:
     return SceneFile(
         name=scene.text("name", Path(where).stem),
         model=scene.text("model"),
-        objects=scene.names("objects") if "objects" in scene else None,
-        estimated=scene.names("estimated"),
+        objects=scene.texts("objects") if "objects" in scene else None,
+        estimated=scene.texts("estimated"),
         agents=tuple(_agent(name, agents.table(name).only(AGENT_KEYS)) for name in agents),
         where=where,
     )
@@ -104,14 +104,16 @@ def parse_scene_file(text: bytes | str, *, where: str) -> SceneFile:
 
 def _agent(name: str, entry: TomlTable) -> AgentEntry:
     if "/" in name or not name:
-        raise SceneError("not a name for an agent", where=entry.where, field=entry.path, hint="leave out the slash")
+        raise SceneError(
+            "not a name for an agent", where=entry.document.where, field=entry.path, hint="leave out the slash"
+        )
     body, joints, slides = entry.table("body"), entry.table("joints_deg"), entry.table("joints_m")
     return AgentEntry(
         name=name,
         profile=entry.text("profile", "human"),
         position_m=entry.pair("position_m", (0.0, 0.0)),
         yaw_rad=math.radians(entry.number("yaw_deg", 0.0)),
-        posture=read_posture(entry.text("posture", "standing"), where=f"{entry.where}: {entry.path}"),
+        posture=read_posture(entry.text("posture", "standing"), where=f"{entry.place}"),
         seat_height_m=_checked_seat_height(entry) if "seat_height_m" in entry else None,
         body={key: body.number(key) for key in body},
         joints_rad={key: math.radians(joints.number(key)) for key in joints},
