@@ -2,7 +2,8 @@
 
 from taskgist.facts import STANDARD_TREE
 from taskgist.learning import explain
-from taskgist.pipeline import episode_of, label_of, observe_recording, shipped_recordings
+from taskgist.observe import Observer
+from taskgist.pipeline import episode_of, label_of, shipped_recordings
 from taskgist.recognition import grips_of
 from taskgist.recording import read
 
@@ -10,8 +11,8 @@ from taskgist.recording import read
 def main() -> None:
     recording = read(shipped_recordings("give")[0])
     label = label_of(recording)
-    observer = observe_recording(recording)
-    for grip in grips_of(observer, recording, label.target_object):
+    observer = Observer(recording.scene, recording)
+    for grip in grips_of(observer, label.target_object):
         print(f"{grip.agent} holds the {label.target_object}, {grip.side} hand, {grip.start_s:.2f}-{grip.end_s:.2f} s")
     for interval in observer.placement(label.target_object).intervals:
         print(f"{interval.start_s:.2f}-{interval.end_s:.2f} s: {interval.value.symbol} {', '.join(interval.value.by)}")

@@ -67,7 +67,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "observe": {"numpy"},
     "recording": {"numpy", "mcap", "zstandard"},
     "importing": {"numpy", "mujoco"},
-    "recognition": {"numpy"},
+    "recognition": set(),
     "language": set(),
     "pipeline": {"numpy"},
     "view": {"numpy", "matplotlib"},
