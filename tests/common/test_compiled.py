@@ -86,3 +86,26 @@ def test_without_a_folder_to_write_to_functions_are_compiled_for_this_run_only(t
     }
     done = subprocess.run([sys.executable, "-c", UNKEPT], env=environment, capture_output=True, text=True, check=True)
     assert done.stdout == "[False]\n"
+
+
+SHARED = """
+import gc, numpy as np
+from taskgist.common.compiled import compiled
+
+@compiled
+def scaled(row, by): return row[0] * by
+
+@compiled
+def both(row, by): return scaled(row, 2) + scaled(row, by) + scaled(row, 3)
+
+assert both(np.array([5.0]), 1) == 30.0
+print(len(scaled.overloads), gc.isenabled())
+"""
+
+
+def test_numbers_that_are_written_in_a_call_need_no_machine_code_of_their_own(tmp_path: Path) -> None:
+    (tmp_path / "shared.py").write_text(SHARED, encoding="utf-8")
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(Path(__file__).parents[2] / "src")}
+    command = [sys.executable, str(tmp_path / "shared.py")]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout == "1 True\n", "one machine code; the collector of garbage works again afterwards"
