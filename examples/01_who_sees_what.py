@@ -1,7 +1,7 @@
 """A scene, and who sees what: two people at a table, a box between one of them and the cup."""
 
-from taskgist.perspective import ABILITIES, least_effort, visibility
-from taskgist.world import Scene, Stage
+from taskgist import Scene, Stage, least_effort, visibility
+from taskgist.perspective import ABILITIES
 
 ROOM = """<mujoco><worldbody>
   <geom name="floor" type="plane" size="5 5 0.1"/>

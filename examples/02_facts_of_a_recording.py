@@ -1,15 +1,14 @@
 """A recording's facts: who holds what when, and what the handover changed for the taker."""
 
+from taskgist import Observer, read_recording
 from taskgist.facts import STANDARD_TREE
 from taskgist.learning import explain
-from taskgist.observe import Observer
 from taskgist.pipeline import episode_of, label_of, shipped_recordings
 from taskgist.recognition import grips_of
-from taskgist.recording import read
 
 
 def main() -> None:
-    recording = read(shipped_recordings("give")[0])
+    recording = read_recording(shipped_recordings("give")[0])
     label = label_of(recording)
     observer = Observer(recording.scene, recording)
     for grip in grips_of(observer, label.target_object):

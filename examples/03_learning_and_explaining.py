@@ -1,14 +1,13 @@
 """Learning and explaining: what *give* means after each further demonstration, and why."""
 
-from taskgist.language import meaning, why
-from taskgist.learning import Knowledge, clause_of, questions_of
+from taskgist import Knowledge, meaning, read_recording, why
+from taskgist.learning import clause_of, questions_of
 from taskgist.pipeline import explain_all, shipped_recordings
-from taskgist.recording import read
 
 
 def main() -> None:
     knowledge = Knowledge()
-    recordings = [read(path) for path in shipped_recordings("give")]
+    recordings = [read_recording(path) for path in shipped_recordings("give")]
     for count, explanation in enumerate(explain_all(recordings), start=1):
         knowledge = knowledge.add(explanation)  # demonstrations can be added in any order
         understanding = knowledge.understand("give")

@@ -1,18 +1,19 @@
 """Facts from elsewhere: learning from what an annotator wrote down, without any geometry."""
 
-from taskgist.common.frozen import Json
+from typing import Any
+
+from taskgist import meaning
 from taskgist.facts import STANDARD_TREE, parse_facts
-from taskgist.language import meaning
 from taskgist.learning import Experience, explain, understand
 
-START: dict[str, Json] = {"see.effort": "Head_Effort", "visibility.score": 0.0008, "placement": "On_Support"}
-ENDS: list[dict[str, Json]] = [
+START: dict[str, Any] = {"see.effort": "Head_Effort", "visibility.score": 0.0008, "placement": "On_Support"}
+ENDS: list[dict[str, Any]] = [
     {"see.effort": "No_Effort_Required", "visibility.score": 0.012, "placement": "In_Hand", "motion": "Static"},
     {"see.effort": "No_Effort_Required", "visibility.score": 0.004, "placement": "On_Support", "motion": None},
 ]
 
 
-def document(number: int, end: dict[str, Json]) -> dict[str, Json]:
+def document(number: int, end: dict[str, Any]) -> dict[str, Any]:
     """One demonstration; null, or a missing attribute, is unknown."""
     return {
         "schema": "taskgist.facts/1",

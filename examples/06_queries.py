@@ -1,9 +1,9 @@
 """Questions about a room: who reaches what by which actions, what A reaches and B does not see, and why."""
 
+from taskgist import Perspectives, Scene, Stage, objects_where, parse_question
 from taskgist.language.efforts import why
-from taskgist.perspective.queries import Condition, objects_where, parse_question
-from taskgist.perspective.scene_efforts import Perspectives, becoming_able_by
-from taskgist.world import Scene, Stage
+from taskgist.perspective.queries import Condition
+from taskgist.perspective.scene_efforts import becoming_able_by
 
 ROOM = """<mujoco><worldbody>
   <geom name="floor" type="plane" size="5 5 0.1"/>

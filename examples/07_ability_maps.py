@@ -1,10 +1,7 @@
 """Ability maps: where to put a cup so that P1 reaches it easily and P2 does not see it at once."""
 
-from taskgist.maps.ability_map import ability_map
-from taskgist.maps.grid import Grid
-from taskgist.maps.places import places_for
+from taskgist import Grid, Scene, Stage, ability_map, places_for
 from taskgist.settings import Maps
-from taskgist.world import Scene, Stage
 
 ROOM = """<mujoco><worldbody>
   <geom name="floor" type="plane" size="5 5 0.1"/>

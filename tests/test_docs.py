@@ -123,7 +123,7 @@ def test_the_table_of_attributes_names_them_all() -> None:
 
 def test_the_predicate_of_the_page_works() -> None:
     (code,) = re.findall(
-        r"^    from taskgist.facts import Predicate.*?\n\n(?=[^ ])", text_of("docs/extending.md"), re.DOTALL | re.M
+        r"^    from taskgist import Predicate.*?\n\n(?=[^ ])", text_of("docs/extending.md"), re.DOTALL | re.M
     )
     space: dict[str, object] = {}
     exec(re.sub(r"^    ", "", code, flags=re.MULTILINE), space)

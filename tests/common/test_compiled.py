@@ -1,15 +1,19 @@
 """Compiled functions: whoever waits for them is told, and machine code is as new as its sources."""
 
+import pickle
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import numba
+import pytest
+
 FRESH = """
-from taskgist.common.compiled import when_compiling
+from taskgist.common.compile_notice import when_compiling
 from taskgist.world.geometry.linkage import rotated
 told = []
-when_compiling(lambda: told.append(1))
+when_compiling(told.append)
 assert not told
 assert rotated(0.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0) == (0.0, 1.0, 0.0)
 print(len(told), rotated._cache._cache_file._source_stamp)
@@ -40,3 +44,68 @@ def test_a_constant_from_another_file_makes_machine_code_anew(tmp_path: Path) ->
     after = run(tmp_path / "cache", copied)
     assert (before[0], after[0]) == ("1", "1")
     assert before[1] != after[1]
+
+
+def index_of_a_module_that_is_gone() -> bytes:
+    """What numba keeps when a function's signature names a type whose module was moved since."""
+    return pickle.dumps(numba.__version__) + b"ctaskgist.no_such_room\nThing\n."
+
+
+@pytest.mark.parametrize(
+    ("suffix", "content"),
+    [("nbi", index_of_a_module_that_is_gone()), ("nbi", b""), ("nbi", b"\x80cut off"), ("nbc", b"\x80cut off")],
+    ids=["of a moved module", "empty index", "cut index", "cut code"],
+)
+def test_what_an_earlier_version_left_behind_is_made_anew(tmp_path: Path, suffix: str, content: bytes) -> None:
+    source = Path(__file__).parents[2] / "src"
+    assert run(tmp_path, source)[0] == "1"
+    kept = list(tmp_path.rglob(f"*.{suffix}"))
+    assert kept
+    for path in kept:
+        path.write_bytes(content)
+    assert run(tmp_path, source)[0] == "1"
+    assert run(tmp_path, source)[0] == "0"
+
+
+UNKEPT = """
+from taskgist.common.compile_notice import when_compiling
+from taskgist.world.geometry.linkage import rotated
+told = []
+when_compiling(told.append)
+assert rotated(0.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0) == (0.0, 1.0, 0.0)
+print(told)
+"""
+
+
+def test_without_a_folder_to_write_to_functions_are_compiled_for_this_run_only(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    environment = {
+        "NUMBA_CACHE_DIR": str(tmp_path / "file/below"),
+        "NUMBA_CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator",  # as if the others had found nothing to write to
+        "PYTHONPATH": str(Path(__file__).parents[2] / "src"),
+    }
+    done = subprocess.run([sys.executable, "-c", UNKEPT], env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout == "[False]\n"
+
+
+SHARED = """
+import gc, numpy as np
+from taskgist.common.compiled import compiled
+
+@compiled
+def scaled(row, by): return row[0] * by
+
+@compiled
+def both(row, by): return scaled(row, 2) + scaled(row, by) + scaled(row, 3)
+
+assert both(np.array([5.0]), 1) == 30.0
+print(len(scaled.overloads), gc.isenabled())
+"""
+
+
+def test_numbers_that_are_written_in_a_call_need_no_machine_code_of_their_own(tmp_path: Path) -> None:
+    (tmp_path / "shared.py").write_text(SHARED, encoding="utf-8")
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(Path(__file__).parents[2] / "src")}
+    command = [sys.executable, str(tmp_path / "shared.py")]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout == "1 True\n", "one machine code; the collector of garbage works again afterwards"

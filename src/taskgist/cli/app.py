@@ -1,42 +1,174 @@
-"""The commands of ``taskgist``."""
+"""The commands of ``taskgist``: listed by name, and imported only when they are called.
+
+A command is an entry point, ours (``OWN``) and those of other packages alike (group ``taskgist.commands``): a name, and
+where its function stands. ``taskgist --help`` reads what each is for from the function's docstring *in its source*, so
+that no command's module runs: an import of MuJoCo or of somebody's drivers costs those who use it, and what is broken
+there breaks nothing here. Only where the source does not say it (the function is made elsewhere, or by a factory) is
+the command loaded for its help.
+"""
 
 from __future__ import annotations
 
+import ast
+import importlib.util
+import inspect
+import sys
+from collections.abc import Iterator, Mapping
 from importlib import metadata
-from typing import Annotated
+from importlib.machinery import PathFinder
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
-from taskgist.cli.agent import agent_app
-from taskgist.cli.check import check
-from taskgist.cli.common import console, say_that_it_compiles
-from taskgist.cli.demo import demo
-from taskgist.cli.explain import explain
-from taskgist.cli.facts import facts
-from taskgist.cli.import_ import import_
-from taskgist.cli.label import label
-from taskgist.cli.learn import learn
-from taskgist.cli.map_ import map_
-from taskgist.cli.query import query
-from taskgist.cli.see import see
-from taskgist.common.compiled import when_compiling
+from taskgist.common.compile_notice import when_compiling
+
+GROUP = "taskgist.commands"
+"""The entry points by which packages add commands."""
+
+OWN = tuple(
+    metadata.EntryPoint(name, f"taskgist.cli.{where}", GROUP)
+    for name, where in {
+        "demo": "demo:demo",
+        "import": "import_:import_",
+        "label": "label:label",
+        "check": "check:check",
+        "facts": "facts:facts",
+        "learn": "learn:learn",
+        "explain": "explain:explain",
+        "see": "see:see",
+        "query": "query:query",
+        "map": "map_:map_",
+        "agent": "agent:agent_app",
+    }.items()
+)
+PLAIN: Mapping[str, Any] = {"add_completion": False, "pretty_exceptions_enable": False, "rich_markup_mode": None}
+"""How typer shows helps and errors: as text."""
+
+
+class Commands(TyperGroup):
+    """A group whose commands are loaded when they are called, or their own help is asked for."""
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes)
+        self.commands: Any = Loaded()
+
+    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002 - as typer calls it
+        """The names, in the order in which the help lists them."""
+        return list(self.commands)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the command that was called; one that cannot be loaded is told as misuse is, by exit code 2."""
+        try:
+            return super().resolve_command(ctx, args)
+        except BrokenCommandError as error:
+            sys.stderr.write(f"error: {error}\n")
+            raise typer.Exit(2) from error
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002
+        """Write one line for each command."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, self.commands.purpose(name)) for name in self.commands])
+
+
+class BrokenCommandError(Exception):
+    """The module of a command cannot be imported, or does not hold the command."""
+
+    def __init__(self, entry: metadata.EntryPoint, cause: Exception) -> None:
+        owner = f" of package {entry.dist.name!r}" if entry.dist else ""
+        super().__init__(
+            f"command {entry.name!r}{owner} cannot be loaded: {type(cause).__name__}: {cause} (in {entry.value})"
+        )
+
+
+class Loaded(Mapping[str, Any]):
+    """Commands by name, each loaded when it is looked up. Of two with one name, ours is meant."""
+
+    def __init__(self) -> None:
+        own = {entry.name: entry for entry in OWN}
+        others = {entry.name: entry for entry in sorted(metadata.entry_points(group=GROUP), key=lambda e: e.name)}
+        self._entries = own | others | own
+        self._loaded: dict[str, Any] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        entry = self._entries[name]
+        if name not in self._loaded:
+            try:
+                self._loaded[name] = _command(entry)
+            except Exception as error:  # somebody else's module may fail in any way
+                raise BrokenCommandError(entry, error) from error
+        return self._loaded[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def purpose(self, name: str) -> str:
+        """What a command is for: the first paragraph of its help; or why it cannot be said."""
+        text = _help_in_source(self._entries[name])
+        if text is None:
+            try:
+                text = self[name].help or ""
+            except BrokenCommandError as error:
+                return str(error)
+        return " ".join(inspect.cleandoc(text).partition("\n\n")[0].split())
+
+
+def _command(entry: metadata.EntryPoint) -> Any:
+    """A command as typer runs it, from a function, or from a ``typer.Typer`` with commands of its own."""
+    found, group = entry.load(), typer.Typer(**PLAIN)
+    if isinstance(found, typer.Typer):
+        group.add_typer(found, name=entry.name)
+    else:
+        group.command(entry.name)(found)
+    return typer.main.get_group(group).commands[entry.name]
+
+
+def _help_in_source(entry: metadata.EntryPoint) -> str | None:
+    """The docstring of a function, or the ``help`` of a typer app, as written; none if it is not there."""
+    try:
+        statements = ast.parse(_source(entry.module)).body
+    except (ImportError, SyntaxError, ValueError):
+        return None
+    for node in statements:
+        if isinstance(node, ast.FunctionDef) and node.name == entry.attr:
+            return ast.get_docstring(node)
+        if isinstance(node, ast.Assign) and [ast.unparse(target) for target in node.targets] == [entry.attr]:
+            keywords = node.value.keywords if isinstance(node.value, ast.Call) else []
+            written = {keyword.arg: keyword.value for keyword in keywords}.get("help")
+            return written.value if isinstance(written, ast.Constant) and isinstance(written.value, str) else None
+    return None
+
+
+def _source(module: str) -> str:
+    """A module's text, without running it or the packages around it; nothing where it cannot be had."""
+    top, *inner = module.split(".")
+    spec = importlib.util.find_spec(top)
+    for name in inner:
+        if spec is None or spec.submodule_search_locations is None:
+            return ""
+        spec = PathFinder.find_spec(f"{spec.name}.{name}", spec.submodule_search_locations)
+    get_source = getattr(spec.loader, "get_source", None) if spec else None
+    return (get_source(module) or "") if get_source else ""
+
 
 app = typer.Typer(
+    cls=Commands,
     name="taskgist",
     help=(
         "Learn what a task means for another person: what changes in what they can see, reach and grasp, "
         "and with how much effort."
     ),
     no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
+    **PLAIN,
 )
 
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        console.print(f"taskgist {metadata.version('taskgist')}")
+        sys.stdout.write(f"taskgist {metadata.version('taskgist')}\n")
         raise typer.Exit
 
 
@@ -47,19 +179,13 @@ def options(
     ] = False,
 ) -> None:
     """Take the options that stand before a command."""
-    when_compiling(say_that_it_compiles)
+    when_compiling(_say_that_it_compiles)
 
 
-app.command("demo")(demo)
-app.command("import")(import_)
-app.command("label")(label)
-app.command("check")(check)
-app.command("facts")(facts)
-app.command("learn")(learn)
-app.command("explain")(explain)
-app.command("see")(see)
-app.command("query")(query)
-app.command("map")(map_)
-app.add_typer(agent_app, name="agent")
-for _entry in metadata.entry_points(group="taskgist.commands"):
-    app.command(_entry.name)(_entry.load())
+def _say_that_it_compiles(kept: bool) -> None:
+    """Explain the wait before the first answers after installation."""
+    from taskgist.cli.common import errors  # with rich, which only what is printed should wait for
+
+    if errors.is_terminal:
+        how_often = "once" if kept else "for this run only, as no cache can be written (set NUMBA_CACHE_DIR)"
+        errors.print(f"Preparing inner loops for this machine, {how_often}: about half a minute.", style="dim")

@@ -1,4 +1,9 @@
-"""Reading and writing what commands name on the command line."""
+"""What the commands share, and what commands of other packages may use: arguments, output, errors, exit codes.
+
+A command is a function as typer takes it, under ``@command``: expected errors become one line on standard error and
+exit code 2, what it returns is the exit code. It prints with ``console``, or with ``print_json`` where ``--json`` asks
+for a document, and shows long work by ``progress_bar``.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +15,7 @@ from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any, ParamSpec
+from typing import TYPE_CHECKING, Annotated, Any, ParamSpec
 
 import typer
 from rich.console import Console
@@ -18,18 +23,75 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
 from taskgist.errors import InputError, RecordingError, TaskgistError
-from taskgist.recording.mcap import read
-from taskgist.recording.recording import Recording
-from taskgist.world.scene import Scene
-from taskgist.world.stage import Stage
+
+if TYPE_CHECKING:  # recordings and scenes bring numpy and MuJoCo, which not every command needs
+    from taskgist.recording.recording import Recording
+    from taskgist.world.stage import Stage
+
+P = ParamSpec("P")
 
 RecordingArgument = Annotated[Path, typer.Argument(help="A recording (.mcap).", show_default=False)]
 RecordingsArgument = Annotated[list[Path], typer.Argument(help="Recordings (.mcap), or folders of them.")]
+WhereArgument = Annotated[Path, typer.Argument(help="A scene (.toml) or a recording (.mcap).", show_default=False)]
+AtOption = Annotated[float | None, typer.Option(help="Time in a recording, seconds; default: its start.")]
 KnowledgeOption = Annotated[
     str, typer.Option("--knowledge", "-k", help="The knowledge file, or the URL of a shared database.")
 ]
 KNOWLEDGE = "knowledge.db"
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
 NO_OPTIONS: Mapping[str, str] = MappingProxyType({})
+
+OK, FAILED, MISUSED = 0, 1, 2
+"""Exit codes: done; done, and the answer is no; bad input or use."""
+
+console = Console(highlight=False, soft_wrap=True, markup=False, emoji=False)
+errors = Console(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)
+"""Names and paths of users may hold brackets and colons: nothing in a text is markup, styles are given apart."""
+
+
+def print_json(document: Any) -> None:
+    """Print one JSON document on standard output."""
+    sys.stdout.write(json.dumps(document, ensure_ascii=False, indent=2) + "\n")
+
+
+@contextmanager
+def progress_bar(*, quiet: bool = False) -> Iterator[Callable[[str, float], None]]:
+    """A progress bar on standard error, gone when done; yields a function of (what, share from 0 to 1).
+
+    Args:
+        quiet: Show nothing.
+    """
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=30), TimeElapsedColumn())
+    with Progress(*columns, console=errors, transient=True, disable=quiet or not errors.is_terminal) as bar:
+        task = bar.add_task("", total=1.0)
+
+        def update(what: str, share: float) -> None:
+            bar.update(task, description=what, completed=share)
+
+        yield update
+
+
+def command(function: Callable[P, int | None]) -> Callable[P, None]:
+    """Make a function a command: expected errors become a message and exit code 2, a returned number the exit code."""
+
+    @wraps(function)
+    def run(*args: P.args, **kwargs: P.kwargs) -> None:
+        try:
+            code = function(*args, **kwargs)
+        except TaskgistError as error:
+            raise _refused(error) from error
+        except BrokenPipeError:
+            raise  # whoever reads has seen enough; the command line's frame ends quietly
+        except OSError as error:
+            raise _refused(error) from error
+        raise typer.Exit(code or OK)
+
+    return run
+
+
+def _refused(error: Exception) -> typer.Exit:
+    errors.print(Text.assemble(("error:", "bold red"), f" {error}"))
+    return typer.Exit(MISUSED)
 
 
 def read_all(paths: list[Path]) -> dict[Path, Recording]:
@@ -38,6 +100,8 @@ def read_all(paths: list[Path]) -> dict[Path, Recording]:
     Raises:
         RecordingError: One cannot be read, or a folder holds none.
     """
+    from taskgist.recording.mcap import read
+
     return {path: read(path) for given in paths for path in _recordings_in(given)}
 
 
@@ -101,77 +165,6 @@ def check_target(path: Path, option: str) -> None:
     raise InputError(problem, where=path, field=option, hint="name a file in a folder that you may write to")
 
 
-# --- What the commands print with: console, progress bars, JSON, and errors that end with the right exit code.
-
-P = ParamSpec("P")
-
-OK, FAILED, MISUSED = 0, 1, 2
-"""Exit codes: done; done, and the answer is no; bad input or use."""
-
-console = Console(highlight=False, soft_wrap=True, markup=False, emoji=False)
-errors = Console(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)
-"""Names and paths of users may hold brackets and colons: nothing in a text is markup, styles are given apart."""
-
-JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
-
-
-def say_that_it_compiles() -> None:
-    """Explain the wait before the first answers after installation."""
-    if errors.is_terminal:
-        errors.print("Preparing inner loops for this machine, once: about half a minute.", style="dim")
-
-
-def print_json(document: Any) -> None:
-    """Print one JSON document on standard output."""
-    sys.stdout.write(json.dumps(document, ensure_ascii=False, indent=2) + "\n")
-
-
-@contextmanager
-def progress_bar(*, quiet: bool = False) -> Iterator[Callable[[str, float], None]]:
-    """A progress bar on standard error, gone when done; yields a function of (what, share from 0 to 1).
-
-    Args:
-        quiet: Show nothing.
-    """
-    columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=30), TimeElapsedColumn())
-    with Progress(*columns, console=errors, transient=True, disable=quiet or not errors.is_terminal) as bar:
-        task = bar.add_task("", total=1.0)
-
-        def update(what: str, share: float) -> None:
-            bar.update(task, description=what, completed=share)
-
-        yield update
-
-
-def command(function: Callable[P, int | None]) -> Callable[P, None]:
-    """Make a function a command: expected errors become a message and exit code 2, a returned number the exit code."""
-
-    @wraps(function)
-    def run(*args: P.args, **kwargs: P.kwargs) -> None:
-        try:
-            code = function(*args, **kwargs)
-        except TaskgistError as error:
-            raise _refused(error) from error
-        except BrokenPipeError:
-            raise  # whoever reads has seen enough; the command line's frame ends quietly
-        except OSError as error:
-            raise _refused(error) from error
-        raise typer.Exit(code or OK)
-
-    return run
-
-
-def _refused(error: Exception) -> typer.Exit:
-    errors.print(Text.assemble(("error:", "bold red"), f" {error}"))
-    return typer.Exit(MISUSED)
-
-
-# --- What commands are asked about: a scene, or a moment of a recording.
-
-WhereArgument = Annotated[Path, typer.Argument(help="A scene (.toml) or a recording (.mcap).", show_default=False)]
-AtOption = Annotated[float | None, typer.Option(help="Time in a recording, seconds; default: its start.")]
-
-
 def open_stage(where: Path, at: float | None) -> Stage:
     """A scene as it is placed, or as it was at a time of a recording.
 
@@ -179,6 +172,10 @@ def open_stage(where: Path, at: float | None) -> Stage:
         SceneError: The scene cannot be read.
         RecordingError: The recording cannot be read or does not have that time, or a scene is asked for one.
     """
+    from taskgist.recording.mcap import read
+    from taskgist.world.scene import Scene
+    from taskgist.world.stage import Stage
+
     with about(where, {"time_s": "--at"}):
         if where.suffix.lower() == ".toml":
             if at is not None:

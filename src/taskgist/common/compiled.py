@@ -7,51 +7,108 @@ can be read, and run, as such.
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import re
-from collections.abc import Callable
-from functools import lru_cache
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import lru_cache, partial
 from pathlib import Path
-from typing import ParamSpec, TypeVar, cast
+from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
-from numba.core import event
+from numba.core import event, types
+from numba.core.caching import FunctionCache
+
+from taskgist.common.compile_notice import compiling
 
 P = ParamSpec("P")
 R = TypeVar("R")
 PACKAGE = Path(__file__).parents[1]
 MARK = b"@compiled"
 IMPORT = re.compile(rb"^from taskgist\.([\w.]+) import", re.MULTILINE)
+OPTIONS: Mapping[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
+"""How numba compiles: without errors for a division by zero, and without the entry that only C code would use."""
+_not_kept: list[str] = []
+"""Functions whose machine code has nowhere to go."""
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """Let numba compile a function when it is first called; division by zero gives infinity, as in numpy."""
-    dispatcher = numba.njit(cache=True, error_model="numpy")(function)
-    file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
-    if file is not None:  # numba looks at the function's own file only, not at those of what it calls
-        file._source_stamp = _stamp_of_sources()
+    dispatcher: Any = numba.njit(**OPTIONS)(function)
+    dispatcher.get_call_template = partial(_without_literals, dispatcher.get_call_template)
+    try:
+        dispatcher._cache = _MachineCode(function)
+    except RuntimeError:  # neither the package's folder nor the user's cache folder can be written to
+        _not_kept.append(function.__qualname__)
     return cast(Callable[P, R], dispatcher)
 
 
-class _Once(event.Listener):
-    """Calls somebody at the first of some events."""
+def _without_literals(
+    template: Callable[[tuple[Any, ...], dict[str, Any]], Any], args: tuple[Any, ...], kws: dict[str, Any]
+) -> Any:
+    """Let a call with a number that is written there, ``near(x, 0)``, share the machine code of all others.
 
-    def __init__(self, tell: Callable[[], None]) -> None:
-        self._tell: Callable[[], None] | None = tell
+    Numba would compile the function once more for each such number, and what it calls, too. Where a number known
+    beforehand is worth it, LLVM finds out when it inlines.
+    """
+    plain: Callable[[Any], Any] = types.unliteral
+    return template(tuple(map(plain, args)), {name: plain(kind) for name, kind in kws.items()})
+
+
+class _MachineCode(FunctionCache):
+    """What is kept of one function: as new as *all* our sources, and never the end of a run.
+
+    Numba looks at the function's own file only, not at those of what it calls. And it unpickles what an earlier version
+    left behind before it asks how old that is: a module that was moved since, or a file that was cut off, would end
+    every command. Here what cannot be read is made anew, and what cannot be written is not kept.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        self._cache_file._source_stamp = _stamp_of_sources()
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Load what was kept for a signature; none if there is nothing, or nothing of use."""
+        try:
+            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        except Exception:  # unpickling runs what was written: it may fail in any way
+            with suppress(OSError):
+                self.flush()  # type: ignore[no-untyped-call]  # or saving would read it once more
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep what was compiled for a signature."""
+        with suppress(OSError):
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+
+
+class _Listener(event.Listener):
+    """Says that something is compiled, and keeps the garbage collector away from it meanwhile.
+
+    A compiler holds large graphs of small objects that all stay alive until it is done: to look through them again and
+    again takes a fifth of the time.
+    """
+
+    def __init__(self) -> None:
+        self._depth, self._collecting = 0, True
 
     def on_start(self, event: event.Event) -> None:  # noqa: ARG002 - as numba calls it
-        """Tell, and forget."""
-        tell, self._tell = self._tell, None
-        if tell is not None:
-            tell()
+        """Begin: with the first of functions that call each other."""
+        compiling(kept=not _not_kept)
+        if self._depth == 0:
+            self._collecting = gc.isenabled()
+            gc.disable()
+        self._depth += 1
 
-    def on_end(self, event: event.Event) -> None:
-        """Nothing."""
+    def on_end(self, event: event.Event) -> None:  # noqa: ARG002 - as numba calls it
+        """End."""
+        self._depth -= 1
+        if self._depth == 0 and self._collecting:
+            gc.enable()
 
 
-def when_compiling(tell: Callable[[], None]) -> None:
-    """Have somebody told, once, that functions must be compiled before the work goes on: it takes a while."""
-    event.register("numba:compile", _Once(tell))  # type: ignore[no-untyped-call]
+event.register("numba:compile", _Listener())  # type: ignore[no-untyped-call]
 
 
 @lru_cache(maxsize=1)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Indices
 from taskgist.common.compiled import compiled
 from taskgist.perspective.actions import MOVE, PAN, TILT, Amount, Bend, Stance
 from taskgist.perspective.floor import Floor, Place, moved
@@ -295,7 +295,6 @@ def _carried(table: Table, index: int) -> Array:
     return found
 
 
-@compiled
 def _ordered(ways: Array, turned_rad: Array, torso: Array) -> tuple[Numbers, Numbers, Numbers, Array]:
     """Every spot with every bend, by way, turn and bend of the torso.
 
@@ -304,12 +303,19 @@ def _ordered(ways: Array, turned_rad: Array, torso: Array) -> tuple[Numbers, Num
     Returns:
         Spot and bend of each, where its equals end, all (n,); and sine and cosine of the turn at each spot, (p, 2).
     """
+    turns = np.rint(np.abs(turned_rad) * 10.0**DIGITS)
+    by_amount, by_torso = np.lexsort((turns, ways)), np.argsort(torso, kind="stable")  # numpy has compiled its sorting
+    return _combined(ways, turns, torso, by_amount, by_torso, turned_rad)
+
+
+@compiled
+def _combined(
+    ways: Array, turns: Array, torso: Array, by_amount: Indices, by_torso: Indices, turned_rad: Array
+) -> tuple[Numbers, Numbers, Numbers, Array]:
+    """As ``_ordered``, given the spots in the order of way and turn, and the bends in that of the torso."""
     spots, bends = len(ways), len(torso)
     spot, bend = np.empty(spots * bends, dtype=np.int32), np.empty(spots * bends, dtype=np.int32)
     ends, sines = np.empty(spots * bends, dtype=np.int32), np.empty((spots, 2))
-    turns = np.rint(np.abs(turned_rad) * 10.0**DIGITS)
-    by_turn, by_torso = np.argsort(turns, kind="mergesort"), np.argsort(torso, kind="mergesort")
-    by_amount = by_turn[np.argsort(ways[by_turn], kind="mergesort")]
     count, first = 0, 0
     while first < spots:
         one, last = by_amount[first], first + 1

@@ -118,12 +118,16 @@ def _moved(
     rows = np.empty((count, frames, POSE))
     for i in range(count):
         for f in range(frames):
-            rows[i, f, :3], rows[i, f, 3:] = positions[f], matrices[f]
+            for k in range(3):
+                rows[i, f, k] = positions[f, k]
+            for k in range(9):
+                rows[i, f, 3 + k] = matrices[f, k]
             for j in range(len(anchors) - 1, -1, -1):
                 if not carried[j, f]:
                     continue
                 if slides[j]:
-                    rows[i, f, :3] += axes[j] * by[i, j]
+                    for k in range(3):
+                        rows[i, f, k] += axes[j, k] * by[i, j]
                 else:
                     turn_pose(rows[i, f], anchors[j], axes[j], by[i, j])
     return rows
