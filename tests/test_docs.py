@@ -69,7 +69,7 @@ def test_every_command_is_written_about() -> None:
 
 
 def test_modules_of_the_papers_sections_exist() -> None:
-    found = re.findall(r"`([\w/]+\.py)`", text_of("docs/paper.md"))
+    found = re.findall(r"`([\w/]+\.py)`", text_of("docs/how/paper.md"))
     assert len(found) > 20
     for module in found:
         assert any((folder / module).is_file() for folder in (ROOT, ROOT / "src" / "taskgist", ROOT / "src")), module
@@ -87,7 +87,7 @@ def test_files_that_pages_name_exist(page: Path) -> None:
 def test_the_table_of_rooms_is_the_one_that_is_enforced() -> None:
     rows = [
         [cell.strip() for cell in row.strip("|").split("|")]
-        for row in re.findall(r"^\| `.*\|$", text_of("docs/architecture.md"), flags=re.MULTILINE)
+        for row in re.findall(r"^\| `.*\|$", text_of("docs/how/architecture.md"), flags=re.MULTILINE)
     ]
     rooms = [row[0].strip("`") for row in rows]
     assert set(rooms) == set(ROOMS)
@@ -105,15 +105,15 @@ def named(cell: str, above: set[str]) -> set[str]:
 
 
 def test_facts_from_elsewhere_are_as_the_page_shows_them() -> None:
-    document = re.search(r"^    \{$.*?^    \}$", text_of("docs/extending.md"), flags=re.DOTALL | re.MULTILINE)
+    document = re.search(r"^    \{$.*?^    \}$", text_of("docs/howto/extending.md"), flags=re.DOTALL | re.MULTILINE)
     assert document
-    episode = parse_facts(json.loads(document[0]), STANDARD_TREE, where="docs/extending.md")
+    episode = parse_facts(json.loads(document[0]), STANDARD_TREE, where="docs/howto/extending.md")
     assert (episode.task, episode.demonstration) == ("show", "annotated 1")
     assert episode.end["see.effort"].evidence == {"source": "annotator A"}
 
 
 def test_the_table_of_attributes_names_them_all() -> None:
-    page = text_of("docs/extending.md")
+    page = text_of("docs/howto/extending.md")
     for name, attribute in STANDARD_TREE.attributes.items():
         kind = name.partition(".")[2]
         assert f"`{name}`" in page or (kind in ("state", "action") and f"`reach.{kind}`" in page), name
@@ -123,7 +123,7 @@ def test_the_table_of_attributes_names_them_all() -> None:
 
 def test_the_predicate_of_the_page_works() -> None:
     (code,) = re.findall(
-        r"^    from taskgist.facts import Predicate.*?\n\n(?=[^ ])", text_of("docs/extending.md"), re.DOTALL | re.M
+        r"^    from taskgist.facts import Predicate.*?\n\n(?=[^ ])", text_of("docs/howto/extending.md"), re.DOTALL | re.M
     )
     space: dict[str, object] = {}
     exec(re.sub(r"^    ", "", code, flags=re.MULTILINE), space)

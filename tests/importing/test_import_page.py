@@ -1,4 +1,4 @@
-"""The examples of docs/import.md are real: they load, they read the files they describe, they are the shipped ones."""
+"""The examples of docs/howto/import.md are real: they load, they read the files they describe, they are the shipped ones."""
 
 from __future__ import annotations
 
