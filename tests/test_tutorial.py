@@ -1,4 +1,4 @@
-"""The tutorial runs as it stands: its files are written, its commands run in order, and what it shows is what they print."""
+"""The tutorial runs as it stands: its files are written, its commands run, and what it shows is what they print."""
 
 from __future__ import annotations
 

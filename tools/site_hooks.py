@@ -1,8 +1,8 @@
 """What the documentation site shows beyond docs/: the API by rooms, the examples, and the two pages at the root.
 
 MkDocs calls these hooks (``mkdocs.yml``). The API's pages are made from what the code says: the rooms from the table in
-docs/how/architecture.md, each room's names from its face (``__init__.pyi``), or from its modules where it has none; their text
-is that of the docstrings, through mkdocstrings.
+docs/how/architecture.md, each room's names from its face (``__init__.pyi``), or from its modules where it has none;
+their text is that of the docstrings, through mkdocstrings.
 """
 
 from __future__ import annotations

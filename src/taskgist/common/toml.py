@@ -46,7 +46,7 @@ class Section:
         if key in self:
             return self.values[key]
         if default is _REQUIRED:
-            raise self.error("is missing", key, hint=f"add {key} = ... (see docs/import.md)")
+            raise self.error("is missing", key, hint=f"add {key} = ... (see docs/howto/import.md)")
         return default
 
     def text(self, key: str, default: Any = _REQUIRED) -> Any:
@@ -286,7 +286,7 @@ class TomlTable:
         if key in self.values:
             return self.values[key]
         if default is None:
-            raise self.error("missing", key, hint="docs/scenes.md and docs/bodies.md show every field")
+            raise self.error("missing", key, hint="docs/howto/scenes.md and docs/howto/bodies.md show every field")
         return default
 
 

@@ -92,7 +92,7 @@ def _parsed(file: Path) -> tuple[dict[str, Any], str]:
         reason = problem.strerror or str(problem)
         raise MappingError("cannot read the mapping", where=file, value=reason, hint="check the path") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
-        raise MappingError(f"not valid TOML: {problem}", where=file, hint="see docs/import.md") from None
+        raise MappingError(f"not valid TOML: {problem}", where=file, hint="see docs/howto/import.md") from None
 
 
 def _with_parameters(document: dict[str, Any], given: Mapping[str, str], file: Path) -> dict[str, Any]:
@@ -274,7 +274,7 @@ def _missing(section: Section) -> tuple[float, ...] | None:
     return tuple(float(item) for item in values)
 
 
-# --- Reads a mapping file: every section once, in the order of ``docs/import.md``.
+# --- Reads a mapping file: every section once, in the order of ``docs/howto/import.md``.
 
 _SECTIONS = ("about", "time", "sources", "people", "objects", "supports", "signals", "label")
 
