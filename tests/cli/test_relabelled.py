@@ -43,6 +43,7 @@ def test_changed_knowledge_is_noticed(learned: Path) -> None:
         connection.execute(
             "UPDATE taskgist_explanations SET document = replace(document, 'Becomes_Easier', 'Becomes_Harder')"
         )
+    connection.close()
     code, output = run("explain", "give")
     assert code == 2
     assert "damaged explanation" in output
