@@ -5,9 +5,11 @@ from __future__ import annotations
 import ast
 import json
 import os
+import pkgutil
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -92,6 +94,24 @@ def test_files_that_pages_name_exist(page: Path) -> None:
         assert any((folder / module).is_file() for folder in (ROOT, ROOT / "src" / "taskgist", ROOT / "src")), module
     for path in re.findall(r"\bsrc/taskgist/[\w/.]*\w", text):
         assert (ROOT / path).exists(), path
+
+
+DOTTED = re.compile(r"\btaskgist(?:_lab)?(?:\.[A-Za-z_]\w*)+")
+FILES = (".mcap", ".facts", ".commands", ".predicates", ".db", ".md")
+"""Ends of what looks like a name in Python and is none: files, schemas, groups of entry points."""
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page.name != "CHANGELOG.md"], ids=named)
+def test_names_in_python_that_pages_give_exist(page: Path) -> None:
+    for name in DOTTED.findall(page.read_text(encoding="utf-8")):
+        if not name.endswith(FILES):
+            assert pkgutil.resolve_name(name) is not None, name
+
+
+def test_one_version_everywhere() -> None:
+    project = tomllib.loads(text_of("pyproject.toml"))["project"]["version"]
+    assert re.findall(r"^version: (.*)$", text_of("CITATION.cff"), re.MULTILINE) == [project]
+    assert re.findall(r"^## (\S+)", text_of("CHANGELOG.md"), re.MULTILINE)[0] == project
 
 
 def test_the_table_of_rooms_is_the_one_that_is_enforced() -> None:
