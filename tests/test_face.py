@@ -23,7 +23,7 @@ FACE = {
     *("ability_map", "Grid", "places_for"),
     *("Recording", "Label", "read_recording", "write_recording", "load_mapping", "import_recording"),
     *("propose_label", "check_recording"),
-    *("observe_recording", "explain_recording", "Predicate"),
+    *("Observer", "explain_recording", "Predicate"),
     *("learn", "Knowledge", "load_knowledge", "update_knowledge", "meaning", "why"),
     *("Settings", "TaskgistError"),
 }
