@@ -15,11 +15,11 @@ import pytest
 from numpy.typing import NDArray
 
 from taskgist.errors import UnknownNameError
-from taskgist.perspective import Standpoint, effort_from, visibility, visibility_from
-from taskgist.perspective.candidates import Stances, UsableHead
-from taskgist.perspective.effort import Among
+from taskgist.perspective import Viewpoint, effort_from, visibility
+from taskgist.perspective.candidates import Candidates, UsableHead
 from taskgist.perspective.image import from_eye, in_shadow, lens_of, look
 from taskgist.perspective.see import See, aimed, next_glimpse, turned_heads
+from taskgist.perspective.viewpoint import Screening
 from taskgist.world import Scene, Stage, State
 from taskgist.world.geometry.rays import NO_GEOM
 from tests.perspective.random_rooms import OCTAHEDRON, WEDGE, random_case
@@ -30,33 +30,33 @@ Generator = np.random.Generator
 SEEDS = range(800, 806)
 LEVELS = (1, 2, 4)
 MOST = 8
-"""Stances of a batch that are looked at, picked at random."""
+"""Candidates of a batch that are looked at, picked at random."""
 
 
 @dataclass(eq=False)
 class Head:
     """An agent that aims its head at an object."""
 
-    here: Standpoint
+    here: Viewpoint
     see: See
 
     @classmethod
-    def of(cls, here: Standpoint, name: str) -> Head:
+    def of(cls, here: Viewpoint, name: str) -> Head:
         return cls(here, See(here, here.target(name)))
 
-    def usable(self, stances: Stances) -> UsableHead:
-        return stances.bent.frames.usable(self.here.actions)
+    def usable(self, stances: Candidates) -> UsableHead:
+        return stances.torso.frames.usable(self.here.actions)
 
-    def batches(self) -> Iterator[tuple[int, Stances]]:
+    def batches(self) -> Iterator[tuple[int, Candidates]]:
         for level in LEVELS:
-            for stances in self.here.stances(level, self.see.target.middle):
+            for stances in self.here.candidates.of_level(level, self.see.target.middle):
                 if len(stances):  # not every body bends
                     yield level, stances
 
-    def aimed(self, stances: Stances, index: int) -> Array:
+    def aimed(self, stances: Candidates, index: int) -> Array:
         return aimed(stances.frames(index), self.usable(stances).neck, self.see.target.middle)
 
-    def state(self, stances: Stances, index: int, angles: Array) -> State:
+    def state(self, stances: Candidates, index: int, angles: Array) -> State:
         return stances[index].state.replace(self.usable(stances).changes(angles))
 
     def sees(self, state: State, *, in_cone: bool = True) -> bool:
@@ -83,16 +83,16 @@ class Tally:
     shaded: int = 0
 
 
-def heads(here: Standpoint) -> Iterator[Head]:
+def heads(here: Viewpoint) -> Iterator[Head]:
     for name in here.stage.scene.objects:
         yield Head.of(here, name)
 
 
-def glimpsed(among: Among, count: int) -> set[int]:
-    found, index = set(), among.next(0, count)
+def glimpsed(screening: Screening, count: int) -> set[int]:
+    found, index = set(), screening.next(0, count)
     while index < count:
         found.add(index)
-        index = among.next(index + 1, count)
+        index = screening.next(index + 1, count)
     return found
 
 
@@ -103,7 +103,7 @@ def some(count: int, rng: Generator) -> list[int]:
 def check_aimed(head: Head, rng: Generator, tally: Tally) -> None:
     """Nothing that the aimed head sees was passed over, and nothing in a shadow is seen."""
     for level, stances in head.batches():
-        hopeful = glimpsed(head.see.among(stances), len(stances))
+        hopeful = glimpsed(head.see.screen(stances), len(stances))
         for index in some(len(stances), rng):
             state = head.state(stances, index, head.aimed(stances, index))
             seen, shaded = head.sees(state), head.in_shadow(state)
@@ -142,7 +142,7 @@ def check_on_the_way(head: Head, rng: Generator) -> int:
 def test_what_the_aimed_head_sees_was_not_passed_over(seed: int) -> None:
     case, rng, tally = random_case(seed), np.random.default_rng(seed), Tally()
     for agent in case.scene.agents:
-        for head in heads(Standpoint(case.stage(), agent, COARSE)):
+        for head in heads(Viewpoint(case.stage(), agent, COARSE)):
             check_aimed(head, rng, tally)
     assert tally.seen
     assert tally.passed
@@ -154,7 +154,7 @@ def test_what_a_head_on_the_way_sees_was_not_passed_over(seed: int) -> None:
     seen = [
         check_on_the_way(head, rng)
         for agent in case.scene.agents
-        for head in heads(Standpoint(case.stage(), agent, COARSE))
+        for head in heads(Viewpoint(case.stage(), agent, COARSE))
     ]
     assert sum(seen)
 
@@ -241,7 +241,7 @@ def test_grazing_things_are_not_passed_over(places: Callable[[Generator], dict[s
     rng, tally = np.random.default_rng(7), Tally()
     for _ in range(24):
         put_at = places(rng)
-        here = Standpoint(Stage(SCENE, put(SCENE, put_at)), "P1", COARSE)
+        here = Viewpoint(Stage(SCENE, put(SCENE, put_at)), "P1", COARSE)
         for name in sorted(SOUGHT & put_at.keys()):
             check_aimed(Head.of(here, name), rng, tally)
     assert tally.seen
@@ -290,31 +290,31 @@ def test_shadows_hold_all_and_only_what_a_box_hides(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_visibility_from_a_standpoint_is_that_of_the_stage(seed: int) -> None:
-    """Before and after the standpoint was asked other things."""
+def test_visibility_from_a_viewpoint_is_that_of_the_stage(seed: int) -> None:
+    """Before and after the viewpoint was asked other things."""
     case = random_case(seed)
     for agent in case.scene.agents:
-        here = Standpoint(case.stage(), agent, COARSE)
+        here = Viewpoint(case.stage(), agent, COARSE)
         for name in case.scene.objects:
             plain = visibility(case.stage(), agent, name, COARSE)
             known = case.state.known([name, f"{agent}/head"])
             assert (plain is not None) == known
-            assert visibility_from(here, name) == plain
+            assert here.visibility(name) == plain
             effort_from(here, name, "see")
-            assert visibility_from(here, name) == plain
+            assert here.visibility(name) == plain
 
 
 @pytest.mark.parametrize("lost", ["cup", "P1", "P1/head"])
 def test_visibility_of_the_untracked_is_unknown(lost: str) -> None:
     room = Room((Thing("cup", (0.03, 0.05), (0.6, 0.0, 1.4), "cylinder"),), (Person("P1", (0.0, 0.0)),), (48, 36))
     scene = room.scene()
-    here = Standpoint(Stage(scene, State(scene.initial.qpos, untracked=frozenset({lost}))), "P1", COARSE)
-    assert visibility_from(here, "cup") is None
+    here = Viewpoint(Stage(scene, State(scene.initial.qpos, untracked=frozenset({lost}))), "P1", COARSE)
+    assert here.visibility("cup") is None
     assert visibility(here.stage, "P1", "cup", COARSE) is None
-    assert visibility_from(Standpoint(Stage(scene), "P1", COARSE), "cup") is not None
+    assert Viewpoint(Stage(scene), "P1", COARSE).visibility("cup") is not None
 
 
 def test_visibility_of_what_is_not_there_is_refused() -> None:
-    here = Standpoint(Stage(SCENE), "P1", COARSE)
+    here = Viewpoint(Stage(SCENE), "P1", COARSE)
     with pytest.raises(UnknownNameError, match="cup"):
-        visibility_from(here, "cup")
+        here.visibility("cup")

@@ -1,4 +1,4 @@
-"""Stances come by increasing amount, and their frames are those of MuJoCo's own kinematics."""
+"""Candidates come by increasing amount, and their frames are those of MuJoCo's own kinematics."""
 
 import itertools
 from dataclasses import replace
@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from taskgist.perspective import Standpoint
-from taskgist.perspective.candidates import DIGITS, Stances
+from taskgist.perspective import Viewpoint
+from taskgist.perspective.candidates import DIGITS, Candidates
 from taskgist.settings import DEFAULT
 from tests.perspective.random_rooms import random_case
 from tools.rooms import COARSE, Person, Room, Thing, chair
@@ -16,11 +16,11 @@ SEEDS = range(700, 706)
 TARGET = np.array((0.9, -0.4, 0.8))
 
 
-def batches(here: Standpoint) -> list[Stances]:
-    return [stances for level in range(1, 5) for stances in here.stances(level, TARGET)]
+def batches(here: Viewpoint) -> list[Candidates]:
+    return [stances for level in range(1, 5) for stances in here.candidates.of_level(level, TARGET)]
 
 
-def amount(stances: Stances, index: int) -> tuple[float, ...]:
+def amount(stances: Candidates, index: int) -> tuple[float, ...]:
     of = stances[index].amount
     return tuple(round(value, DIGITS) for value in (of.moved_m, of.turned_rad, of.torso_rad))
 
@@ -28,7 +28,7 @@ def amount(stances: Stances, index: int) -> tuple[float, ...]:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_amounts_ascend_and_equal_ones_end_together(seed: int) -> None:
     case = random_case(seed)
-    here = Standpoint(case.stage(), case.scene.agents[0], COARSE)
+    here = Viewpoint(case.stage(), case.scene.agents[0], COARSE)
     for stances in batches(here):
         amounts = [amount(stances, index) for index in range(len(stances))]
         assert amounts == sorted(amounts)
@@ -41,7 +41,7 @@ def test_amounts_ascend_and_equal_ones_end_together(seed: int) -> None:
 def test_frames_are_where_kinematics_brings_them(seed: int) -> None:
     case = random_case(seed)
     stage, rng = case.stage(), np.random.default_rng(seed)
-    here = Standpoint(stage, case.scene.agents[0], COARSE)
+    here = Viewpoint(stage, case.scene.agents[0], COARSE)
     for stances in batches(here):
         for index in rng.choice(len(stances), min(5, len(stances)), replace=False).tolist():
             stage.show(stances[index].state)
@@ -55,7 +55,7 @@ def test_frames_are_where_kinematics_brings_them(seed: int) -> None:
 def test_every_place_comes_with_every_bend_once() -> None:
     room = Room((chair(0.0), Thing("cup", (0.03, 0.05), (0.5, 0.2, 1.75), "cylinder")), (Person("P1", (0, 0)),))
     fine = replace(DEFAULT, efforts=replace(DEFAULT.efforts, move_radius_m=0.5))
-    here = Standpoint(room.stage(), "P1", fine)
-    for stances in here.stances(4, TARGET):
+    here = Viewpoint(room.stage(), "P1", fine)
+    for stances in here.candidates.of_level(4, TARGET):
         pairs = set(zip(stances.table.spot.tolist(), stances.table.bend.tolist(), strict=True))
-        assert len(pairs) == len(stances) == len(stances.table.offsets_m) * len(stances.bent.bends)
+        assert len(pairs) == len(stances) == len(stances.table.offsets_m) * len(stances.torso.poses)
