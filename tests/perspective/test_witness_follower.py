@@ -126,3 +126,35 @@ def test_what_happens_far_away_is_not_asked_again() -> None:
     follower.update(state)
     assert follower.all() == SceneEfforts(Stage(scene, state), COARSE).all()
     assert follower.asked_count < 12
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_thing_that_comes_near_to_what_is_grasped_is_noticed(axis: int) -> None:
+    """A board is moved towards a cup from one side, in steps, until it touches it."""
+    board = Thing("board", (0.15, 0.15, 0.15), (3.0, 3.0, 1.1))
+    cup = Thing("cup", (0.03, 0.05), (0.5, 0.1, 1.1), "cylinder")
+    scene = Room((cup, board), (Person("P1", (0.0, 0.0)),), (48, 36)).scene()
+    follower, found = SceneEfforts(Stage(scene), COARSE), set()
+    for away_m in (1.0, 0.6, 0.4, 0.3, 0.25, 0.22, 0.2, 0.19, 0.18, 0.3, 2.0):
+        place = np.array((0.5, 0.1, 1.1, 1.0, 0.0, 0.0, 0.0))
+        place[axis] += away_m
+        state = scene.initial.replace(at=scene.object_slice("board"), to=place)
+        follower.update(state)
+        assert follower.all() == SceneEfforts(Stage(scene, state), COARSE).all()
+        effort = follower.effort("P1", "cup", "grasp")
+        found.add((effort.level, effort.evidence.attained))
+        assert effort.evidence == SceneEfforts(Stage(scene, state), COARSE).effort("P1", "cup", "grasp").evidence
+    assert len(found) > 1
+
+
+def test_efforts_by_some_actions_are_followed_too() -> None:
+    case = random_case(504, image_px=(48, 36))
+    follower, actions = SceneEfforts(Stage(case.scene, case.state), COARSE), ("Pan_Head", "Lean_Torso")
+    agent, compared = case.scene.agents[0], 0
+    for state in frames(case):
+        follower.update(state)
+        fresh = SceneEfforts(Stage(case.scene, state), COARSE)
+        for ability in ("see", "reach"):
+            assert follower.efforts_with(agent, ability, actions) == fresh.efforts_with(agent, ability, actions)
+            compared += 1
+    assert compared == 2 * (FRAMES + 1)

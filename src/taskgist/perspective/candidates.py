@@ -246,7 +246,7 @@ OVERHEAD_M = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Torso:
+class TorsoPoses:
     """A posture of an agent, with all that its torso may do in it.
 
     Attributes:
@@ -266,7 +266,7 @@ class Torso:
     amounts_rad: Array
 
     @classmethod
-    def of(cls, agent: Agent, start: Candidate, frames: Frames, poses: Sequence[TorsoPose]) -> Torso:
+    def of(cls, agent: Agent, start: Candidate, frames: Frames, poses: Sequence[TorsoPose]) -> TorsoPoses:
         """A posture and some turns and leans of the torso."""
         amounts = np.round([pose.by_rad for pose in poses], DIGITS)
         return cls(agent, start, frames, poses, frames.moved([pose.changes for pose in poses]), amounts)
@@ -335,7 +335,7 @@ class Candidates:
         ends: For each candidate, which is the first one after it of another amount, (n,).
     """
 
-    def __init__(self, torso: Torso, ways: Ways = NO_WAY, turned_rad: Array = NO_TURN) -> None:
+    def __init__(self, torso: TorsoPoses, ways: Ways = NO_WAY, turned_rad: Array = NO_TURN) -> None:
         self.torso, self._ways, self._turned_rad = torso, ways, turned_rad
         place, pose, self.ends, sines = _ordered(ways.rounded_m, turned_rad, torso.amounts_rad)
         frames = torso.frames
@@ -453,7 +453,7 @@ class Walk:
         floor: Where it can get to.
     """
 
-    def __init__(self, upright: Torso, facing_rad: float, floor: Floor) -> None:
+    def __init__(self, upright: TorsoPoses, facing_rad: float, floor: Floor) -> None:
         self._upright, self._facing_rad, self.floor = upright, facing_rad, floor
         self._base = np.array(upright.start.state.qpos[upright.agent.base])
         self._ways: list[Ways] = []

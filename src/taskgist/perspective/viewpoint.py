@@ -34,8 +34,8 @@ from taskgist.perspective.candidates import (
     Candidate,
     Candidates,
     Frames,
-    Torso,
     TorsoPose,
+    TorsoPoses,
     Walk,
     checked_actions,
     torso_poses,
@@ -304,11 +304,11 @@ class CandidateSource:
     def _poses(self, actions: frozenset[str]) -> list[TorsoPose]:
         return torso_poses(self._here.agent, self._here.state, self._here.settings.efforts, actions)
 
-    def _torso(self, start: Candidate, poses: Sequence[TorsoPose]) -> Torso:
+    def _torso(self, start: Candidate, poses: Sequence[TorsoPose]) -> TorsoPoses:
         here, posture = self._here, start.actions
         if posture not in self._frames:
             self._frames[posture] = Frames(here.stage.show(start.state), here.agent)
-        return Torso.of(here.agent, start, self._frames[posture], poses)
+        return TorsoPoses.of(here.agent, start, self._frames[posture], poses)
 
 
 DOWN = (0.0, 0.0, -1.0)
