@@ -44,20 +44,20 @@ class Head:
     def of(cls, here: Viewpoint, name: str) -> Head:
         return cls(here, See(here, here.target(name)))
 
-    def usable(self, stances: Candidates) -> UsableHead:
-        return stances.torso.frames.usable(self.here.actions)
+    def usable(self, candidates: Candidates) -> UsableHead:
+        return candidates.torso.frames.usable(self.here.actions)
 
     def batches(self) -> Iterator[tuple[int, Candidates]]:
         for level in LEVELS:
-            for stances in self.here.candidates.of_level(level, self.see.target.middle):
-                if len(stances):  # not every body bends
-                    yield level, stances
+            for candidates in self.here.candidates.of_level(level, self.see.target.middle):
+                if len(candidates):  # not every body bends
+                    yield level, candidates
 
-    def aimed(self, stances: Candidates, index: int) -> Array:
-        return aimed(stances.frames(index), self.usable(stances).neck, self.see.target.middle)
+    def aimed(self, candidates: Candidates, index: int) -> Array:
+        return aimed(candidates.frames(index), self.usable(candidates).neck, self.see.target.middle)
 
-    def state(self, stances: Candidates, index: int, angles: Array) -> State:
-        return stances[index].state.replace(self.usable(stances).changes(angles))
+    def state(self, candidates: Candidates, index: int, angles: Array) -> State:
+        return candidates[index].state.replace(self.usable(candidates).changes(angles))
 
     def sees(self, state: State, *, in_cone: bool = True) -> bool:
         here, target = self.here, self.see.target
@@ -76,7 +76,7 @@ class Head:
 
 @dataclass
 class Tally:
-    """How many stances were looked at, by what became of them."""
+    """How many candidates were looked at, by what became of them."""
 
     seen: int = 0
     passed: int = 0
@@ -102,12 +102,14 @@ def some(count: int, rng: Generator) -> list[int]:
 
 def check_aimed(head: Head, rng: Generator, tally: Tally) -> None:
     """Nothing that the aimed head sees was passed over, and nothing in a shadow is seen."""
-    for level, stances in head.batches():
-        hopeful = glimpsed(head.see.screen(stances), len(stances))
-        for index in some(len(stances), rng):
-            state = head.state(stances, index, head.aimed(stances, index))
+    for level, candidates in head.batches():
+        hopeful = glimpsed(head.see.screen(candidates), len(candidates))
+        for index in some(len(candidates), rng):
+            state = head.state(candidates, index, head.aimed(candidates, index))
             seen, shaded = head.sees(state), head.in_shadow(state)
-            where = f"{head.here.agent.name}, {head.see.target.name}, level {level}, stance {index} of {len(stances)}"
+            where = (
+                f"{head.here.agent.name}, {head.see.target.name}, level {level}, candidate {index} of {len(candidates)}"
+            )
             assert not seen or index in hopeful, f"passed over: {where}"
             assert not shaded or not head.sees(state, in_cone=False), f"seen in a shadow: {where}"
             tally.seen, tally.passed = tally.seen + seen, tally.passed + (index not in hopeful)
@@ -118,19 +120,19 @@ def check_on_the_way(head: Head, rng: Generator) -> int:
     """The same for heads on the way to where they are aimed, and for heads that look anywhere."""
     lens, seen = lens_of(head.here.agent.profile.eye), 0
     sought = (head.here.stage.shapes, head.see.others, head.see.target.sought, lens)
-    for level, stances in head.batches():
-        neck, index = head.usable(stances).neck, int(rng.integers(len(stances)))
+    for level, candidates in head.batches():
+        neck, index = head.usable(candidates).neck, int(rng.integers(len(candidates)))
         shares = np.linspace(0.0, 1.0, 4)[:, None]
-        way = neck.now + (head.aimed(stances, index) - neck.now) * shares
+        way = neck.now + (head.aimed(candidates, index) - neck.now) * shares
         angles = np.vstack((way, rng.uniform(neck.ranges[:, 0], neck.ranges[:, 1], (2, len(neck.now)))))
-        eyes = turned_heads(stances.frames(index), neck, angles)
+        eyes = turned_heads(candidates.frames(index), neck, angles)
         hopeful, step = set(), next_glimpse(*sought, eyes, 0)
         while step < len(eyes):
             hopeful.add(step)
             step = next_glimpse(*sought, eyes, step + 1)
         for step in range(len(eyes)):
-            sees = head.sees(head.state(stances, index, angles[step]))
-            assert not sees or step in hopeful, f"{head.see.target.name}, level {level}, stance {index}, step {step}"
+            sees = head.sees(head.state(candidates, index, angles[step]))
+            assert not sees or step in hopeful, f"{head.see.target.name}, level {level}, candidate {index}, step {step}"
             seen += sees
     return seen
 

@@ -46,8 +46,8 @@ def test_what_is_held_needs_no_effort(side: str, ability: Ability) -> None:
 def reached(stage: Stage, side: str, points: np.ndarray) -> Hit | FindMiss | None:
     """How P1 reaches one of some points with one arm from where it stands, if it does."""
     here = Viewpoint(stage, "P1", HERE_ONLY, actions=(f"Stretch_Out_Arm({side})",))
-    (stances,) = here.candidates.of_level(1, points[0])
-    screening = ReachScreening(Reach(here, here.target("cup")), stances, PointCloud.of(points))
+    (candidates,) = here.candidates.of_level(1, points[0])
+    screening = ReachScreening(Reach(here, here.target("cup")), candidates, PointCloud.of(points))
     return next(screening.results(0)) if screening.next(0, 1) == 0 else None
 
 

@@ -44,9 +44,9 @@ def cup_at(x: float, y: float, z: float) -> Thing:
 
 def head_aimed(stage: Stage, target: np.ndarray) -> dict[int, float]:
     """Head angles by index into qpos with which P1, where it is, looks at a target."""
-    (stances,) = Viewpoint(stage, "P1", COARSE).candidates.of_level(1, target)
-    head = stances.torso.frames.usable(HEAD)
-    return head.changes(aimed(stances.frames(0), head.neck, target))
+    (candidates,) = Viewpoint(stage, "P1", COARSE).candidates.of_level(1, target)
+    head = candidates.torso.frames.usable(HEAD)
+    return head.changes(aimed(candidates.frames(0), head.neck, target))
 
 
 def all_candidates(here: Viewpoint, level: int, target: np.ndarray) -> list[Candidate]:
@@ -116,8 +116,8 @@ def test_nothing_moves_but_the_joints_of_the_level(level: int, joints: set[str],
     allowed = {agent.joints[j] for j in joints - {"legs"}} | {agent.joints[j] for j in legs if "legs" in joints}
     allowed |= set(range(agent.base.start, agent.base.stop)) if moves else set()
     changed: set[int] = set()
-    for stance in all_candidates(Viewpoint(stage, "P1", COARSE), level, np.array((0.9, 0.1, 0.8))):
-        changed |= set(np.flatnonzero(stance.state.qpos != stage.scene.initial.qpos).tolist())
+    for candidate in all_candidates(Viewpoint(stage, "P1", COARSE), level, np.array((0.9, 0.1, 0.8))):
+        changed |= set(np.flatnonzero(candidate.state.qpos != stage.scene.initial.qpos).tolist())
     assert changed
     assert changed <= allowed
 
@@ -127,12 +127,12 @@ def test_who_walks_turns_the_chest_to_the_object() -> None:
     stage = Room((), (turned,)).stage()
     agent = stage.scene.agent("P1")
     target = np.array((-1.0, 2.0, 1.0))
-    stances = all_candidates(Viewpoint(stage, "P1", COARSE), 4, target)
-    assert len({stance.amount.moved_m for stance in stances}) > 2
-    for stance in stances:
-        chest = stage.show(stance.state).site(stage.scene.model.site("P1/chest").id)
-        assert "Turn_Torso" not in stance.actions
-        ahead = target[:2] - stance.state.qpos[agent.base][:2]
+    candidates = all_candidates(Viewpoint(stage, "P1", COARSE), 4, target)
+    assert len({candidate.amount.moved_m for candidate in candidates}) > 2
+    for candidate in candidates:
+        chest = stage.show(candidate.state).site(stage.scene.model.site("P1/chest").id)
+        assert "Turn_Torso" not in candidate.actions
+        ahead = target[:2] - candidate.state.qpos[agent.base][:2]
         np.testing.assert_allclose(
             chest.matrix[:2, 0] / np.linalg.norm(chest.matrix[:2, 0]), ahead / np.linalg.norm(ahead), atol=1e-9
         )
@@ -144,25 +144,25 @@ def test_of_equal_amounts_the_best_is_taken() -> None:
     turn = here.agent.joints["torso_turn"]
 
     class LeftTurns:
-        """Every stance will do, the farther left the better."""
+        """Every candidate will do, the farther left the better."""
 
-        def __init__(self, stances: Candidates | None = None) -> None:
-            self.stances = stances
+        def __init__(self, candidates: Candidates | None = None) -> None:
+            self.candidates = candidates
 
         def unknown(self, level: int) -> str | None: ...
 
         def without_effort(self) -> FindMiss:
             return self.miss
 
-        def screen(self, stances: Candidates) -> LeftTurns:
-            return LeftTurns(stances)
+        def screen(self, candidates: Candidates) -> LeftTurns:
+            return LeftTurns(candidates)
 
         def next(self, start: int, stop: int) -> int:
             return min(start, stop)
 
         def results(self, index: int) -> Iterator[Hit | FindMiss]:
-            assert self.stances is not None
-            yield Hit(lambda: Held("left"), cost=-float(self.stances[index].state.qpos[turn]))
+            assert self.candidates is not None
+            yield Hit(lambda: Held("left"), cost=-float(self.candidates[index].state.qpos[turn]))
 
         def miss(self) -> Miss:
             return Miss(Reason.NOT_HELD, "no")

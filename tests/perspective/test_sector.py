@@ -43,23 +43,23 @@ def reached(shoulder: Pose, arm: Arm, points: Array) -> Flags:
     return np.asarray(inside)
 
 
-def able(judge: Reach, stances: Candidates, index: int, points: Array) -> list[int]:
-    """Arms that reach one of some points from a stance, the nearer shoulder's first."""
+def able(judge: Reach, candidates: Candidates, index: int, points: Array) -> list[int]:
+    """Arms that reach one of some points from a candidate, the nearer shoulder's first."""
     least = []
     for column, arm in enumerate(judge.arms):
-        shoulder = stances.shoulder(index, arm)
+        shoulder = candidates.shoulder(index, arm)
         ours = reached(shoulder, judge.arm(arm).profile, points)
         if ours.any():
             least.append((round(float(distances_m(shoulder, points)[ours].min()), 6), column))
     return [column for _, column in sorted(least)]
 
 
-def gaps_m(judge: Reach, stances: Candidates, points: Array) -> Array:
-    """How far the nearest point is from each arm's shoulder, from each stance, (n, a)."""
+def gaps_m(judge: Reach, candidates: Candidates, points: Array) -> Array:
+    """How far the nearest point is from each arm's shoulder, from each candidate, (n, a)."""
     return np.array(
         [
-            [distances_m(stances.shoulder(index, arm), points).min() for arm in judge.arms]
-            for index in range(len(stances))
+            [distances_m(candidates.shoulder(index, arm), points).min() for arm in judge.arms]
+            for index in range(len(candidates))
         ]
     )
 
@@ -80,11 +80,11 @@ def batches(judge: Reach) -> Iterator[Candidates]:
         yield from judge._here.candidates.of_level(level, judge.target.middle)
 
 
-def clouds(judge: Reach, stances: Candidates, rng: Generator) -> Iterator[Array]:
+def clouds(judge: Reach, candidates: Candidates, rng: Generator) -> Iterator[Array]:
     """The object's points, and points anywhere about a shoulder: one, a few, and spread out."""
     yield judge.surface.points
-    if judge.arms and len(stances):
-        shoulder = stances.shoulder(int(rng.integers(len(stances))), judge.arms[0])
+    if judge.arms and len(candidates):
+        shoulder = candidates.shoulder(int(rng.integers(len(candidates))), judge.arms[0])
         length_m = judge.arm(judge.arms[0]).profile.length_m
         for count, spread in ((1, 0.0), (5, 0.1), (5, 1.0)):
             middle = shoulder.position + rng.uniform(-1.2, 1.2, 3) * length_m
@@ -95,11 +95,11 @@ def clouds(judge: Reach, stances: Candidates, rng: Generator) -> Iterator[Array]
 def test_arms_reach_what_is_within_length_and_sector(seed: int) -> None:
     rng, found = np.random.default_rng(seed), {True: 0, False: 0}
     for judge in judges(seed):
-        for stances in batches(judge):
-            for points in clouds(judge, stances, rng):
-                screening = ReachScreening(judge, stances, PointCloud.of(points))
-                ours = [able(judge, stances, index, points) for index in range(len(stances))]
-                assert passed_over(screening, len(stances)) == [index for index, arms in enumerate(ours) if not arms]
+        for candidates in batches(judge):
+            for points in clouds(judge, candidates, rng):
+                screening = ReachScreening(judge, candidates, PointCloud.of(points))
+                ours = [able(judge, candidates, index, points) for index in range(len(candidates))]
+                assert passed_over(screening, len(candidates)) == [index for index, arms in enumerate(ours) if not arms]
                 for index, arms in enumerate(ours):
                     found[bool(arms)] += 1
                     if arms or rng.random() < 0.1:
@@ -119,14 +119,14 @@ def passed_over(screening: ReachScreening, count: int) -> list[int]:
 def test_outcomes_tell_the_nearest_point_of_each_arm(seed: int) -> None:
     outcomes = 0
     for judge in judges(seed):
-        for stances in batches(judge):
-            screening, points = judge.screen(stances), judge.surface.points
-            index = screening.next(0, len(stances))
-            if index == len(stances):
+        for candidates in batches(judge):
+            screening, points = judge.screen(candidates), judge.surface.points
+            index = screening.next(0, len(candidates))
+            if index == len(candidates):
                 continue
-            for outcome, column in zip(screening.results(index), able(judge, stances, index, points), strict=True):
+            for outcome, column in zip(screening.results(index), able(judge, candidates, index, points), strict=True):
                 assert isinstance(outcome, Hit)
-                arm, shoulder = judge.arm(judge.arms[column]), stances.shoulder(index, judge.arms[column])
+                arm, shoulder = judge.arm(judge.arms[column]), candidates.shoulder(index, judge.arms[column])
                 found = outcome.find_evidence()
                 assert isinstance(found, Reached)
                 point = np.array([found.point_m])
@@ -144,11 +144,11 @@ def test_outcomes_tell_the_nearest_point_of_each_arm(seed: int) -> None:
 def test_the_miss_is_that_of_the_shoulder_which_comes_nearest(seed: int) -> None:
     misses = 0
     for judge in judges(seed):
-        for stances in batches(judge):
-            screening, points = judge.screen(stances), judge.surface.points
-            if not len(stances) or screening.next(0, len(stances)) < len(stances):
+        for candidates in batches(judge):
+            screening, points = judge.screen(candidates), judge.surface.points
+            if not len(candidates) or screening.next(0, len(candidates)) < len(candidates):
                 continue
-            miss, gaps = screening.miss(), gaps_m(judge, stances, points)
+            miss, gaps = screening.miss(), gaps_m(judge, candidates, points)
             assert isinstance(miss, Miss)
             lengths_m = {judge.arm(arm).profile.length_m for arm in judge.arms}
             assert len(lengths_m) == 1
@@ -165,10 +165,10 @@ def test_beyond_holds_where_no_point_comes_within_the_margin(seed: int) -> None:
     rng, found = np.random.default_rng(seed), {True: 0, False: 0}
     for judge in judges(seed):
         lengths_m = np.array([judge.arm(arm).profile.length_m for arm in judge.arms])
-        for stances in batches(judge):
-            for points in clouds(judge, stances, rng):
-                spare_m = (gaps_m(judge, stances, points) - lengths_m).min() if len(stances) else np.inf
-                screening = ReachScreening(judge, stances, PointCloud.of(points))
+        for candidates in batches(judge):
+            for points in clouds(judge, candidates, rng):
+                spare_m = (gaps_m(judge, candidates, points) - lengths_m).min() if len(candidates) else np.inf
+                screening = ReachScreening(judge, candidates, PointCloud.of(points))
                 for margin_m in (0.0, 0.05, 0.3, max(0.0, spare_m - 1e-6), max(0.0, spare_m + 1e-6)):
                     ours = bool(spare_m > margin_m)
                     assert screening.beyond(margin_m) <= ours
@@ -181,9 +181,9 @@ def test_nothing_is_reached_of_what_has_no_points() -> None:
     room = Room((chair(0.0), Thing("cup", (0.03, 0.05), (0.4, 0.2, 1.2), "cylinder")), (Person("P1", (0.0, 0.0)),))
     here = Viewpoint(room.stage(), "P1", COARSE)
     judge = Reach(here, here.target("cup"))
-    for stances in batches(judge):
-        screening = ReachScreening(judge, stances, PointCloud.of(np.empty((0, 3))))
-        assert screening.next(0, len(stances)) == len(stances)
+    for candidates in batches(judge):
+        screening = ReachScreening(judge, candidates, PointCloud.of(np.empty((0, 3))))
+        assert screening.next(0, len(candidates)) == len(candidates)
         miss = screening.miss()
         assert miss is not None
         assert miss.text == "has no surface"
@@ -206,10 +206,10 @@ def test_the_sector_is_closed_and_ends_there(body: str) -> None:
     thing = Thing("cup", (0.03, 0.05), (0.4, 0.2, 1.2), "cylinder")
     here = Viewpoint(Room((thing,), (Person("P1", (0.3, -0.2), 0.7, profile=body),)).stage(), "P1", COARSE)
     judge = Reach(here, here.target("cup"))
-    (stances,) = here.candidates.of_level(1, judge.target.middle)
+    (candidates,) = here.candidates.of_level(1, judge.target.middle)
     assert judge.arms
     for column, index in enumerate(judge.arms):
-        arm, shoulder = judge.arm(index).profile, stances.shoulder(0, index)
+        arm, shoulder = judge.arm(index).profile, candidates.shoulder(0, index)
         (right, left), (down, up) = arm.azimuth_rad, arm.elevation_rad
         ahead = (0.7 * arm.length_m, (right + left) / 2, (down + up) / 2)
         edges = [(0, arm.length_m, 1.0), (1, right, -1.0), (1, left, 1.0), (2, up, 1.0)]
@@ -219,7 +219,7 @@ def test_the_sector_is_closed_and_ends_there(body: str) -> None:
                 where = [*ahead]
                 where[which] = edge + outward * beside
                 points = at(shoulder, arm, where[0], where[1], where[2])
-                found = column in ReachScreening(judge, stances, PointCloud.of(points)).able(0)
+                found = column in ReachScreening(judge, candidates, PointCloud.of(points)).able(0)
                 assert found == (beside <= 0.0), (arm.side, which, edge, beside)
 
 

@@ -100,12 +100,12 @@ def test_who_walks_faces_what_it_wants(yaw: float, profile: str) -> None:
     )
     rng, count = np.random.default_rng(1), 0
     for target in (np.array((0.1 - math.cos(yaw), 0.2 - math.sin(yaw), 1.0)), *map(np.array, TARGETS)):
-        for stances in here.candidates.of_level(4, target):
-            for index in rng.choice(len(stances), min(6, len(stances)), replace=False).tolist():
-                stance = stances[index]
-                shown = here.stage.show(stance.state)
+        for candidates in here.candidates.of_level(4, target):
+            for index in rng.choice(len(candidates), min(6, len(candidates)), replace=False).tolist():
+                candidate = candidates[index]
+                shown = here.stage.show(candidate.state)
                 if math.dist(shown.body_position(here.agent.root_body)[:2], target[:2]) <= OVERHEAD_M:
-                    assert stance.amount.turned_rad == 0.0
+                    assert candidate.amount.turned_rad == 0.0
                     continue
                 assert chest_off_rad(shown, here, target) == pytest.approx(0.0, abs=1e-9)
                 count += 1
