@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from benchmarks.figure import Figure
+from benchmarks.judging import watched
 from benchmarks.timing import in_turn, seconds
 from taskgist.learning import Experience, Explanation
-from taskgist.pipeline import explain_recording, observe_recording, shipped_recordings
+from taskgist.pipeline import explain_recording, shipped_recordings
 from taskgist.recording import read
 
 
@@ -20,7 +21,7 @@ def figures() -> Iterator[Figure]:
 def watching() -> Figure:
     """Hands, placements and motion of a whole recording, beside its own duration."""
     recording = read(shipped_recordings("hide")[0])
-    ours = seconds(lambda: observe_recording(recording), repeats=1)
+    ours = seconds(lambda: watched(recording), repeats=1)
     beside = {"its duration": recording.duration_s}
     return Figure(
         "learning", "watching a recording", ours, beside, goal="faster than it happens", met=ours < recording.duration_s

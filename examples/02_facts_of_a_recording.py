@@ -1,6 +1,6 @@
 """A recording's facts: who holds what when, and what the handover changed for the taker."""
 
-from taskgist import observe_recording, read_recording
+from taskgist import Observer, read_recording
 from taskgist.facts import STANDARD_TREE
 from taskgist.learning import explain
 from taskgist.pipeline import episode_of, label_of, shipped_recordings
@@ -10,8 +10,8 @@ from taskgist.recognition import grips_of
 def main() -> None:
     recording = read_recording(shipped_recordings("give")[0])
     label = label_of(recording)
-    observer = observe_recording(recording)
-    for grip in grips_of(observer, recording, label.target_object):
+    observer = Observer(recording.scene, recording)
+    for grip in grips_of(observer, label.target_object):
         print(f"{grip.agent} holds the {label.target_object}, {grip.side} hand, {grip.start_s:.2f}-{grip.end_s:.2f} s")
     for interval in observer.placement(label.target_object).intervals:
         print(f"{interval.start_s:.2f}-{interval.end_s:.2f} s: {interval.value.symbol} {', '.join(interval.value.by)}")

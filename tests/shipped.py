@@ -1,4 +1,4 @@
-"""The shipped recordings: each read, watched and explained once per process."""
+"""The shipped recordings: each read, observed and explained once per process."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from taskgist.learning import Explanation, Knowledge, explain
 from taskgist.observe import Observer
-from taskgist.pipeline import episode_of, label_of, observe_recording, shipped_recordings, shipped_study
+from taskgist.pipeline import episode_of, label_of, shipped_recordings, shipped_study
 from taskgist.recording import Label, Recording, read
 
 TASKS = ("give", "show", "hide")
@@ -52,7 +52,7 @@ def label(name: str) -> Label:
 
 @cache
 def observer(name: str) -> Observer:
-    return observe_recording(recording(name))
+    return Observer(recording(name).scene, recording(name))
 
 
 @cache

@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from taskgist.importing import import_recording, load_mapping
-from taskgist.pipeline import observe_recording
+from taskgist.observe import Observer
 from taskgist.recognition import propose_label
 from taskgist.recognition.label_proposal import SETTLED_S
 from taskgist.recording import Label, Recording, write
@@ -58,7 +58,7 @@ def _handovers(kth: Path) -> None:
 
 def _labelled(recording: Recording) -> Recording:
     """Label from what happens: from the facts, or where the hands were not tracked, from the grip forces."""
-    observer = observe_recording(recording)
+    observer = Observer(recording.scene, recording)
     if "P1/right_arm" not in recording.tracked:
         label = propose_label(recording, observer, task="give")
         for check in check_grips(recording, observer, "baton"):

@@ -1,17 +1,24 @@
-"""Rooms for tests and benchmarks: simple things that can be moved, turned and mirrored as a whole, and a coarse eye."""
+"""Rooms for tests and benchmarks: simple things that can be moved, turned and mirrored as a whole, and a coarse eye.
+
+Their MJCF is written here and not by MuJoCo, which writes six digits: a room that is moved and one that is not would
+differ by more than rounding.
+"""
 
 from __future__ import annotations
 
 import math
 import re
+import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
 from taskgist.settings import Efforts, Grasp, Settings
-from taskgist.world import Scene, Stage
+from taskgist.world import AgentEntry, Posture, Scene, Stage
 from taskgist.world.bodies.profile import builtin_profile_text
+from taskgist.world.scene_file import SceneFile, write_scene_file
 
 COARSE = Settings(
     efforts=replace(
@@ -36,12 +43,15 @@ class Shape:
     at: tuple[float, float, float] = (0.0, 0.0, 0.0)
     vertices: tuple[tuple[float, float, float], ...] = ()
 
-    def mjcf(self, mesh: str) -> str:
-        """The shape as MJCF."""
-        where = f'pos="{_numbers(self.at)}"'
+    def add_to(self, body: ET.Element, assets: ET.Element, mesh: str) -> None:
+        """Add the shape to a thing's body; ``mesh`` is the name that a mesh gets."""
+        geom = ET.SubElement(body, "geom", type=self.kind)
         if self.kind == "mesh":
-            return f'<geom type="mesh" mesh="{mesh}" {where}/>'
-        return f'<geom type="{self.kind}" size="{_numbers(self.size)}" {where}/>'
+            ET.SubElement(assets, "mesh", name=mesh, vertex=_numbers(chain.from_iterable(self.vertices)))
+            geom.set("mesh", mesh)
+        else:
+            geom.set("size", _numbers(self.size))
+        geom.set("pos", _numbers(self.at))
 
 
 @dataclass(frozen=True)
@@ -57,9 +67,8 @@ class Thing:
     shapes: tuple[Shape, ...] = ()
     roll: float = 0.0
 
-    def mjcf(self) -> str:
-        """The thing as MJCF."""
-        joint = "<freejoint/>" if self.free else ""
+    def add_to(self, world: ET.Element, assets: ET.Element) -> None:
+        """Put the thing into a room."""
         yaw, roll = self.yaw / 2, self.roll / 2
         turn = (
             math.cos(yaw) * math.cos(roll),
@@ -67,17 +76,11 @@ class Thing:
             math.sin(yaw) * math.sin(roll),
             math.sin(yaw) * math.cos(roll),
         )
-        shapes = self.shapes or (Shape(self.kind, self.size),)
-        geoms = "".join(shape.mjcf(f"{self.name} {number}") for number, shape in enumerate(shapes))
-        return f'<body name="{self.name}" pos="{_numbers(self.place)}" quat="{_numbers(turn)}">{joint}{geoms}</body>'
-
-    def assets(self) -> str:
-        """Its meshes as MJCF."""
-        return "".join(
-            f'<mesh name="{self.name} {number}" vertex="{" ".join(map(_numbers, shape.vertices))}"/>'
-            for number, shape in enumerate(self.shapes)
-            if shape.kind == "mesh"
-        )
+        body = ET.SubElement(world, "body", name=self.name, pos=_numbers(self.place), quat=_numbers(turn))
+        if self.free:
+            ET.SubElement(body, "freejoint")
+        for number, shape in enumerate(self.shapes or (Shape(self.kind, self.size),)):
+            shape.add_to(body, assets, f"{self.name} {number}")
 
 
 def _numbers(values: Iterable[float]) -> str:
@@ -91,20 +94,21 @@ class Person:
     name: str
     place: tuple[float, float]
     yaw: float = 0.0
-    posture: str = "standing"
+    posture: Posture = "standing"
     joints_deg: tuple[tuple[str, float], ...] = ()
     stature: float = 1.75
     profile: str = "human"
 
-    def toml(self) -> str:
-        """The agent as a table of a scene file."""
-        joints = ", ".join(f"{name} = {float(angle)!r}" for name, angle in self.joints_deg)
-        body = f"body = {{ stature_m = {self.stature} }}\n" if self.profile == "human" else ""
-        return (
-            f'[agents.{self.name}]\nprofile = "{self.profile}"\n'
-            f"position_m = [{float(self.place[0])!r}, {float(self.place[1])!r}]\n"
-            f'yaw_deg = {math.degrees(self.yaw)!r}\nposture = "{self.posture}"\njoints_deg = {{ {joints} }}\n'
-            f"{body}"
+    def entry(self) -> AgentEntry:
+        """The agent as a scene places it."""
+        return AgentEntry(
+            self.name,
+            profile=self.profile,
+            position_m=self.place,
+            yaw_rad=self.yaw,
+            posture=self.posture,
+            body={"stature_m": self.stature} if self.profile == "human" else {},
+            joints_rad={joint: math.radians(angle) for joint, angle in self.joints_deg},
         )
 
 
@@ -138,18 +142,21 @@ class Room:
 
     def scene(self) -> Scene:
         """The room as a scene."""
-        bodies = "".join(thing.mjcf() for thing in self.things)
-        assets = "".join(thing.assets() for thing in self.things)
-        floor = '<geom name="floor" type="plane" size="9 9 0.1"/>'
+        model = ET.Element("mujoco")
+        assets, world = ET.SubElement(model, "asset"), ET.SubElement(model, "worldbody")
+        ET.SubElement(world, "geom", name="floor", type="plane", size="9 9 0.1")
+        for thing in self.things:
+            thing.add_to(world, assets)
+        people = tuple(person.entry() for person in self.people)
         files = {
-            "scene.toml": '[scene]\nmodel = "room.xml"\n' + "".join(person.toml() for person in self.people),
-            "room.xml": f"<mujoco><asset>{assets}</asset><worldbody>{floor}{bodies}</worldbody></mujoco>",
+            "scene.toml": write_scene_file(SceneFile("scene", "room.xml", None, (), people, "scene.toml")),
+            "room.xml": ET.tostring(model),
         }
         px = "image_px = [{}, {}]".format(*self.image_px)
         for person in self.people:
             profile = builtin_profile_text(person.profile)
-            files[f"{person.name}.profile.toml"] = re.sub(r"image_px = \[.*?\]", px, profile)
-        return Scene.from_bundle({name: text.encode() for name, text in files.items()})
+            files[f"{person.name}.profile.toml"] = re.sub(r"image_px = \[.*?\]", px, profile).encode()
+        return Scene.from_bundle(files)
 
     def stage(self) -> Stage:
         """The room on a stage."""

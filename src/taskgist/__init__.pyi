@@ -8,6 +8,7 @@ from .learning.knowledge import Knowledge as Knowledge
 from .maps.ability_map import ability_map as ability_map
 from .maps.grid import Grid as Grid
 from .maps.places import places_for as places_for
+from .observe.observer import Observer as Observer
 from .perspective.image import visibility as visibility
 from .perspective.queries import objects_where as objects_where
 from .perspective.queries import parse_question as parse_question
@@ -16,7 +17,6 @@ from .perspective.search import least_effort as least_effort
 from .pipeline.checkup import check as check_recording
 from .pipeline.explain import explain_recording as explain_recording
 from .pipeline.explain import learn as learn
-from .pipeline.explain import observe_recording as observe_recording
 from .recognition.label_proposal import propose_label as propose_label
 from .recording.mcap import read as read_recording
 from .recording.mcap import write as write_recording
@@ -34,6 +34,7 @@ __all__ = [
     "Grid",
     "Knowledge",
     "Label",
+    "Observer",
     "Perspectives",
     "Predicate",
     "Recording",
@@ -51,7 +52,6 @@ __all__ = [
     "load_mapping",
     "meaning",
     "objects_where",
-    "observe_recording",
     "parse_question",
     "places_for",
     "propose_label",

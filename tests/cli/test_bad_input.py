@@ -247,7 +247,7 @@ CASES: dict[str, list[str]] = {
     "see strange.toml --agent P1": ["strange.xml: MuJoCo cannot read this model: ", "'oops'"],
     "see thing.toml --agent P1": ["thing.toml: no object (a free body of the model) 'cap'; did you mean 'cup'?"],
     "see guessed.toml --agent P1": ["guessed.toml: scene.estimated: no body 'cap'; did you mean 'cup'? (known: "],
-    "see list.toml --agent P1": ["list.toml: scene.objects: must be a list of names (got 3)"],
+    "see list.toml --agent P1": ["list.toml: scene.objects: must be a list of texts (got 3)"],
     "see number.toml --agent P1": ["number.toml: agents.P1: must be a table (got 3); write [agents.P1]"],
     "see section.toml --agent P1": [
         "section.toml: ",
@@ -300,7 +300,7 @@ CASES: dict[str, list[str]] = {
     "import map_sound.toml -o out.mcap --set take": ["--set: not a parameter (got 'take'); write NAME=VALUE"],
     "import map_sound.toml -o out.mcap --set take=1": ["map_sound.toml: no parameter 'take' (known"],
     "import map_missing.toml -o good.mcap": ["map_missing.toml: ", "none.npz: ", NO_FILE],
-    "import map_key.toml -o good.mcap": ["map_key.toml: sources.body.unit: no such field", "did you mean 'units'"],
+    "import map_key.toml -o good.mcap": ["map_key.toml: [sources.body]: no field 'unit'", "did you mean 'units'"],
     "import map_landmark.toml -o good.mcap": [
         "map_landmark.toml: people.P1.points",
         "'pelvic'",

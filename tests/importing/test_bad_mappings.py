@@ -42,15 +42,15 @@ def error_of(folder: Path, text: str) -> str:
 
 
 MISTAKES = {
-    "unknown field": ('units = "m"', 'units = "m"\naxis = { x = "y" }', r"sources.body.axis: no such field.*'axes'"),
-    "unknown section": ("[people.P1]", "[persons.P1]", r"persons: no such field.*people"),
+    "unknown field": ('units = "m"', 'units = "m"\naxis = { x = "y" }', r"\[sources.body\]: no field 'axis'; did you mean 'axes'"),
+    "unknown section": ("[people.P1]", "[persons.P1]", r"mapping.toml: no field 'persons' .known: about.*people"),
     "unknown unit": ('units = "m"', 'units = "meter"', r"sources.body.units: .*got 'meter'.*cm, inch, m, mm"),
     "no unit": ('units = "m"', "", r"sources.body.units: is missing"),
     "no time": ('time = { column = "t", unit = "s" }', "", r"sources.body.time: .*neither a time.*rate_hz"),
     "no time unit": (', unit = "s"', "", r"sources.body.time.unit: is missing"),
     "time and rate": ('units = "m"', 'units = "m"\nrate_hz = 30', r"rate_hz: .*both a time and a rate"),
     "axis twice": ('units = "m"', 'units = "m"\naxes = { x = "y" }', r"axes: uses one of the source's axes twice"),
-    "no axis": ('units = "m"', 'units = "m"\naxes = { x = "up" }', r"axes.x: .*got 'up'.*known: \+x"),
+    "no axis": ('units = "m"', 'units = "m"\naxes = { x = "up" }', r"axes.x: .*got 'up'.*allowed: \+x"),
     "layout": ('array = "body"', 'array = "body"\nlayout = ["t", "value"]', r"sources.body.layout: .*\['t', 'value'\]"),
     "rotation kind": ('kind = "wxyz"', 'kind = "xyzx"', r"rotation.kind: .*did you mean 'xyzw'"),
     "rotation columns": ("columns = [3, 4, 5, 6]", "columns = [3, 4, 5]", r"rotation.columns: must list 4 columns"),
@@ -67,7 +67,7 @@ MISTAKES = {
     "mesh": ('type = "cylinder", radius_m = 0.04, length_m = 0.1', 'type = "mesh", file = "cup.obj", units = "m"',
              r"objects.cup.shape.file: the mesh file does not exist.*cup.obj"),
     "same name": ("[objects.cup]", "[objects.P1]", r"same name.*'P1'"),
-    "not a number": ("person = 0", 'person = 0\nstature_m = "tall"', r"stature_m: must be a number \(got 'tall'\)"),
+    "not a number": ("person = 0", 'person = 0\nstature_m = "tall"', r"stature_m: must be a finite number \(got 'tall'\)"),
     "toml": ("[people.P1]", "[people.P1", r"not valid TOML.*line"),
     "bare axes": ("[people.P2]", '[people.P1.directions]\nhead = { forward = "-y" }\n[people.P2]',
                   r"people.P1.directions \(face\): a bare point has no local axes.*from = "),

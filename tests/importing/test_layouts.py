@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from taskgist.importing import Tracks
+from taskgist.importing import Tracks, import_recording, load_mapping
 from taskgist.world.geometry.transforms import matrix_from_wxyz, wxyz_from_rotation_vector
 from tests.importing.skeletons import (
     NAMES,
@@ -19,6 +19,7 @@ from tests.importing.skeletons import (
     cup_position,
     cup_wxyz,
     keypoints,
+    mapping_file,
     npz_mapping,
     tracks_of,
     write_csv,
@@ -229,3 +230,10 @@ units = "m"
 source = "cup"
 shape = {{ type = "cylinder", radius_m = 0.04, length_m = 0.1 }}
 """
+
+
+def test_a_name_may_hold_any_sign(tmp_path: Path) -> None:
+    """It is written into the scene as it is."""
+    about = "[about]\nname = 'say \"hi\" & <wave>'"
+    recording = import_recording(load_mapping(mapping_file(tmp_path, npz_mapping(tmp_path, top=about))))
+    assert recording.name == recording.scene.name == 'say "hi" & <wave>'

@@ -11,7 +11,6 @@ import pytest
 from taskgist.errors import MappingError
 from taskgist.importing import import_recording, load_mapping, read_tracks
 from taskgist.observe import Observer
-from taskgist.pipeline import observe_recording
 from taskgist.recognition import grips_of, propose_label
 from taskgist.recording import Recording
 from taskgist.world import Stage
@@ -126,15 +125,15 @@ def hidden(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, Observe
     seen = truth.handover(noise_m=0.015, hidden_s=(1.6, 1.93))
     text = long_table(folder, seen.keypoints, seen.mug).replace("max_gap_s = 0.5", "max_gap_s = 0.2")
     recording = imported(folder, text)
-    return recording, observe_recording(recording)
+    return recording, Observer(recording.scene, recording)
 
 
 @pytest.mark.parametrize("layout", [long_table, wide_table])
 def test_who_held_the_mug_when(tmp_path: Path, layout: Layout) -> None:
     seen = truth.handover(noise_m=0.01, hidden_s=(1.6, 1.9), seed=3)
     recording = imported(tmp_path, layout(tmp_path, seen.keypoints, seen.mug))
-    observer = observe_recording(recording)
-    first, second = grips_of(observer, recording, "mug")
+    observer = Observer(recording.scene, recording)
+    first, second = grips_of(observer, "mug")
     assert (first.agent, first.side, second.agent, second.side) == ("P1", "right", "P2", "right")
     assert truth.LIFTED_S <= first.start_s < truth.LIFTED_S + 0.25
     assert first.end_s == pytest.approx(truth.LET_GO_S, abs=0.15)

@@ -1,18 +1,38 @@
+"""Confirmation: what lasts counts, from its onset on; and it stands, however many frames follow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taskgist.observe import Confirmation
+from taskgist.errors import RecordingError
+from taskgist.observe import Confirmed, FrameSequence, Observer
+from taskgist.world import State
+from tests.observe.states import States, sequence
+from tests.scenes import agent, cylinder, scene
 
 raw_values = st.lists(st.sampled_from("ABC"), min_size=1, max_size=60)
 STEP_S = 0.1
 
 
-def fed(values: list[str], minimum_s: float = 0.2) -> Confirmation[str]:
-    confirmation: Confirmation[str] = Confirmation(minimum_s)
-    for frame, value in enumerate(values):
-        confirmation.update(frame * STEP_S, value)
-    return confirmation
+def confirmed(values: Sequence[str], minimum_s: float = 0.2) -> Confirmed[str]:
+    """Of a whole sequence."""
+    times_s = [frame * STEP_S for frame in range(len(values))]
+    return Confirmed(sequence(times_s), values.__getitem__, minimum_s)
+
+
+def grown(values: Sequence[str], minimum_s: float = 0.2, window_s: float = 0.0) -> Confirmed[str]:
+    """Of frames that were appended, and asked after each; more may come."""
+    frames = FrameSequence(window_s)
+    growing = Confirmed(frames, values.__getitem__, minimum_s)
+    for frame in range(len(values)):
+        frames.append(State(np.empty(0), frame * STEP_S))
+        growing.at(frame * STEP_S)  # what is kept of this answer must not spoil later ones
+    return growing
 
 
 def offline(values: list[str], minimum_frames: int = 2) -> list[tuple[str, int]]:
@@ -32,38 +52,60 @@ def offline(values: list[str], minimum_frames: int = 2) -> list[tuple[str, int]]
 
 
 @given(raw_values)
-def test_fed_frame_by_frame_equals_cutting_runs_afterwards(values: list[str]) -> None:
-    intervals = fed(values).intervals
+def test_intervals_are_the_runs_that_last(values: list[str]) -> None:
+    intervals = confirmed(values).intervals
     assert [(i.value, round(i.start_s / STEP_S)) for i in intervals] == offline(values)
 
 
-@given(raw_values, st.integers(1, 60))
-def test_what_was_confirmed_live_stands_offline(values: list[str], seen: int) -> None:
-    live, later = fed(values[:seen]).intervals, fed(values).intervals
+@given(raw_values, st.integers(1, 60), st.sampled_from([0.0, 0.2, 0.5]))
+def test_what_was_confirmed_live_stands_offline(values: list[str], seen: int, window_s: float) -> None:
+    live, later = grown(values[:seen], window_s=window_s).intervals, confirmed(values).intervals
     assert [(i.value, i.start_s) for i in live] == [(i.value, i.start_s) for i in later[: len(live)]]
 
 
 @given(raw_values)
 def test_at_reads_the_intervals(values: list[str]) -> None:
-    confirmation = fed(values)
-    for interval in confirmation.intervals:
-        assert confirmation.at(interval.start_s) == interval.value
-        assert confirmation.at((interval.start_s + interval.end_s) / 2) == interval.value
+    found = confirmed(values)
+    for interval in found.intervals:
+        assert found.at(interval.start_s) == interval.value
+        assert found.at((interval.start_s + interval.end_s) / 2) == interval.value
 
 
 def test_a_change_is_provisional_and_then_backdated() -> None:
-    fresh, settled = fed([*"AAAAB"]), fed([*"AAAABBB"])
+    fresh, settled = confirmed("AAAAB"), confirmed("AAAABBB")
     assert (fresh.provisional, fresh.at(0.4)) == ("B", "A")
     assert (settled.provisional, settled.at(0.4)) == (None, "B")
     assert settled.intervals[-1].start_s == pytest.approx(0.4)
 
 
-def test_nothing_is_confirmed_by_one_frame() -> None:
-    assert fed(["A"]).at(0.0) is None
+def test_live_too_once_the_frames_around_it_have_come() -> None:
+    fresh, settled = grown("AAAAB."), grown("AAAABBB.")
+    assert (fresh.provisional, fresh.at(0.4)) == ("B", "A")
+    assert (settled.provisional, settled.at(0.4)) == (None, "B")
+    assert grown("AAAABBB.", window_s=0.4).provisional == "B", "frames are half a window late"
+
+
+def test_nothing_is_confirmed_by_one_frame_or_none() -> None:
+    assert confirmed("A").at(0.0) is None
+    assert (confirmed("A").provisional, confirmed("A").intervals) == ("A", ())
+    nothing = Confirmed(FrameSequence(0.2), "".__getitem__, 0.2)
+    assert (nothing.at(0.0), nothing.provisional, nothing.intervals) == (None, None, ())
 
 
 def test_only_the_key_must_last() -> None:
-    confirmation: Confirmation[tuple[str, int]] = Confirmation(0.2, key=lambda value: value[0])
-    for frame, value in enumerate([("A", 1), ("A", 2), ("A", 1), ("B", 1), ("B", 2), ("B", 3)]):
-        confirmation.update(frame * STEP_S, value)
-    assert [i.value for i in confirmation.intervals] == [("A", 1), ("B", 1)]
+    values = [("A", 1), ("A", 2), ("A", 1), ("B", 1), ("B", 2), ("B", 3)]
+    times_s = [frame * STEP_S for frame in range(len(values))]
+    found = Confirmed(sequence(times_s), values.__getitem__, 0.2, key=lambda value: value[0])
+    assert [i.value for i in found.intervals] == [("A", 1), ("B", 1)]
+
+
+def test_frames_come_in_order_and_only_where_more_were_to_come() -> None:
+    room = scene(cylinder("cup", 0.0, 0.0, 0.05), agents=agent("P1", -0.8, 0))
+    observer = Observer(room)
+    observer.append(State(room.initial.qpos, 0.5))
+    with pytest.raises(RecordingError, match=r"time_s: times run backwards \(got 0.5\); .* the last was at 0.5 s"):
+        observer.append(State(room.initial.qpos, 0.5))
+    observer.finish()
+    for complete in (observer, Observer(room, States([room.initial]))):
+        with pytest.raises(RecordingError, match="no more frames were to come"):
+            complete.append(State(room.initial.qpos, 1.0))

@@ -8,6 +8,7 @@ from taskgist.facts import UNKNOWN
 from taskgist.observe import Observer, snapshot
 from taskgist.settings import DEFAULT
 from taskgist.world import Fitter, Hold, Scene, Stage, State
+from tests.observe.states import States
 from tests.scenes import TABLE, agent, cylinder, scene
 
 RATE_HZ = 20.0
@@ -41,7 +42,7 @@ def carried(room: Scene) -> list[State]:
 
 
 def test_the_story_is_told_in_order(room: Scene, carried: list[State]) -> None:
-    observer = Observer.of(room, carried)
+    observer = Observer(room, States(carried))
     assert [i.value.symbol for i in observer.placement("cup").intervals] == ["On_Support", "In_Hand", "In_Air"]
     held = observer.placement("cup").intervals[1]
     assert held.value.by == ("P1's right hand",)
@@ -52,9 +53,9 @@ def test_the_story_is_told_in_order(room: Scene, carried: list[State]) -> None:
 
 
 def test_live_facts_once_confirmed_equal_offline_facts(room: Scene, carried: list[State]) -> None:
-    offline, live = Observer.of(room, carried), Observer(room)
+    offline, live = Observer(room, States(carried)), Observer(room)
     for state in carried:
-        live.update(state)
+        live.append(state)
         for now, then in (
             (live.placement("cup"), offline.placement("cup")),
             (live.motion("cup"), offline.motion("cup")),
@@ -65,12 +66,12 @@ def test_live_facts_once_confirmed_equal_offline_facts(room: Scene, carried: lis
 
 
 def test_holding_is_the_same_for_facts_and_perspective(room: Scene, carried: list[State]) -> None:
-    observer = Observer.of(room, carried)
+    observer = Observer(room, States(carried))
     held = snapshot(Stage(room, carried[50]), observer, agent="P1", name="cup")
     assert held["reach.effort"].value == held["grasp.effort"].value == "No_Effort_Required"
     assert held["hands"].value == {"left": "Free_of_Object", "right": "Holding_Object"}
-    assert observer.decided(carried[50]).holding == frozenset({Hold("P1", "right", "cup")})
-    assert observer.decided(carried[5]).holding == frozenset()
+    assert observer.with_holding(carried[50]).holding == frozenset({Hold("P1", "right", "cup")})
+    assert observer.with_holding(carried[5]).holding == frozenset()
 
 
 def test_a_passing_hand_holds_nothing(room: Scene) -> None:
@@ -86,18 +87,18 @@ def test_a_passing_hand_holds_nothing(room: Scene) -> None:
         for s in states
     ]
     assert min(near) < DEFAULT.contact.grip_m
-    observer = Observer.of(room, states)
+    observer = Observer(room, States(states))
     assert {i.value.symbol for i in observer.hand("P1", "right").intervals} == {"Free_of_Object"}
 
 
 def test_untracked_is_unknown_never_false(room: Scene, carried: list[State]) -> None:
     lost = [State(s.qpos, s.time_s, frozenset({"cup"}) if s.time_s >= 2 else frozenset()) for s in carried]
-    observer = Observer.of(room, lost)
+    observer = Observer(room, States(lost))
     found = snapshot(Stage(room, lost[70]), observer, agent="P2", name="cup")
     unknown = {name for name, observation in found.items() if observation.value is UNKNOWN}
     assert {"placement", "motion", "visibility.score", "see.effort", "reach.effort", "grasp.effort"} <= unknown
     armless = [State(s.qpos, s.time_s, frozenset({"P1/right_arm"})) for s in carried]
-    lone = Observer.of(room, armless)
+    lone = Observer(room, States(armless))
     assert lone.placement("cup").at(2.0) is not None
     assert lone.placement("cup").at(2.0).symbol is None  # type: ignore[union-attr]
     assert lone.hand("P1", "right").at(2.0).symbol is None  # type: ignore[union-attr]
@@ -127,14 +128,14 @@ def test_holding_something_else_is_told_apart(room: Scene, carried: list[State])
             qpos[both.joint_indices(name)] = state.qpos[room.joint_indices(name)]
         qpos[both.object_slice("cup")] = state.qpos[room.object_slice("cup")]
         states.append(State(qpos, state.time_s))
-    observer = Observer.of(both, states)
+    observer = Observer(both, States(states))
     found = snapshot(Stage(both, states[50]), observer, agent="P1", name="mug")
     assert found["hands"].value == {"left": "Free_of_Object", "right": "Holding_Other_Object"}
 
 
 @pytest.mark.parametrize("every", [1, 2, 4])
 def test_the_story_does_not_depend_on_the_frame_rate(room: Scene, carried: list[State], every: int) -> None:
-    observer = Observer.of(room, carried[::every])
+    observer = Observer(room, States(carried[::every]))
     assert [i.value.symbol for i in observer.placement("cup").intervals] == ["On_Support", "In_Hand", "In_Air"]
     assert [i.value for i in observer.motion("cup").intervals] == ["Static", "Moving", "Static"]
 
@@ -151,5 +152,5 @@ def test_a_hand_that_only_slows_down_does_not_begin_to_hold(room: Scene) -> None
         states.append(
             State(fit.state.replace(at=room.object_slice("cup"), to=(-0.3, -0.15, 1.1, 1, 0, 0, 0)).qpos, time)
         )
-    observer = Observer.of(room, states)
+    observer = Observer(room, States(states))
     assert "Holding_Object" not in {i.value.symbol for i in observer.hand("P1", "right").intervals}

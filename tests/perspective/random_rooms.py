@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from taskgist.world import Scene, Stage, State
+from taskgist.world import Posture, Scene, Stage, State
 from tools.rooms import Person, Room, Shape, Thing, chair, table
 
 Generator = np.random.Generator
@@ -80,7 +80,7 @@ def _person(rng: Generator, number: int) -> Person:
     yaw = math.atan2(-place[1], 0.9 - place[0]) + rng.uniform(-0.6, 0.6)
     if rng.random() < 0.15:
         return Person(f"P{number + 1}", place, yaw, profile=ROBOTS[rng.integers(len(ROBOTS))])
-    posture = "sitting" if rng.random() < 0.4 else "standing"
+    posture: Posture = "sitting" if rng.random() < 0.4 else "standing"
     return Person(f"P{number + 1}", place, yaw, posture, tuple(_joints(rng)), round(rng.uniform(1.2, 1.95), 2))
 
 

@@ -69,7 +69,7 @@ def test_the_tiniest_object_is_answered() -> None:
     assert least_effort(stage, "P1", "cup", "reach", COARSE).level in (1, 2)
 
 
-CYLINDER = '<geom type="cylinder" size="0.03 0.05" pos="0.0 0.0 0.0"/>'
+CYLINDER = '<geom type="cylinder" size="0.03 0.05" pos="0.0 0.0 0.0" />'
 MASS = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
 
 

@@ -3,32 +3,39 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pytest
 
 from taskgist.learning import explain
-from taskgist.observe import LazyObserver, status_observations
-from taskgist.pipeline import episode_of, observe_recording
+from taskgist.observe import Observer, status_observations
+from taskgist.pipeline import episode_of
 from taskgist.recording import Recording
-from tests.observe.frames import said
-from tests.shipped import excerpt, explanation, label, observer, recording
+from tests.observe.states import said
+from tests.observe.step_by_step import Watching
+from tests.shipped import excerpt, explanation, label, recording
+
+
+def watched(whole: Recording) -> Observer:
+    """The slow twin, frame by frame; asked for the same, it is taken for an observer."""
+    return cast(Observer, Watching.of(whole.scene, map(whole.state, range(len(whole)))))
 
 
 @pytest.mark.parametrize("name", [*(f"handover_{number}" for number in range(1, 6)), "hide_b", "show_d"])
 def test_shipped_recordings_are_explained_as_if_all_of_them_had_been_watched(name: str) -> None:
-    watched = explain(episode_of(recording(name), observer=observer(name)))
-    assert explanation(name).to_json() == watched.to_json()
+    by_all = explain(episode_of(recording(name), observer=watched(recording(name))))
+    assert explanation(name).to_json() == by_all.to_json()
 
 
 @pytest.mark.parametrize("name", ["handover_2", "handover_5", "hide_b"])
 def test_wherever_the_label_ends(name: str) -> None:
     """Real hands tremble, and some were not tracked: facts of the label's agent and object, at every third frame."""
     whole, ends = recording(name), label(name)
-    lazy = LazyObserver(whole.scene, whole)
+    by_all, by_some = watched(whole), Observer(whole.scene, whole)
     for time_s in whole.times_s[::-3].tolist():
         found, expected = (
-            status_observations(each, ends.target_agent, ends.target_object, time_s) for each in (lazy, observer(name))
+            status_observations(each, ends.target_agent, ends.target_object, time_s) for each in (by_some, by_all)
         )
         assert found == expected, f"at {time_s:.3f} s"
 
@@ -51,8 +58,7 @@ def noisy(clean: Recording, sigma_m: float, seed: int) -> Recording:
 def test_however_much_it_trembles(name: str, sigma_m: float) -> None:
     ends = label(name)
     trembling = noisy(excerpt(name, ends.start_s - 0.3, ends.end_s + 0.3), sigma_m, seed=len(name))
-    full = observe_recording(trembling)
-    lazy = LazyObserver(trembling.scene, trembling)
+    by_all, by_some = watched(trembling), Observer(trembling.scene, trembling)
     for time_s in trembling.times_s[::-6].tolist():
-        assert said(lazy, time_s) == said(full, time_s), f"at {time_s:.3f} s"
-    assert episode_of(trembling) == episode_of(trembling, observer=full)
+        assert said(by_some, time_s) == said(by_all, time_s), f"at {time_s:.3f} s"
+    assert episode_of(trembling) == episode_of(trembling, observer=by_all)

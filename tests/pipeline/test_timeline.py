@@ -9,8 +9,8 @@ import pytest
 
 from taskgist.errors import UnknownNameError
 from taskgist.facts import STANDARD_TREE, Predicate, predicate_subtree
-from taskgist.observe import snapshot
-from taskgist.pipeline import Timeline, attribute_nodes, observe_recording, timeline
+from taskgist.observe import Observer, snapshot
+from taskgist.pipeline import Timeline, attribute_nodes, timeline
 from taskgist.world import Stage
 from tests.pipeline.small import FRAMES, small
 from tests.shipped import excerpt, label
@@ -21,7 +21,7 @@ NAME = "handover_1"
 @pytest.fixture(scope="module")
 def line() -> Timeline:
     short = excerpt(NAME, 1.2, 4.2)
-    return timeline(short, observe_recording(short), agent="P2", name="baton", every_s=0.6)
+    return timeline(short, Observer(short.scene, short), agent="P2", name="baton", every_s=0.6)
 
 
 def test_every_attribute_has_a_row(line: Timeline) -> None:
@@ -41,7 +41,7 @@ def test_rows_cover_the_recording_without_gaps(line: Timeline) -> None:
 
 def test_rows_say_what_snapshots_say(line: Timeline) -> None:
     short = excerpt(NAME, 1.2, 4.2)
-    watching = observe_recording(short)
+    watching = Observer(short.scene, short)
     for time_s in (float(short.times_s[0]), float(short.times_s[0]) + 1.2, float(short.times_s[-1])):
         observed = snapshot(Stage(short.scene, short.at(time_s)), watching, agent="P2", name="baton")
         for attribute in ("reach.effort", "see.action", "placement", "posture", "motion"):
@@ -61,7 +61,7 @@ def test_a_handover_is_seen_in_it(line: Timeline) -> None:
 
 def test_unknown_is_a_value() -> None:
     lost = small(tracked={"cup": np.arange(FRAMES) > 15})
-    rows = timeline(lost, observe_recording(lost), agent="P2", name="cup", every_s=0.25).rows
+    rows = timeline(lost, Observer(lost.scene, lost), agent="P2", name="cup", every_s=0.25).rows
     assert [i.value for i in rows["placement"]] == [None, "On_Support"]
     assert rows["see.effort"][0].value is None
     assert rows["see.effort"][-1].value is not None
@@ -74,7 +74,7 @@ def test_an_own_predicate_has_a_row_of_its_own() -> None:
     told: list[float] = []
     rows = timeline(
         still,
-        observe_recording(still),
+        Observer(still.scene, still),
         agent="P1",
         name="cup",
         every_s=0.25,
@@ -89,4 +89,4 @@ def test_an_own_predicate_has_a_row_of_its_own() -> None:
 def test_unknown_agents() -> None:
     still = small()
     with pytest.raises(UnknownNameError, match="no agent 'P3'; did you mean 'P2'"):
-        timeline(still, observe_recording(still), agent="P3", name="cup")
+        timeline(still, Observer(still.scene, still), agent="P3", name="cup")

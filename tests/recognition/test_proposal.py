@@ -9,7 +9,7 @@ import pytest
 
 from taskgist.errors import LabelError
 from taskgist.facts import vocabulary as v
-from taskgist.pipeline import observe_recording
+from taskgist.observe import Observer
 from taskgist.recognition import Grip, grips_of, propose_label
 from taskgist.recording import Recording
 from tests.pipeline.small import FRAMES, room, small, still
@@ -35,7 +35,7 @@ def test_a_handover_tells_who_gives_what_to_whom_and_when(name: str) -> None:
 
 
 def grips_of_baton(name: str) -> tuple[Grip, ...]:
-    return grips_of(observer(name), recording(name), "baton")
+    return grips_of(observer(name), "baton")
 
 
 @pytest.mark.parametrize("name", HANDOVERS)
@@ -93,10 +93,10 @@ NOTHING = {
 def test_where_nothing_happens_nothing_is_proposed(case: str) -> None:
     empty, given, message = NOTHING[case]
     with pytest.raises(LabelError, match=re.escape(message)):
-        propose_label(empty, observe_recording(empty), **given)
+        propose_label(empty, Observer(empty.scene, empty), **given)
 
 
 def test_a_target_agent_leaves_the_other_to_perform() -> None:
     sliding = carried_by_nobody()
-    proposed = propose_label(sliding, observe_recording(sliding), task="push", target_agent="P1")
+    proposed = propose_label(sliding, Observer(sliding.scene, sliding), task="push", target_agent="P1")
     assert (proposed.performing_agent, proposed.target_agent) == ("P2", "P1")

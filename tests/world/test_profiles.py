@@ -169,7 +169,7 @@ def test_every_mistake_is_named_not_only_the_first(tmp_path: Path) -> None:
         ("fov_deg = [60, 40]", "fov_deg = [60, 40]\ngaze_cone_deg = 0", r"gaze_cone_deg: .*half-angle between 0"),
         ("fov_deg = [60, 40]", "fov = [60, 40]", r"eye.*no field 'fov'; did you mean 'fov_deg'"),
         ("offset_m = [0, 0, 0.04]", "offset_m = [0, 0]", r"eye\.offset_m: must be three finite numbers"),
-        ("exclude = ", "# exclude = ", r"eye\.exclude: missing"),
+        ("exclude = ", "# exclude = ", r"eye\.exclude: is missing"),
         ("azimuth_deg = [-60, 120]", "azimuth_deg = [120, -60]", r"azimuth_deg: a range is from its low"),
         ('side = "right"', 'side = "rigth"', r"arms: no side 'rigth'; did you mean 'right'"),
         ('root = "upper"', 'root = "upper"\nlength_m = 0', r"length_m: no arm is that long"),

@@ -79,10 +79,10 @@ def test_wrong_agents_are_refused(tmp_path: Path, toml: str, message: str) -> No
 @pytest.mark.parametrize(
     ("extra", "message"),
     [
-        ("objects = 3", r"scene\.objects: must be a list of names"),
-        ("objects = [[1]]", r"scene\.objects: must be a list of names"),
+        ("objects = 3", r"scene\.objects: must be a list of texts"),
+        ("objects = [[1]]", r"scene\.objects: must be a list of texts"),
         ("objects = ['cap']", "no object .*'cap'; did you mean 'cup'"),
-        ("estimated = 4", r"scene\.estimated: must be a list of names"),
+        ("estimated = 4", r"scene\.estimated: must be a list of texts"),
         ("estimated = ['nix']", "no body 'nix'"),
         ("modell = 'x'", "no field 'modell'; did you mean 'model'"),
     ],

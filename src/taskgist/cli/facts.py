@@ -16,8 +16,8 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import UNKNOWN, Observation
 from taskgist.learning.explanation import Explanation, explain
 from taskgist.observe.attributes import snapshot
-from taskgist.observe.history import Observer
-from taskgist.pipeline.explain import episode_of, observe_recording
+from taskgist.observe.observer import Observer
+from taskgist.pipeline.explain import episode_of
 from taskgist.pipeline.facts_over_time import Timeline, timeline
 from taskgist.recording.mcap import read
 from taskgist.recording.recording import Recording
@@ -46,13 +46,13 @@ def facts(
     with about(recording, {"time_s": "--at"}):
         agent, object = _subject(opened, agent, object)  # noqa: A001
         state = None if at is None else opened.at(at)
+    observer = Observer(opened.scene, opened)
+    if state is not None:
+        stage = Stage(opened.scene, state)
+        observed = snapshot(stage, observer, agent=agent, name=object, predicates=known_predicates())
+        _print_instant(agent, object, state.time_s, observed, as_json=as_json)
+        return
     with progress_bar(quiet=as_json) as progress:
-        observer = observe_recording(opened, progress=progress)
-        if state is not None:
-            stage = Stage(opened.scene, state)
-            observed = snapshot(stage, observer, agent=agent, name=object, predicates=known_predicates())
-            _print_instant(agent, object, state.time_s, observed, as_json=as_json)
-            return
         line = timeline(
             opened, observer, agent=agent, name=object, every_s=every, predicates=known_predicates(), progress=progress
         )

@@ -18,10 +18,9 @@ from taskgist.cli.common import (
     command,
     console,
     print_json,
-    progress_bar,
 )
 from taskgist.errors import LabelError
-from taskgist.pipeline.explain import observe_recording
+from taskgist.observe.observer import Observer
 from taskgist.recognition.label_proposal import propose_label
 from taskgist.recording.mcap import read, write
 from taskgist.recording.recording import Label, Recording
@@ -75,7 +74,7 @@ def label(
         changes = {key: value for key, value in given.items() if value is not None}
         if not changes and not propose:
             return _show(opened.label, as_json=as_json)
-        base = _proposed(opened, changes, quiet=as_json) if propose else opened.label
+        base = _proposed(opened, changes) if propose else opened.label
         new = _changed(base, changes)
         labelled = opened.with_label(new)
     if not dry_run:
@@ -83,11 +82,9 @@ def label(
     return _show(new, as_json=as_json)
 
 
-def _proposed(recording: Recording, given: Mapping[str, object], *, quiet: bool) -> Label:
+def _proposed(recording: Recording, given: Mapping[str, object]) -> Label:
     names = {key: str(value) for key, value in given.items() if key not in ("start_s", "end_s")}
-    with progress_bar(quiet=quiet) as progress:
-        observer = observe_recording(recording, progress=progress)
-    return propose_label(recording, observer, **names)
+    return propose_label(recording, Observer(recording.scene, recording), **names)
 
 
 def _changed(base: Label | None, changes: Mapping[str, object]) -> Label:

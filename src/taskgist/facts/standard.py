@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from taskgist.facts import standard as comparisons
-from taskgist.facts import standard as natures
 from taskgist.facts import vocabulary as v
 from taskgist.facts.tree import HypothesisTree, Leaf, Nature, Relation, Subtree
 from taskgist.facts.values import UNKNOWN, ScoreAttribute, SidedAttribute, SymbolAttribute, Unknown, Value
@@ -127,9 +125,9 @@ def ability_subtree(ability: str, efforts: tuple[str, ...]) -> Subtree:
     return Subtree(
         name=ability,
         attribute=effort,
-        relation=Relation(f"Relative_Effort_Class_{suffix}", comparisons.compare_efforts, v.EFFORT_CLASSES),
+        relation=Relation(f"Relative_Effort_Class_{suffix}", compare_efforts, v.EFFORT_CLASSES),
         leaf=leaf,
-        nature=Nature(f"Nature_Effort_Class_{suffix}", natures.nature_of_effort, v.NATURES),
+        nature=Nature(f"Nature_Effort_Class_{suffix}", nature_of_effort, v.NATURES),
         action_level=True,
     )
 
@@ -140,9 +138,9 @@ def visibility_subtree() -> Subtree:
     return Subtree(
         name="visibility",
         attribute=score,
-        relation=Relation("Object_Relative_Visibility_Score", comparisons.compare_scores, v.SCORE_CLASSES),
+        relation=Relation("Object_Relative_Visibility_Score", compare_scores, v.SCORE_CLASSES),
         leaf=Leaf(score, "score", ("Object_Initial_Visibility_Score", "Object_Final_Visibility_Score")),
-        nature=Nature("Nature_Visibility_Score", natures.nature_of_visibility, v.NATURES),
+        nature=Nature("Nature_Visibility_Score", nature_of_visibility, v.NATURES),
     )
 
 
@@ -152,7 +150,7 @@ def posture_subtree() -> Subtree:
     return Subtree(
         name="posture",
         attribute=posture,
-        relation=Relation("Relative_Posture", comparisons.compare_postures, v.POSTURE_CLASSES),
+        relation=Relation("Relative_Posture", compare_postures, v.POSTURE_CLASSES),
         leaf=Leaf(posture, "value", ("Initial_Posture", "Final_Posture")),
     )
 
@@ -163,9 +161,9 @@ def hands_subtree() -> Subtree:
     return Subtree(
         name="hands",
         attribute=hands,
-        relation=Relation("Relative_Hand_Status", comparisons.compare_hands, v.HAND_CLASSES),
+        relation=Relation("Relative_Hand_Status", compare_hands, v.HAND_CLASSES),
         leaf=Leaf(hands, "status", ("Initial_Hand_Status", "Final_Hand_Status")),
-        nature=Nature("Nature_Hand_Status", natures.nature_of_hands, v.HAND_NATURES),
+        nature=Nature("Nature_Hand_Status", nature_of_hands, v.HAND_NATURES),
     )
 
 
@@ -177,9 +175,9 @@ def placement_subtree() -> Subtree:
     return Subtree(
         name="placement",
         attribute=placement,
-        relation=Relation("Object_Relative_Status", comparisons.compare_statuses, classes),
+        relation=Relation("Object_Relative_Status", compare_statuses, classes),
         leaf=Leaf(placement, "status", ("Object_Initial_Status", "Object_Final_Status")),
-        nature=Nature("Nature_Object_Status", natures.nature_of_status, kinds),
+        nature=Nature("Nature_Object_Status", nature_of_status, kinds),
     )
 
 
@@ -189,7 +187,7 @@ def motion_subtree() -> Subtree:
     return Subtree(
         name="motion",
         attribute=motion,
-        relation=Relation("Object_Relative_Motion_Status", comparisons.compare_motions, v.MOTION_CLASSES),
+        relation=Relation("Object_Relative_Motion_Status", compare_motions, v.MOTION_CLASSES),
         leaf=Leaf(motion, "status", ("Object_Initial_Motion_Status", "Object_Final_Motion_Status")),
     )
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +20,7 @@ from taskgist.world.bodies.human import SHARES, HumanSize
 from taskgist.world.fit import ARMS, Fitter
 from taskgist.world.geometry.transforms import about_z
 from taskgist.world.scene import Scene
+from taskgist.world.scene_file import AgentEntry
 from taskgist.world.state import State
 
 # --- How large a tracked person is: stature and segment lengths, from the distances between landmarks.
@@ -255,13 +257,12 @@ def _leaning(agent: Agent, rest: State, last: State, *, lost: Collection[str]) -
 
 def _alone(name: str, size: HumanSize) -> Scene:
     """A scene with nothing but this person: fitting is fast where little can move."""
-    toml = f'[scene]\nmodel = "empty.xml"\n[agents."{name}"]\nbody = {body_toml(size)}\n'
-    return Scene.from_bundle({"scene.toml": toml.encode(), "empty.xml": b"<mujoco/>"})
+    return Scene.from_spec(mujoco.MjSpec(), [entry_of(name, size)])
 
 
-def body_toml(size: HumanSize) -> str:
-    """The size as the inline table of a scene file."""
-    return f"{{ {', '.join(f'{key} = {value:.4f}' for key, value in vars(size).items())} }}"
+def entry_of(name: str, size: HumanSize) -> AgentEntry:
+    """A person of a size, to tenths of a millimetre, as an agent of a scene."""
+    return AgentEntry(name, body={key: round(value, 4) for key, value in vars(size).items()})
 
 
 def tracked_parts(person: PersonTrack) -> dict[str, NDArray[np.bool_]]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from xml.sax.saxutils import quoteattr
 
+import mujoco
 import numpy as np
 
 from taskgist.common.workers import Progress, silent
 from taskgist.errors import MappingError, SceneError
-from taskgist.importing.bodies import BodyTrack, body_toml, estimate_size, fit_person
+from taskgist.importing.bodies import BodyTrack, entry_of, estimate_size, fit_person
 from taskgist.importing.mapping import ImportMapping, Shape, Support
 from taskgist.importing.tracks import ObjectTrack, Tracks, read_tracks
 from taskgist.recording.recording import Recording
@@ -18,8 +18,18 @@ from taskgist.world.bodies.human import HumanSize
 from taskgist.world.geometry.transforms import about_z
 from taskgist.world.scene import Scene
 
-ROOM = "room.xml"
-WOOD, COLOURS = "0.62 0.47 0.32 1", ("0.80 0.25 0.22 1", "0.20 0.45 0.70 1", "0.30 0.60 0.35 1", "0.75 0.60 0.20 1")
+Colour = tuple[float, float, float, float]
+"""Red, green, blue and opacity."""
+
+FLOOR_SIZE_M = (5.0, 5.0, 0.1)
+"""What of the endless floor is drawn: half sizes, and the spacing of its lines."""
+WOOD: Colour = (0.62, 0.47, 0.32, 1.0)
+COLOURS: tuple[Colour, ...] = (
+    (0.80, 0.25, 0.22, 1.0),
+    (0.20, 0.45, 0.70, 1.0),
+    (0.30, 0.60, 0.35, 1.0),
+    (0.75, 0.60, 0.20, 1.0),
+)
 
 
 def import_recording(mapping: ImportMapping, progress: Progress = silent) -> Recording:
@@ -60,22 +70,6 @@ def import_recording(mapping: ImportMapping, progress: Progress = silent) -> Rec
     )
 
 
-def build_scene(mapping: ImportMapping, tracks: Tracks, sizes: Mapping[str, HumanSize]) -> Scene:
-    """The scene of a mapping: floor, supports, objects, and bodies of the people's size."""
-    meshes = {
-        f"{name}_{number}{shape.mesh.suffix}": shape.mesh.read_bytes()
-        for name, track in tracks.objects.items()
-        for number, shape in enumerate(track.shapes)
-        if shape.mesh
-    }
-    bundle = {
-        "scene.toml": _scene_toml(mapping, tracks, sizes).encode(),
-        ROOM: _room_mjcf(tracks).encode(),
-        **meshes,
-    }
-    return Scene.from_bundle(bundle, where=str(mapping.file))
-
-
 def _size(mapping: ImportMapping, name: str, tracks: Tracks) -> HumanSize:
     person = tracks.people[name]
     try:
@@ -87,64 +81,56 @@ def _size(mapping: ImportMapping, name: str, tracks: Tracks) -> HumanSize:
         ) from error
 
 
-def _scene_toml(mapping: ImportMapping, tracks: Tracks, sizes: Mapping[str, HumanSize]) -> str:
-    estimated = [f'"{support.name}"' for support in tracks.supports if support.estimated]
-    estimated += [f'"{name}"' for name, track in tracks.objects.items() if track.estimated]
-    lines = ["[scene]", f'name = "{mapping.name}"', f'model = "{ROOM}"', f"estimated = [{', '.join(estimated)}]"]
-    for name, size in sizes.items():
-        lines += ["", f'[agents."{name}"]', 'profile = "human"', f"body = {body_toml(size)}"]
-    return "\n".join(lines) + "\n"
-
-
-def _room_mjcf(tracks: Tracks) -> str:
-    meshes = [
-        f'<mesh name="{name}_{number}" file="{name}_{number}{shape.mesh.suffix}" '
-        f'scale="{_numbers([shape.scale_m] * 3)}"/>'
-        for name, track in tracks.objects.items()
-        for number, shape in enumerate(track.shapes)
-        if shape.mesh
-    ]
-    bodies = [_support(support) for support in tracks.supports]
-    bodies += [
-        _object(name, track, COLOURS[i % len(COLOURS)]) for i, (name, track) in enumerate(tracks.objects.items())
-    ]
-    return "\n".join(
-        (
-            '<mujoco model="imported room">',
-            f"<asset>{''.join(meshes)}</asset>" if meshes else "",
-            '<worldbody><geom name="floor" type="plane" size="5 5 0.1" rgba="0.8 0.8 0.8 1"/>',
-            *bodies,
-            "</worldbody></mujoco>",
-        )
+def build_scene(mapping: ImportMapping, tracks: Tracks, sizes: Mapping[str, HumanSize]) -> Scene:
+    """The scene of a mapping: floor, supports, objects, and bodies of the people's size."""
+    room = mujoco.MjSpec()
+    room.modelname = "imported room"
+    room.worldbody.add_geom(
+        name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=FLOOR_SIZE_M, rgba=(0.8, 0.8, 0.8, 1.0)
+    )
+    for support in tracks.supports:
+        _add_support(room, support)
+    for number, (name, track) in enumerate(tracks.objects.items()):
+        _add_object(room, name, track, COLOURS[number % len(COLOURS)])
+    estimated = [support.name for support in tracks.supports if support.estimated]
+    estimated += [name for name, track in tracks.objects.items() if track.estimated]
+    return Scene.from_spec(
+        room,
+        [entry_of(name, size) for name, size in sizes.items()],
+        name=mapping.name,
+        estimated=estimated,
+        where=str(mapping.file),
     )
 
 
-def _support(support: Support) -> str:
-    size = _numbers(edge / 2 for edge in support.size_m)
-    pose = f'pos="{_numbers(support.position_m)}" quat="{_numbers(about_z(support.yaw_rad))}"'
-    return f'<body name={quoteattr(support.name)} {pose}><geom type="box" size="{size}" rgba="{WOOD}"/></body>'
+def _add_support(room: mujoco.MjSpec, support: Support) -> None:
+    body = room.worldbody.add_body(name=support.name, pos=support.position_m, quat=about_z(support.yaw_rad))
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=np.array(support.size_m) / 2, rgba=WOOD)
 
 
-def _object(name: str, track: ObjectTrack, rgba: str) -> str:
-    geoms = "".join(_geom(f"{name}_{number}", shape, rgba) for number, shape in enumerate(track.shapes))
-    return f"<body name={quoteattr(name)}><freejoint/>{geoms}</body>"
+def _add_object(room: mujoco.MjSpec, name: str, track: ObjectTrack, rgba: Colour) -> None:
+    body = room.worldbody.add_body(name=name)
+    body.add_freejoint()
+    for number, shape in enumerate(track.shapes):
+        geom = body.add_geom(pos=shape.position_m, quat=shape.wxyz, rgba=rgba)
+        if shape.mesh:
+            geom.type, geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{name}_{number}"
+            file = f"{name}_{number}{shape.mesh.suffix}"
+            room.assets = {**room.assets, file: shape.mesh.read_bytes()}
+            room.add_mesh(name=geom.meshname, file=file, scale=[shape.scale_m] * 3)
+        else:
+            geom.type, geom.size = _size_of_geom(shape)
 
 
-def _geom(mesh_name: str, shape: Shape, rgba: str) -> str:
-    wxyz = np.array(shape.wxyz)
-    if shape.kind == "mesh":
-        kind = f'type="mesh" mesh="{mesh_name}"'
-    elif shape.kind == "box":
-        kind = f'type="box" size="{_numbers(edge / 2 for edge in shape.size_m)}"'
-    elif shape.kind == "cylinder":
-        kind = f'type="cylinder" size="{_numbers((shape.size_m[0], shape.size_m[1] / 2))}"'
-    else:
-        kind = f'type="sphere" size="{_numbers(shape.size_m)}"'
-    return f'<geom {kind} pos="{_numbers(shape.position_m)}" quat="{_numbers(wxyz)}" rgba="{rgba}"/>'
-
-
-def _numbers(values: object) -> str:
-    return " ".join(f"{float(value):.6g}" for value in values)  # type: ignore[attr-defined]
+def _size_of_geom(shape: Shape) -> tuple[mujoco.mjtGeom, tuple[float, float, float]]:
+    """Kind and size of a shape without a mesh as MuJoCo has them: half edges; radius and half height; radius."""
+    if shape.kind == "box":
+        x, y, z = shape.size_m
+        return mujoco.mjtGeom.mjGEOM_BOX, (x / 2, y / 2, z / 2)
+    if shape.kind == "cylinder":
+        radius, height = shape.size_m
+        return mujoco.mjtGeom.mjGEOM_CYLINDER, (radius, height / 2, 0.0)
+    return mujoco.mjtGeom.mjGEOM_SPHERE, (shape.size_m[0], 0.0, 0.0)
 
 
 def _positions(scene: Scene, tracks: Tracks, bodies: Mapping[str, BodyTrack]) -> np.ndarray:

@@ -6,18 +6,18 @@ import math
 
 import numpy as np
 
-from taskgist.common.toml import Section
+from taskgist.common.toml import TomlTable
 from taskgist.importing.mapping import Columns, Frame, Name, Vector
 from taskgist.world.geometry.transforms import about_z, matrix_from_wxyz
 
 # --- Names of columns, as a mapping gives them: a list, a template over the axes, or a block per point.
 
 
-def read_columns(section: Section, key: str, letters: str, default: object = None) -> Columns:
+def read_columns(section: TomlTable, key: str, letters: str, default: object = None) -> Columns:
     """As many columns as there are letters; ``{axis}`` in a template stands for each letter in turn."""
     value = section.any(key) if default is None else section.any(key, default)
     if isinstance(value, dict):
-        return _block(section.section(key), len(letters))
+        return _block(section.table(key), len(letters))
     if isinstance(value, str):
         if "{axis}" not in value and "{AXIS}" not in value:
             hint = f'write it as "{{point}}_{{axis}}", or list the {len(letters)} columns'
@@ -30,14 +30,14 @@ def read_columns(section: Section, key: str, letters: str, default: object = Non
     return Columns(tuple(value))
 
 
-def _block(section: Section, count: int) -> Columns:
+def _block(section: TomlTable, count: int) -> Columns:
     first = section.integer("first")
     step = section.integer("step", 0)
     section.done()
     return Columns(tuple(range(first, first + count)), step)
 
 
-def read_column(section: Section, key: str) -> Name:
+def read_column(section: TomlTable, key: str) -> Name:
     """One column, by name or index."""
     value = section.any(key)
     if not is_column(value):
@@ -58,38 +58,38 @@ UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 _AXES = {f"{sign}{axis}": (axis, -1.0 if sign == "-" else 1.0) for sign in ("", "+", "-") for axis in "xyz"}
 
 
-def local_axis(section: Section, key: str) -> Vector:
+def local_axis(section: TomlTable, key: str) -> Vector:
     """A local axis such as "-y", or any direction as three numbers, as a unit vector."""
     value = section.any(key)
     if isinstance(value, str):
         if value not in _AXES:
             raise section.error("is no axis", key, value, 'give one of "x", "-x", "y", "-y", "z", "-z"')
         return _axis(value)
-    vector = np.array(section.vector(key, 3))
+    vector = np.array(section.triple(key))
     if not vector.any():
         raise section.error("has no direction", key, value, 'give an axis such as "-y", or three numbers')
     return _vector(vector / np.linalg.norm(vector))
 
 
-def read_frame(section: Section) -> Frame:
+def read_frame(section: TomlTable) -> Frame:
     """Units, axes and transform of a source."""
     scale_m = UNITS_M[section.choice("units", UNITS_M)]
-    axes = section.section("axes")
+    axes = section.table("axes")
     chosen = [axes.choice(ours, _AXES, ours) for ours in "xyz"]
     axes.done()
     if len({_AXES[axis][0] for axis in chosen}) < 3:
         hint = 'each of the source\'s axes once, as { x = "-z", y = "-x", z = "y" }'
         raise section.error("uses one of the source's axes twice", "axes", axes.values, hint)
-    place = section.section("transform")
-    position_m = place.vector("position_m", 3, (0.0, 0.0, 0.0))
+    place = section.table("transform")
+    position_m = place.triple("position_m", (0.0, 0.0, 0.0))
     turn = _turn(place)
     place.done()
     return Frame(scale_m, (_axis(chosen[0]), _axis(chosen[1]), _axis(chosen[2])), turn, position_m)
 
 
-def _turn(section: Section) -> tuple[Vector, Vector, Vector]:
+def _turn(section: TomlTable) -> tuple[Vector, Vector, Vector]:
     if "wxyz" in section:
-        wxyz = np.array(section.vector("wxyz", 4))
+        wxyz = np.array(section.quadruple("wxyz"))
         if abs(np.linalg.norm(wxyz) - 1.0) > 0.01:
             raise section.error("is no unit quaternion", "wxyz", section.values["wxyz"])
         if "yaw_deg" in section:

@@ -10,7 +10,7 @@ from collections.abc import Mapping as AnyMapping
 from pathlib import Path, PurePath
 from typing import Any
 
-from taskgist.common.toml import Section, is_finite_number
+from taskgist.common.toml import Document, TomlTable, is_finite_number
 from taskgist.errors import InputError, MappingError, UnknownNameError
 from taskgist.importing.mapping import (
     Clock,
@@ -148,7 +148,7 @@ KINDS = {".csv": "csv", ".tsv": "csv", ".txt": "csv", ".npz": "npz", ".npy": "np
 ROTATION_LETTERS = {"xyzw": "xyzw", "wxyz": "wxyz", "rotation_vector": "xyz", "matrix": "012345678"}
 
 
-def read_source(name: str, section: Section) -> Source:
+def read_source(name: str, section: TomlTable) -> Source:
     """One source, checked as far as that goes without its files.
 
     Raises:
@@ -165,8 +165,8 @@ def read_source(name: str, section: Section) -> Source:
         table=_table(section),
         clock=_clock(section),
         position=read_columns(section, "position", "xyz", ["x", "y", "z"] if kind == "csv" else [0, 1, 2]),
-        rotation=_rotation(section.section("rotation")) if "rotation" in section else None,
-        confidence=_confidence(section.section("confidence")) if "confidence" in section else None,
+        rotation=_rotation(section.table("rotation")) if "rotation" in section else None,
+        confidence=_confidence(section.table("confidence")) if "confidence" in section else None,
         frame=read_frame(section),
         names=_names(section),
         missing=_missing(section),
@@ -176,7 +176,7 @@ def read_source(name: str, section: Section) -> Source:
     return source
 
 
-def _file(section: Section) -> str:
+def _file(section: TomlTable) -> str:
     file: str = section.text("file")
     for placeholder in re.findall(r"\{(\w*)\}", file):
         if placeholder not in {"person", "point"}:
@@ -185,8 +185,8 @@ def _file(section: Section) -> str:
     return file
 
 
-def _table(section: Section) -> TableFormat:
-    where = section.section("where").values.items()
+def _table(section: TomlTable) -> TableFormat:
+    where = section.table("where").values.items()
     return TableFormat(
         delimiter=_delimiter(section),
         header=section.flag("header", False) if "header" in section else None,
@@ -199,14 +199,14 @@ def _table(section: Section) -> TableFormat:
     )
 
 
-def _delimiter(section: Section) -> str | None:
+def _delimiter(section: TomlTable) -> str | None:
     delimiter: str | None = section.text("delimiter", None)
     if delimiter is not None and delimiter != "whitespace" and len(delimiter) != 1:
         raise section.error("must be one character", "delimiter", delimiter, 'or "whitespace" for runs of blanks')
     return delimiter
 
 
-def _layout(section: Section, key: str) -> tuple[Name, ...]:
+def _layout(section: TomlTable, key: str) -> tuple[Name, ...]:
     layout = section.any(key, [])
     words = {"time", "value", "{person}", "{point}"}
     good = isinstance(layout, list) and all(
@@ -218,7 +218,7 @@ def _layout(section: Section, key: str) -> tuple[Name, ...]:
     return tuple(layout)
 
 
-def _clock(section: Section) -> Clock:
+def _clock(section: TomlTable) -> Clock:
     offset_s = section.number("offset_s", 0.0)
     rate_hz = section.number("rate_hz", None, least=0.1, most=10_000)
     if "time" not in section:
@@ -228,14 +228,14 @@ def _clock(section: Section) -> Clock:
         return Clock(rate_hz=rate_hz, offset_s=offset_s)
     if rate_hz is not None:
         raise section.error("the source has both a time and a rate", "rate_hz", rate_hz, "keep one of them")
-    time = section.section("time")
+    time = section.table("time")
     unit_s = TIME_UNITS_S[time.choice("unit", TIME_UNITS_S)]
     column = read_column(time, "column")
     time.done()
     return Clock(column=column, unit_s=unit_s, offset_s=offset_s)
 
 
-def _rotation(section: Section) -> Rotation:
+def _rotation(section: TomlTable) -> Rotation:
     kind = section.choice("kind", {*ROTATION_LETTERS, "euler_intrinsic", "euler_extrinsic"})
     euler = kind.startswith("euler")
     order = section.text("order") if euler else ""
@@ -248,22 +248,20 @@ def _rotation(section: Section) -> Rotation:
     return Rotation(columns, kind, order.lower(), unit_rad)
 
 
-def _confidence(section: Section) -> Confidence:
+def _confidence(section: TomlTable) -> Confidence:
     confidence = Confidence(read_column(section, "column"), section.number("least"))
     section.done()
     return confidence
 
 
-def _names(section: Section) -> tuple[str, ...]:
-    names = section.any("names", [])
-    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise section.error("must be a list of texts", "names", names)
+def _names(section: TomlTable) -> tuple[str, ...]:
+    names = section.texts("names")
     if len(set(names)) < len(names):
-        raise section.error("holds a name twice", "names", names)
-    return tuple(names)
+        raise section.error("holds a name twice", "names", list(names))
+    return names
 
 
-def _missing(section: Section) -> tuple[float, ...] | None:
+def _missing(section: TomlTable) -> tuple[float, ...] | None:
     if "missing" not in section:
         return None
     value = section.any("missing")
@@ -300,46 +298,43 @@ def load_mapping(
     file = Path(path)
     base = file.parent if data_dir is None else Path(data_dir)
     document, text = read_document(file, parameters or {})
-    top = Section(document, file)
+    top = TomlTable(document, Document(file, MappingError, "docs/import.md", largest=math.inf))
     top.only(_SECTIONS)
-    sources = {name: read_source(name, section) for name, section in top.sections("sources").items()}
-    about = top.section("about")
-    people = {name: read_person(name, section, sources) for name, section in top.sections("people").items()}
-    things = {name: read_thing(name, section, sources, base) for name, section in top.sections("objects").items()}
+    sources = {name: read_source(name, section) for name, section in top.tables_by_name("sources").items()}
+    about = top.table("about")
+    people = {name: read_person(name, section, sources) for name, section in top.tables_by_name("people").items()}
+    things = {name: read_thing(name, section, sources, base) for name, section in top.tables_by_name("objects").items()}
     mapping = ImportMapping(
         name=about.text("name", file.stem),
         file=file,
         data_dir=base,
         about=_about(about, text),
-        timeline=_timeline(top.section("time")),
+        timeline=_timeline(top.table("time")),
         sources=tuple(sources.values()),
         people=tuple(people.values()),
         objects=tuple(things.values()),
-        supports=tuple(read_support(name, section) for name, section in top.sections("supports").items()),
-        signals=tuple(_signal(name, section, sources) for name, section in top.sections("signals").items()),
-        label=_label(top.section("label"), people, things) if "label" in top else None,
+        supports=tuple(read_support(name, section) for name, section in top.tables_by_name("supports").items()),
+        signals=tuple(_signal(name, section, sources) for name, section in top.tables_by_name("signals").items()),
+        label=_label(top.table("label"), people, things) if "label" in top else None,
     )
     _check_whole(top, mapping.people, mapping.objects, mapping.supports)
     return mapping
 
 
-def _about(section: Section, text: str) -> Provenance:
-    notes = section.any("notes", [])
-    if not isinstance(notes, list) or not all(isinstance(note, str) for note in notes):
-        raise section.error("must be a list of texts", "notes", notes)
+def _about(section: TomlTable, text: str) -> Provenance:
     about = Provenance(
         source=section.text("source", ""),
         licence=section.text("licence", ""),
         citation=section.text("citation", ""),
         simulated=section.flag("simulated", False),
-        notes=tuple(notes),
+        notes=section.texts("notes"),
         mapping=text,
     )
     section.done()
     return about
 
 
-def _timeline(section: Section) -> Timeline:
+def _timeline(section: TomlTable) -> Timeline:
     timeline = Timeline(
         rate_hz=section.number("rate_hz", 30.0, least=1.0, most=1000.0),
         max_gap_s=section.number("max_gap_s", 0.2, least=0.0),
@@ -352,10 +347,10 @@ def _timeline(section: Section) -> Timeline:
     return timeline
 
 
-def _signal(name: str, section: Section, sources: Collection[str]) -> SignalColumn:
+def _signal(name: str, section: TomlTable, sources: Collection[str]) -> SignalColumn:
     source = section.text("source")
     if source not in sources:
-        raise UnknownNameError("source", str(source), sources, where=f"{section.file}: {section.path}.source")
+        raise UnknownNameError("source", str(source), sources, where=f"{section.place}.source")
     column = section.any("column")
     if isinstance(column, bool) or not isinstance(column, str | int):
         raise section.error("must be a column's name, or its index from 0", "column", column)
@@ -364,7 +359,7 @@ def _signal(name: str, section: Section, sources: Collection[str]) -> SignalColu
     return signal
 
 
-def _label(section: Section, people: Collection[str], objects: Collection[str]) -> Label:
+def _label(section: TomlTable, people: Collection[str], objects: Collection[str]) -> Label:
     try:
         label = Label(
             task=section.any("task"),
@@ -377,14 +372,14 @@ def _label(section: Section, people: Collection[str], objects: Collection[str]) 
         )
         label.check(agents=people, objects=objects)
     except InputError as problem:
-        problem.where = problem.where or f"{section.file}: label"
+        problem.where = problem.where or section.place
         raise
     section.done()
     return label
 
 
 def _check_whole(
-    top: Section, people: tuple[Person, ...], things: tuple[Thing, ...], supports: tuple[Support, ...]
+    top: TomlTable, people: tuple[Person, ...], things: tuple[Thing, ...], supports: tuple[Support, ...]
 ) -> None:
     if not people and not things:
         raise top.error("the mapping brings in nobody and nothing", hint="add [people.NAME] and [objects.NAME]")

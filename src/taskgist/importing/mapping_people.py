@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection
 from typing import Any
 
-from taskgist.common.toml import Section
+from taskgist.common.toml import TomlTable
 from taskgist.errors import UnknownNameError
 from taskgist.importing.mapping import Between, LocalAxis, Name, Person, Point, PointRef
 from taskgist.importing.mapping_fields import local_axis
@@ -51,7 +51,7 @@ DIRECTIONS: dict[str, dict[str, str]] = {
 Directions = dict[str, LocalAxis | Between]
 
 
-def read_person(name: str, section: Section, sources: Collection[str]) -> Person:
+def read_person(name: str, section: TomlTable, sources: Collection[str]) -> Person:
     """One person.
 
     Raises:
@@ -60,7 +60,7 @@ def read_person(name: str, section: Section, sources: Collection[str]) -> Person
     """
     default_source = section.text("source", None)
     points = tuple(
-        Point(landmark, _refs(section.section("points"), landmark, default_source, sources))
+        Point(landmark, _refs(section.table("points"), landmark, default_source, sources))
         for landmark in _known_keys(section, "points", LANDMARKS, "landmark")
     )
     if not points:
@@ -77,21 +77,23 @@ def read_person(name: str, section: Section, sources: Collection[str]) -> Person
     return person
 
 
-def read_point_ref(section: Section, default_source: str | None, sources: Collection[str]) -> PointRef:
+def read_point_ref(section: TomlTable, default_source: str | None, sources: Collection[str]) -> PointRef:
     """A point given as a table: source, point, offset_m (and nothing else)."""
     ref = PointRef(
         source=_source(section, section.text("source", default_source), sources),
         point=_point_name(section, "point", section.any("point")),
-        offset_m=section.vector("offset_m", 3, None),
+        offset_m=section.triple("offset_m", None),
     )
     section.done()
     return ref
 
 
-def _refs(points: Section, landmark: str, default_source: str | None, sources: Collection[str]) -> tuple[PointRef, ...]:
+def _refs(
+    points: TomlTable, landmark: str, default_source: str | None, sources: Collection[str]
+) -> tuple[PointRef, ...]:
     value = points.any(landmark)
     if isinstance(value, dict) and "mean" in value:
-        section = points.section(landmark)
+        section = points.table(landmark)
         items = section.any("mean")
         section.done()
         if not isinstance(items, list) or not items:
@@ -100,23 +102,25 @@ def _refs(points: Section, landmark: str, default_source: str | None, sources: C
     return (_ref(points, landmark, value, default_source, sources),)
 
 
-def _ref(points: Section, landmark: str, value: Any, default_source: str | None, sources: Collection[str]) -> PointRef:
+def _ref(
+    points: TomlTable, landmark: str, value: Any, default_source: str | None, sources: Collection[str]
+) -> PointRef:
     if isinstance(value, dict):
-        return read_point_ref(Section(value, points.file, f"{points.path}.{landmark}"), default_source, sources)
+        return read_point_ref(points.inner(value, landmark), default_source, sources)
     source = _source(points, default_source, sources)
     return PointRef(source, _point_name(points, landmark, value))
 
 
-def _source(section: Section, source: str | None, sources: Collection[str]) -> str:
+def _source(section: TomlTable, source: str | None, sources: Collection[str]) -> str:
     if source is None:
         hint = 'add source = "NAME", which names one of [sources.NAME]'
         raise section.error("no source is given", "source", hint=hint)
     if source not in sources:
-        raise UnknownNameError("source", source, sources, where=f"{section.file}: {section.path}")
+        raise UnknownNameError("source", source, sources, where=f"{section.place}")
     return source
 
 
-def _point_name(section: Section, key: str, value: Any) -> Name:
+def _point_name(section: TomlTable, key: str, value: Any) -> Name:
     good = (isinstance(value, str) and value) or (isinstance(value, int) and not isinstance(value, bool))
     if not good or (isinstance(value, int) and value < 0):
         raise section.error("must be the point's name in the source, or its index from 0", key, value)
@@ -124,23 +128,23 @@ def _point_name(section: Section, key: str, value: Any) -> Name:
     return name
 
 
-def _token(section: Section, name: str) -> Name:
+def _token(section: TomlTable, name: str) -> Name:
     return _point_name(section, "person", section.any("person", name))
 
 
-def _directions(section: Section, mapped: Collection[str]) -> Directions:
-    given = section.section("directions")
+def _directions(section: TomlTable, mapped: Collection[str]) -> Directions:
+    given = section.table("directions")
     directions: Directions = {}
     for part in DIRECTIONS:
         if part in given:
-            directions |= _given(given.section(part), part, mapped)
+            directions |= _given(given.table(part), part, mapped)
         else:
             directions |= _usual(part, mapped)
     given.done()
     return directions
 
 
-def _given(section: Section, part: str, mapped: Collection[str]) -> Directions:
+def _given(section: TomlTable, part: str, mapped: Collection[str]) -> Directions:
     names = DIRECTIONS[part]
     found: Directions = {}
     if "from" in section:
@@ -150,7 +154,7 @@ def _given(section: Section, part: str, mapped: Collection[str]) -> Directions:
     else:
         of = section.text("of", _usual_frame(part, mapped))
         if of not in mapped:
-            raise UnknownNameError("mapped landmark", str(of), mapped, where=f"{section.file}: {section.path}.of")
+            raise UnknownNameError("mapped landmark", str(of), mapped, where=f"{section.place}.of")
         found |= {name: LocalAxis(of, local_axis(section, key)) for key, name in names.items() if key in section}
     section.done()
     if not found:
@@ -186,35 +190,35 @@ def _face(mapped: Collection[str]) -> tuple[str, ...]:
     return eyes + (("nose",) if "nose" in mapped else ())
 
 
-def _landmarks(section: Section, key: str, mapped: Collection[str]) -> tuple[str, ...]:
+def _landmarks(section: TomlTable, key: str, mapped: Collection[str]) -> tuple[str, ...]:
     value = section.any(key)
     names = value if isinstance(value, list) else [value]
     for name in names:
         if name not in mapped:
-            raise UnknownNameError("mapped landmark", str(name), mapped, where=f"{section.file}: {section.path}.{key}")
+            raise UnknownNameError("mapped landmark", str(name), mapped, where=f"{section.place}.{key}")
     if not names:
         raise section.error("names no landmark", key, value)
     return tuple(names)
 
 
-def _unknown(section: Section) -> tuple[tuple[str, str], ...]:
+def _unknown(section: TomlTable) -> tuple[tuple[str, str], ...]:
     value = section.any("unknown", {})
     if isinstance(value, list):
         value = dict.fromkeys(map(str, value), "declared unknown in the mapping")
         for part in value:
             _check_known(section, "unknown", part, PARTS, "part")
         return tuple(value.items())
-    reasons = section.section("unknown")
+    reasons = section.table("unknown")
     return tuple((part, reasons.text(part)) for part in _known_keys(section, "unknown", PARTS, "part"))
 
 
-def _known_keys(section: Section, key: str, known: Collection[str], kind: str) -> tuple[str, ...]:
-    names = tuple(section.section(key).values)
+def _known_keys(section: TomlTable, key: str, known: Collection[str], kind: str) -> tuple[str, ...]:
+    names = tuple(section.table(key).values)
     for name in names:
         _check_known(section, key, name, known, kind)
     return names
 
 
-def _check_known(section: Section, key: str, name: str, known: Collection[str], kind: str) -> None:
+def _check_known(section: TomlTable, key: str, name: str, known: Collection[str], kind: str) -> None:
     if name not in known:
-        raise UnknownNameError(kind, name, known, where=f"{section.file}: {section.path}.{key}")
+        raise UnknownNameError(kind, name, known, where=f"{section.place}.{key}")

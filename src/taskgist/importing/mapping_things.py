@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from taskgist.common.toml import Section
+from taskgist.common.toml import TomlTable
 from taskgist.importing.mapping import FixedPose, PointRef, Shape, Support, Thing
 from taskgist.importing.mapping_fields import UNITS_M
 from taskgist.importing.mapping_people import read_point_ref
@@ -17,7 +17,7 @@ from taskgist.world.geometry.transforms import matrix_from_euler, wxyz_from_matr
 _SMALLEST_M = 1e-4
 
 
-def read_thing(name: str, section: Section, sources: Collection[str], data_dir: Path) -> Thing:
+def read_thing(name: str, section: TomlTable, sources: Collection[str], data_dir: Path) -> Thing:
     """One object.
 
     Raises:
@@ -35,7 +35,7 @@ def read_thing(name: str, section: Section, sources: Collection[str], data_dir: 
     return thing
 
 
-def read_support(name: str, section: Section) -> Support:
+def read_support(name: str, section: TomlTable) -> Support:
     """One support.
 
     Raises:
@@ -43,8 +43,8 @@ def read_support(name: str, section: Section) -> Support:
     """
     support = Support(
         name=name,
-        size_m=section.vector("size_m", 3, least=_SMALLEST_M),
-        position_m=section.vector("position_m", 3),
+        size_m=section.triple("size_m", least=_SMALLEST_M),
+        position_m=section.triple("position_m"),
         yaw_rad=math.radians(section.number("yaw_deg", 0.0)),
         estimated=section.flag("estimated", False),
         note=section.text("note", ""),
@@ -53,35 +53,34 @@ def read_support(name: str, section: Section) -> Support:
     return support
 
 
-def _pose(name: str, section: Section, sources: Collection[str]) -> PointRef | FixedPose:
+def _pose(name: str, section: TomlTable, sources: Collection[str]) -> PointRef | FixedPose:
     if "fixed" in section:
-        fixed = section.section("fixed")
-        pose = FixedPose(fixed.vector("position_m", 3), math.radians(fixed.number("yaw_deg", 0.0)))
+        fixed = section.table("fixed")
+        pose = FixedPose(fixed.triple("position_m"), math.radians(fixed.number("yaw_deg", 0.0)))
         fixed.done()
         return pose
     named = {"point": name} | {key: section.any(key) for key in ("source", "point", "offset_m") if key in section}
     if "source" not in named:
         hint = 'give source = "NAME" (tracked), or fixed = { position_m = [x, y, z] } (it never moves)'
         raise section.error("the object has no pose", "source", hint=hint)
-    return read_point_ref(Section(named, section.file, section.path), None, sources)
+    return read_point_ref(TomlTable(named, section.document, section.path), None, sources)
 
 
-def _shapes(section: Section, data_dir: Path) -> tuple[Shape, ...]:
+def _shapes(section: TomlTable, data_dir: Path) -> tuple[Shape, ...]:
     value = section.any("shape")
     tables = value if isinstance(value, list) else [value]
     if not tables or not all(isinstance(table, dict) for table in tables):
         hint = 'as shape = { type = "box", size_m = [0.3, 0.2, 0.1] }, or a list of such tables'
         raise section.error("must be a table, or a list of tables", "shape", value, hint)
-    path = f"{section.path}.shape"
-    return tuple(_shape(Section(table, section.file, path), data_dir) for table in tables)
+    return tuple(_shape(section.inner(table, "shape"), data_dir) for table in tables)
 
 
-def _shape(section: Section, data_dir: Path) -> Shape:
+def _shape(section: TomlTable, data_dir: Path) -> Shape:
     kind = section.choice("type", {"box", "cylinder", "sphere", "mesh"})
     shape = Shape(
         kind=kind,
         size_m=_size(section, kind),
-        position_m=section.vector("position_m", 3, (0.0, 0.0, 0.0)),
+        position_m=section.triple("position_m", (0.0, 0.0, 0.0)),
         wxyz=_orientation(section, kind),
         mesh=_mesh_file(section, data_dir) if kind == "mesh" else None,
         scale_m=UNITS_M[section.choice("units", UNITS_M)] if kind == "mesh" else 1.0,
@@ -90,27 +89,27 @@ def _shape(section: Section, data_dir: Path) -> Shape:
     return shape
 
 
-def _size(section: Section, kind: str) -> tuple[float, ...]:
+def _size(section: TomlTable, kind: str) -> tuple[float, ...]:
     if kind == "box":
-        size: tuple[float, ...] = section.vector("size_m", 3, least=_SMALLEST_M)
+        size: tuple[float, ...] = section.triple("size_m", least=_SMALLEST_M)
         return size
     keys = {"cylinder": ("radius_m", "length_m"), "sphere": ("radius_m",), "mesh": ()}[kind]
     return tuple(section.number(key, least=_SMALLEST_M, most=100.0) for key in keys)
 
 
-def _orientation(section: Section, kind: str) -> tuple[float, float, float, float]:
+def _orientation(section: TomlTable, kind: str) -> tuple[float, float, float, float]:
     """Of the shape in its object: a cylinder's axis by name, anything else by turns about x, then y, then z."""
     if kind == "cylinder":
         axis = section.choice("axis", {"x", "y", "z"}, "z")
         turn_rad = {"x": (0.0, math.pi / 2, 0.0), "y": (-math.pi / 2, 0.0, 0.0), "z": (0.0, 0.0, 0.0)}[axis]
     else:
-        x_deg, y_deg, z_deg = section.vector("turn_deg", 3, (0.0, 0.0, 0.0))
+        x_deg, y_deg, z_deg = section.triple("turn_deg", (0.0, 0.0, 0.0))
         turn_rad = (math.radians(x_deg), math.radians(y_deg), math.radians(z_deg))
     w, x, y, z = wxyz_from_matrix(matrix_from_euler(np.array(turn_rad), "xyz", intrinsic=False))
     return float(w), float(x), float(y), float(z)
 
 
-def _mesh_file(section: Section, data_dir: Path) -> Path:
+def _mesh_file(section: TomlTable, data_dir: Path) -> Path:
     path: Path = data_dir / section.text("file")
     if not path.is_file():
         raise section.error("the mesh file does not exist", "file", str(path), "check the path")

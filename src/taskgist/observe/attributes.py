@@ -1,7 +1,7 @@
 """All attributes of the tree at one instant: the seam between geometry and symbols (level 3).
 
-``snapshot`` gathers what is confirmed over time, what ``perspective`` finds in the state, and what a
-user's own predicates observe. A predicate's function is called as ``observe(stage, agent, object)`` with the stage in
+``snapshot`` gathers what is confirmed over time, what ``perspective`` finds in the state, and what a user's own
+predicates observe. A predicate's function is called as ``observe(stage, agent, object)`` with the stage in
 that state, and returns a value of its attribute, a truth value, an ``Observation``, or ``UNKNOWN``.
 """
 
@@ -16,7 +16,7 @@ from taskgist.errors import FactsError
 from taskgist.facts import vocabulary as v
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.values import UNKNOWN, Observation, Raw
-from taskgist.observe.history import History
+from taskgist.observe.observer import HandStatus, Observer
 from taskgist.perspective.effort import ABILITIES, Effort
 from taskgist.perspective.image import visibility_from
 from taskgist.perspective.search import effort_from
@@ -82,7 +82,7 @@ Snapshot = dict[str, Observation[Raw]]
 
 def snapshot(
     stage: Stage,
-    history: History,
+    observer: Observer,
     *,
     agent: str,
     name: str,
@@ -93,52 +93,46 @@ def snapshot(
 
     Args:
         stage: The scene in a state; afterwards it shows the same state with who holds what decided.
-        history: What is confirmed over time: an ``Observer`` that has seen the states up to this one (or, offline, all
-            of them), or a ``LazyObserver``.
+        observer: What is confirmed over time: in a whole recording, or in the states up to this one.
         agent: From whose perspective.
         name: The object.
         settings: All settings.
         predicates: A user's own predicates to observe too.
     """
-    stage.show(history.decided(stage.state))
+    stage.show(observer.with_holding(stage.state))
     observations = ability_observations(stage, agent, name, settings)
-    observations |= status_observations(history, agent, name, stage.state.time_s)
+    observations |= status_observations(observer, agent, name, stage.state.time_s)
     for predicate in predicates:
         if predicate.observe is not None:
             observations[predicate.subtree.attribute.name] = _observed(predicate, stage, agent, name)
     return observations
 
 
-def status_observations(history: History, agent: str, name: str, time_s: float) -> Snapshot:
+def status_observations(observer: Observer, agent: str, name: str, time_s: float) -> Snapshot:
     """The attributes that need time but no perspective: posture, hands, placement, motion."""
-    placed = history.placement(name).at(time_s)
+    placement = observer.placement(name).at(time_s)
+    hands = [f"{hold.agent}'s {hold.side} hand" for hold in observer.holds(time_s) if hold.object == name]
     return {
-        "posture": Observation(history.posture(agent).at(time_s) or UNKNOWN),
-        "hands": _hands(history, agent, name, time_s),
-        "placement": Observation((placed and placed.symbol) or UNKNOWN, {"by": _placed_by(history, name, time_s)}),
-        "motion": Observation(history.motion(name).at(time_s) or UNKNOWN),
+        "posture": Observation(observer.posture(agent).at(time_s) or UNKNOWN),
+        "hands": _hands(observer, agent, name, time_s),
+        "placement": Observation(
+            (placement and placement.symbol) or UNKNOWN, {"by": hands or list(placement.by if placement else ())}
+        ),
+        "motion": Observation(observer.motion(name).at(time_s) or UNKNOWN),
     }
 
 
-def _placed_by(history: History, name: str, time_s: float) -> list[str]:
-    """The hands that hold the object at this time, else what it was placed by."""
-    hands = [f"{hold.agent}'s {hold.side} hand" for hold in history.holds(time_s) if hold.object == name]
-    placed = history.placement(name).at(time_s)
-    return hands or list(placed.by if placed else ())
-
-
-def _hands(history: History, agent: str, name: str, time_s: float) -> Observation[Raw]:
-    statuses: dict[str, str | None] = {}
+def _hands(observer: Observer, agent: str, name: str, time_s: float) -> Observation[Raw]:
+    """Status of each hand: does it hold this object, or another? What it holds or rests on is evidence."""
+    symbols: dict[str, str | None] = {}
     evidence: dict[str, str] = {}
-    for side in history.sides(agent):
-        use = history.hand(agent, side).at(time_s)
-        status = use.symbol if use else None
-        if use and use.of:
-            evidence[side] = use.of
-        if status == v.HOLDING_OBJECT and use and use.of != name:
-            status = v.HOLDING_OTHER
-        statuses[side] = status
-    return Observation(statuses or UNKNOWN, evidence)
+    for side in observer.scene.agent(agent).sides:
+        status = observer.hand(agent, side).at(time_s) or HandStatus(None)
+        holds_other = status.symbol == v.HOLDING_OBJECT and status.thing != name
+        symbols[side] = v.HOLDING_OTHER if holds_other else status.symbol
+        if status.thing:
+            evidence[side] = status.thing
+    return Observation(symbols or UNKNOWN, evidence)
 
 
 def _observed(predicate: Predicate, stage: Stage, agent: str, name: str) -> Observation[Raw]:

@@ -6,7 +6,6 @@ from .explain import explain_all as explain_all
 from .explain import explain_recording as explain_recording
 from .explain import label_of as label_of
 from .explain import learn as learn
-from .explain import observe_recording as observe_recording
 from .facts_over_time import Timeline as Timeline
 from .facts_over_time import attribute_nodes as attribute_nodes
 from .facts_over_time import timeline as timeline

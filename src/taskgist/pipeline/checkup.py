@@ -12,7 +12,7 @@ from taskgist.common.workers import Progress, silent
 from taskgist.facts import vocabulary as v
 from taskgist.facts.values import UNKNOWN, Observation, Raw
 from taskgist.observe.attributes import snapshot
-from taskgist.observe.history import History, LazyObserver
+from taskgist.observe.observer import Observer
 from taskgist.recording.recording import Label, Recording
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.contacts import overlaps
@@ -79,7 +79,7 @@ def check(recording: Recording, settings: Settings = DEFAULT, progress: Progress
         *_untracked(recording),
         *_poor_fits(recording),
         *_overlaps(recording, progress),
-        *_label(recording, LazyObserver(recording.scene, recording, settings), settings),
+        *_label(recording, Observer(recording.scene, recording, settings), settings),
         *_estimated(recording),
     ]
     order: dict[Severity, int] = {"unfit": 0, "warning": 1, "note": 2}
@@ -148,7 +148,7 @@ def _overlaps(recording: Recording, progress: Progress) -> Iterator[Finding]:
         )
 
 
-def _label(recording: Recording, observer: History, settings: Settings) -> Iterator[Finding]:
+def _label(recording: Recording, observer: Observer, settings: Settings) -> Iterator[Finding]:
     label = recording.label
     if label is None:
         yield Finding("unfit", "label", "there is none", "set one: taskgist label RECORDING --help")
@@ -160,7 +160,7 @@ def _label(recording: Recording, observer: History, settings: Settings) -> Itera
     yield from _unknown_facts(recording, label, observer, settings)
 
 
-def _unknown_facts(recording: Recording, label: Label, observer: History, settings: Settings) -> Iterator[Finding]:
+def _unknown_facts(recording: Recording, label: Label, observer: Observer, settings: Settings) -> Iterator[Finding]:
     stage = Stage(recording.scene)
     for end, time_s in (("start", label.start_s), ("end", label.end_s)):
         stage.show(recording.at(time_s))

@@ -1,9 +1,12 @@
-"""Learning from recordings: a set of labelled demonstrations in, knowledge out."""
+"""From recordings to knowledge: one labelled recording gives an explanation, many of them teach.
+
+An episode is what ``observe`` says at both ends of the label; the hypothesis tree makes an explanation of it, and
+explanations are what is learned from. Many recordings are explained on several cores.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from functools import partial
 from pathlib import Path
 
 from taskgist.common.workers import Progress, cores, in_order, silent
@@ -14,13 +17,11 @@ from taskgist.facts.tree import Episode, HypothesisTree
 from taskgist.learning.explanation import Explanation, explain
 from taskgist.learning.knowledge import Knowledge
 from taskgist.observe.attributes import Snapshot, snapshot
-from taskgist.observe.history import History, LazyObserver, Observer
+from taskgist.observe.observer import Observer
 from taskgist.recording.mcap import read
 from taskgist.recording.recording import Label, Recording
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.stage import Stage
-
-# --- From a labelled recording to an explanation: world → perspective → observe → facts, in one place.
 
 
 def label_of(recording: Recording, name: str = "") -> Label:
@@ -36,24 +37,13 @@ def label_of(recording: Recording, name: str = "") -> Label:
     return recording.label
 
 
-def observe_recording(recording: Recording, settings: Settings = DEFAULT, progress: Progress = silent) -> Observer:
-    """An observer that has seen a whole recording."""
-    observer = Observer(recording.scene, settings)
-    count = len(recording.times_s)
-    for index in range(count):
-        observer.update(recording.state(index))
-        progress("watching", (index + 1) / count)
-    observer.finish()
-    return observer
-
-
 def episode_of(
     recording: Recording,
     *,
     label: Label | None = None,
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] = (),
-    observer: History | None = None,
+    observer: Observer | None = None,
     progress: Progress = silent,
 ) -> Episode:
     """What was observed at both ends of a demonstration, from the target agent's perspective.
@@ -63,48 +53,31 @@ def episode_of(
         label: Instead of the recording's own.
         settings: All settings.
         predicates: A user's own predicates.
-        observer: One that has seen the whole recording, if there is one already; it changes nothing in the answer.
+        observer: One of this recording, if there is one already: it need not look again at what it has seen.
         progress: Told how far it is.
 
     Raises:
         LabelError: There is no label.
     """
     label = label or label_of(recording)
-    observer = observer or LazyObserver(recording.scene, recording, settings)
-    start, end = _ends(recording, label, observer, settings, tuple(predicates), progress)
+    observer = observer or Observer(recording.scene, recording, settings)
+    predicates, stage = tuple(predicates), Stage(recording.scene)
+    who, what = label.target_agent, label.target_object
+    ends: list[Snapshot] = []
+    for time_s in (label.start_s, label.end_s):
+        stage.show(recording.at(time_s))
+        ends.append(snapshot(stage, observer, agent=who, name=what, settings=settings, predicates=predicates))
+        progress("taking perspective", len(ends) / 2)
     return Episode(
         task=label.task,
         demonstration=recording.name,
         performing_agent=label.performing_agent,
-        target_agent=label.target_agent,
-        target_object=label.target_object,
-        start=start,
-        end=end,
+        target_agent=who,
+        target_object=what,
+        start=ends[0],
+        end=ends[1],
         source=f"{recording.digest} {label.start_s:.4f}-{label.end_s:.4f} s",
     )
-
-
-def _ends(
-    recording: Recording,
-    label: Label,
-    observer: History,
-    settings: Settings,
-    predicates: tuple[Predicate, ...],
-    progress: Progress,
-) -> tuple[Snapshot, Snapshot]:
-    """Every attribute at the label's start and end."""
-    stage = Stage(recording.scene)
-
-    def at(time_s: float) -> Snapshot:
-        stage.show(recording.at(time_s))
-        who, what = label.target_agent, label.target_object
-        return snapshot(stage, observer, agent=who, name=what, settings=settings, predicates=predicates)
-
-    start = at(label.start_s)
-    progress("taking perspective", 0.5)
-    end = at(label.end_s)
-    progress("taking perspective", 1.0)
-    return start, end
 
 
 def explain_recording(
@@ -188,40 +161,23 @@ def explain_all(
     if not sources:
         raise RecordingError("no demonstrations to learn from", hint="name at least one labelled recording")
     known = known_predicates() if predicates is None else tuple(predicates)
-    explained = partial(_explained, tree=tree, settings=settings, predicates=known)
-    yield explained(sources[0], _part(progress, 0, len(sources)))  # what is compiled now, workers need not compile
+
+    def explained(number: int, told: Progress) -> Explanation:
+        source = sources[number]
+        recording = read(source) if isinstance(source, Path) else source
+        label_of(recording, str(source) if isinstance(source, Path) else "")
+
+        def of_this(what: str, share: float) -> None:
+            told(f"{recording.name}: {what}", (number + share) / len(sources))
+
+        return explain_recording(recording, tree=tree, settings=settings, predicates=known, progress=of_this)
+
+    yield explained(0, progress)  # what is compiled now, workers need not compile
     if processes is None:
         processes = 1 if len(sources) <= FEW else cores()
-    rest = sources[1:]
-
-    def of(number: int) -> Explanation:
-        part = _part(progress, number + 1, len(sources)) if processes == 1 else silent
-        return explained(rest[number], part)
-
-    for number, explanation in enumerate(in_order(of, len(rest), processes), start=2):
+    told = progress if processes == 1 else silent
+    others = in_order(lambda number: explained(number + 1, told), len(sources) - 1, processes)
+    for number, explanation in enumerate(others, start=2):
         progress(f"{explanation.demonstration}: explained", number / len(sources))
         yield explanation
     progress("done", 1.0)
-
-
-def _explained(
-    source: Recording | Path,
-    progress: Progress,
-    *,
-    tree: HypothesisTree,
-    settings: Settings,
-    predicates: tuple[Predicate, ...],
-) -> Explanation:
-    recording = read(source) if isinstance(source, Path) else source
-    label_of(recording, str(source) if isinstance(source, Path) else "")
-    name = recording.name
-
-    def of_this(what: str, share: float) -> None:
-        progress(f"{name}: {what}", share)
-
-    return explain_recording(recording, tree=tree, settings=settings, predicates=predicates, progress=of_this)
-
-
-def _part(progress: Progress, number: int, count: int) -> Progress:
-    """Progress of one of several equal parts."""
-    return lambda what, share: progress(what, (number + share) / count)

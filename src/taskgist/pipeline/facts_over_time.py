@@ -17,7 +17,8 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import Unknown, Value
 from taskgist.observe.attributes import Snapshot, snapshot, status_observations
-from taskgist.observe.history import History, Interval
+from taskgist.observe.frames import Interval
+from taskgist.observe.observer import Observer
 from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.stage import Stage
@@ -44,7 +45,7 @@ class Timeline:
 
 def timeline(
     recording: Recording,
-    observer: History,
+    observer: Observer,
     *,
     agent: str,
     name: str,
@@ -58,7 +59,7 @@ def timeline(
 
     Args:
         recording: The recording.
-        observer: One that has seen all of it.
+        observer: One of this recording.
         agent: Whose perspective.
         name: Which object.
         every_s: Seconds between samples.
@@ -71,16 +72,17 @@ def timeline(
     whole = with_predicates(tree, predicates)
     stage = Stage(recording.scene)
     first, last = float(recording.times_s[0]), float(recording.times_s[-1])
-    times = [*np.arange(first, last, every_s), last]
-    samples: Samples = {}
-    for number, time_s in enumerate(times):
-        stage.show(recording.at(float(time_s)))
-        observed = snapshot(stage, observer, agent=agent, name=name, settings=settings, predicates=predicates)
-        _collect(samples, float(time_s), symbols(whole, observed, settings))
-        progress("taking perspective", (number + 1) / len(times))
+    times = [*np.arange(first, last, every_s).tolist(), last]
     watched: Samples = {}
-    for time_s in map(float, recording.times_s):
+    for number, time_s in enumerate(recording.times_s.tolist(), start=1):
         _collect(watched, time_s, symbols(whole, status_observations(observer, agent, name, time_s), settings))
+        progress("watching", number / len(recording))
+    samples: Samples = {}
+    for number, time_s in enumerate(times, start=1):
+        stage.show(recording.at(time_s))
+        observed = snapshot(stage, observer, agent=agent, name=name, settings=settings, predicates=predicates)
+        _collect(samples, time_s, symbols(whole, observed, settings))
+        progress("taking perspective", number / len(times))
     return Timeline(agent, name, every_s, {key: _intervals(row, last) for key, row in (samples | watched).items()})
 
 

@@ -9,14 +9,12 @@ when the object has come to rest where it stays. What the task is called only pe
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-
-import numpy as np
 
 from taskgist.errors import LabelError
 from taskgist.facts import vocabulary as v
-from taskgist.observe.history import Interval, Observer
-from taskgist.observe.status import HandUse
+from taskgist.observe.observer import Observer
 from taskgist.recording.recording import Label, Recording
 
 BEFORE_S = 0.3
@@ -25,6 +23,8 @@ SETTLED_S = 0.1
 """How long after a handover a label ends, so that it hangs on no single frame."""
 AFTER_S = 0.3
 """How long after the object has come to rest a label ends."""
+MOVED_M = 0.02
+"""How far an object must get away from where it was first, to be what a demonstration is about."""
 
 
 @dataclass(frozen=True)
@@ -37,19 +37,17 @@ class Grip:
     end_s: float
 
 
-def grips_of(observer: Observer, recording: Recording, name: str) -> tuple[Grip, ...]:
+def grips_of(observer: Observer, name: str) -> tuple[Grip, ...]:
     """Who holds an object when, in order of time."""
+    scene = observer.scene
     grips = [
         Grip(agent, side, interval.start_s, interval.end_s)
-        for agent in recording.scene.agents
-        for side in observer.sides(agent)
-        for interval in _holding(observer.hand(agent, side).intervals, name)
+        for agent in scene.agents
+        for side in scene.agent(agent).sides
+        for interval in observer.hand(agent, side).intervals
+        if interval.value.symbol == v.HOLDING_OBJECT and interval.value.thing == name
     ]
     return tuple(sorted(grips, key=lambda grip: (grip.start_s, grip.agent, grip.side)))
-
-
-def _holding(intervals: tuple[Interval[HandUse], ...], name: str) -> list[Interval[HandUse]]:
-    return [i for i in intervals if i.value.symbol == v.HOLDING_OBJECT and i.value.of == name]
 
 
 def propose_label(
@@ -65,7 +63,7 @@ def propose_label(
 
     Args:
         recording: The recording.
-        observer: One that has seen all of it.
+        observer: One of this recording.
         task: Name of the task.
         target_object: The object.
         performing_agent: Who performs.
@@ -75,9 +73,9 @@ def propose_label(
         LabelError: Nothing happens that would tell, or it does not tell which task it is.
     """
     name = target_object or _moved_most(recording)
-    grips = grips_of(observer, recording, name)
+    grips = grips_of(observer, name)
     performer = performing_agent or _performer(recording, grips, target_agent)
-    receiver = _receiver(grips, performer)
+    receiver = next((grip.agent for grip in grips if grip.agent != performer), None)
     target = target_agent or receiver or _other(recording, performer)
     handover = _handover(observer, name, grips, performer, target)
     name_of_task = task or ("give" if handover else None)
@@ -95,15 +93,18 @@ def _tidy(recording: Recording, time_s: float) -> float:
 
 
 def _moved_most(recording: Recording) -> str:
-    def path(name: str) -> float:
-        places = recording.qpos[:, recording.scene.object_slice(name)][:, :3]
-        known = recording.tracked.get(name)
-        places = places if known is None else places[np.asarray(known)]
-        return float(np.linalg.norm(places - places[:1], axis=1).max(initial=0.0))
+    """The object that gets farthest away from where it was first tracked."""
 
-    moved = {name: path(name) for name in recording.scene.objects}
-    best = max(moved, key=lambda name: moved[name], default=None)
-    if best is None or moved[best] < 0.02:
+    def farthest_m(name: str) -> float:
+        places = recording.qpos[:, recording.scene.object_slice(name)][:, :3]
+        if name in recording.tracked:
+            places = places[recording.tracked[name]]
+        squared_m2 = ((places - places[:1]) ** 2).sum(axis=1)
+        return math.sqrt(squared_m2.max(initial=0.0))
+
+    moved_m = {name: farthest_m(name) for name in recording.scene.objects}
+    best = max(moved_m, key=lambda name: moved_m[name], default=None)
+    if best is None or moved_m[best] < MOVED_M:
         raise LabelError("no object moves in this recording", field="target_object", hint="name it: --object NAME")
     return best
 
@@ -114,10 +115,6 @@ def _performer(recording: Recording, grips: tuple[Grip, ...], target_agent: str 
     if target_agent is not None:
         return _other(recording, target_agent)
     raise LabelError("nobody is seen to hold the object", field="performing_agent", hint="name it: --performer P1")
-
-
-def _receiver(grips: tuple[Grip, ...], performer: str) -> str | None:
-    return next((grip.agent for grip in grips if grip.agent != performer), None)
 
 
 def _other(recording: Recording, agent: str) -> str:
@@ -141,12 +138,12 @@ def _handover(
     released = max((g.end_s for g in grips if g.agent == performer and g.start_s <= taken), default=None)
     if released is None:
         return None
-    event = _placed(observer, name, from_s=max(released, taken), until_s=held_until)
+    event = _placement_known(observer, name, from_s=max(released, taken), until_s=held_until)
     end = min(event + SETTLED_S, (event + held_until) / 2)
     return end, f"ends {SETTLED_S} s after {performer} has let go, while {target} holds it"
 
 
-def _placed(observer: Observer, name: str, *, from_s: float, until_s: float) -> float:
+def _placement_known(observer: Observer, name: str, *, from_s: float, until_s: float) -> float:
     """The first moment in a span at which the object's placement is known; its start, if there is none."""
     known = (i for i in observer.placement(name).intervals if i.value.symbol is not None and i.end_s > from_s)
     moment = next((max(i.start_s, from_s) for i in known), from_s)
@@ -155,15 +152,16 @@ def _placed(observer: Observer, name: str, *, from_s: float, until_s: float) -> 
 
 def _start(recording: Recording, observer: Observer, name: str, grips: tuple[Grip, ...]) -> tuple[float, str]:
     """Just before the object is first moved or held, while it still lies still and its place is known."""
-    first = _placed(observer, name, from_s=float(recording.times_s[0]), until_s=float(recording.times_s[-1]))
-    moving = [i.start_s for i in observer.motion(name).intervals if i.value == v.MOVING and i.start_s > first]
-    events = [*moving[:1], *(grip.start_s for grip in grips if grip.start_s > first)]
-    event = min(events, default=first)
-    still = [i for i in observer.motion(name).intervals if i.value == v.STATIC and i.start_s < event]
-    earliest = still[-1].start_s if still else first
-    start = max(first, earliest, event - BEFORE_S)
-    if event <= first:
-        return start, "starts where the object is first known"
+    first_s, last_s = float(recording.times_s[0]), float(recording.times_s[-1])
+    known = _placement_known(observer, name, from_s=first_s, until_s=last_s)
+    motion = observer.motion(name).intervals
+    moving = [i.start_s for i in motion if i.value == v.MOVING and i.start_s > known]
+    events = [*moving[:1], *(grip.start_s for grip in grips if grip.start_s > known)]
+    if not events:
+        return known, "starts where the object is first known"
+    event = min(events)
+    still = [i.start_s for i in motion if i.value == v.STATIC and i.start_s < event]
+    start = max(known, still[-1] if still else known, event - BEFORE_S)
     return start, f"starts {event - start:.2g} s before the object is moved"
 
 

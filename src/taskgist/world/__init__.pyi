@@ -36,6 +36,7 @@ from .postures import posture_of as posture_of
 from .postures import seat_position as seat_position
 from .postures import with_posture as with_posture
 from .scene import Scene as Scene
+from .scene_file import AgentEntry as AgentEntry
 from .stage import Stage as Stage
 from .state import Hold as Hold
 from .state import State as State

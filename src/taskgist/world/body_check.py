@@ -27,6 +27,7 @@ from taskgist.world.bodies.profile import (
 )
 from taskgist.world.geometry.transforms import matrix_from_wxyz
 from taskgist.world.scene import Scene
+from taskgist.world.scene_file import AgentEntry
 
 # --- Does a body look ahead, and do its joints turn it as their names in the profile say? A mistake here compiles.
 
@@ -109,8 +110,6 @@ def sliding_before(model: mujoco.MjModel, body: Agent) -> tuple[str, ...]:
 
 BODY = "body"
 """Name of the agent in the scene of a check."""
-SCENE = f'[scene]\nname = "an empty floor"\nmodel = "floor.xml"\n[agents.{BODY}]\nprofile = "{BODY}.profile.toml"\n'
-FLOOR = '<mujoco><worldbody><geom name="floor" type="plane" size="5 5 0.1"/></worldbody></mujoco>'
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,9 +150,13 @@ def check_body(profile: str) -> BodyCheck:
     files, misnamed = _files(given, folder, where)
     if misread or misnamed:
         return BodyCheck(profile, given, (*misread, *misnamed))
-    bundle = {"scene.toml": SCENE.encode(), "floor.xml": FLOOR.encode(), f"{BODY}.profile.toml": text, **files}
+    entry = AgentEntry(BODY, profile=f"{BODY}.profile.toml")
+    room = mujoco.MjSpec()
+    room.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(5.0, 5.0, 0.1))
     try:
-        scene = Scene.from_bundle(bundle, where=where)
+        scene = Scene.from_spec(
+            room, [entry], name="an empty floor", files={entry.profile_key: text, **files}, where=where
+        )
     except InputError as error:
         return BodyCheck(profile, given, (error,))
     doubts = direction_doubts(scene.model, scene.agent(BODY), scene.initial.qpos)

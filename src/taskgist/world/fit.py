@@ -21,9 +21,10 @@ from numpy.typing import ArrayLike
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.errors import UnknownNameError
-from taskgist.world.assembly import AgentEntry, SceneFile, assemble, parse_scene_file
+from taskgist.world.assembly import SCENE_FILE, assemble
 from taskgist.world.bodies.agent import Agent
-from taskgist.world.scene import SCENE_FILE, Scene
+from taskgist.world.scene import Scene
+from taskgist.world.scene_file import AgentEntry, SceneFile, parse_scene_file
 from taskgist.world.state import State
 
 # --- An agent alone: the same body in an empty room, for what takes long where much could move.

@@ -21,7 +21,7 @@ What can be derived is not asked for: supports, containers and seats come from g
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -31,15 +31,17 @@ import mujoco
 import numpy as np
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.assembly import Assembled, SceneFile, assemble, bundle_from_path, parse_scene_file
+from taskgist.world.assembly import SCENE_FILE, Assembled, assemble, bundle_from_path, bundle_from_spec
 from taskgist.world.bodies.agent import SEEN_GROUPS, Agent, subtree
 from taskgist.world.bodies.hands import GHOST_GROUP
 from taskgist.world.geometry.convex import whole
 from taskgist.world.geometry.rays import opaque, visible_geoms
 from taskgist.world.geometry.shapes import surface_points
+from taskgist.world.scene_file import AgentEntry, SceneFile, parse_scene_file
 from taskgist.world.state import State
 
-SCENE_FILE = "scene.toml"
+ROOM_FILE = "room.xml"
+"""Name of the room's model in scenes that are made of values."""
 NO_GEOMS = np.empty(0, dtype=np.intp)
 
 
@@ -86,6 +88,47 @@ class Scene:
         file = parse_scene_file(bundle[SCENE_FILE], where=where)
         assembled = assemble(file, bundle)
         return _scene(file, assembled)
+
+    @classmethod
+    def from_spec(
+        cls,
+        room: mujoco.MjSpec,
+        agents: Iterable[AgentEntry] = (),
+        *,
+        name: str = "scene",
+        objects: Collection[str] | None = None,
+        estimated: Collection[str] = (),
+        files: Mapping[str, bytes] | None = None,
+        where: str | None = None,
+    ) -> Scene:
+        """A scene made of values: a room as MuJoCo's own specification, and the agents placed in it.
+
+        Example::
+
+            room = mujoco.MjSpec()
+            room.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[5, 5, 0.1])
+            cup = room.worldbody.add_body(name="cup", pos=[0.6, 0, 0.05])
+            cup.add_freejoint()
+            cup.add_geom(type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[0.03, 0.05, 0])
+            scene = Scene.from_spec(room, [AgentEntry("P1"), AgentEntry("P2", position_m=(1.5, 0), yaw_rad=math.pi)])
+
+        Args:
+            room: Room and objects; it stays as it is. Its meshes are read from its ``assets``, else from disk. The
+                scene keeps its numbers with six significant digits, which is how MuJoCo writes them.
+            agents: Who is there, in this order.
+            name: Name for people.
+            objects: The bodies that facts can be said of; None: every free body.
+            estimated: Bodies whose place or shape nobody measured.
+            files: Profiles (``NAME.profile.toml``) and models (``NAME.model.xml``) of agents that are not on disk.
+            where: What the scene comes from, for messages; default: its name.
+
+        Raises:
+            SceneError: As ``load``.
+        """
+        where = name if where is None else where
+        chosen = None if objects is None else tuple(objects)
+        file = SceneFile(name, ROOM_FILE, chosen, tuple(estimated), tuple(agents), where)
+        return cls.from_bundle(bundle_from_spec(room, file, files or {}), where=where)
 
     def __reduce__(self) -> tuple[object, ...]:
         return Scene.from_bundle, (dict(self.bundle),)

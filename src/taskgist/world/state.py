@@ -28,8 +28,8 @@ class State:
         time_s: Seconds since the recording's origin.
         untracked: What is not known: an object ("cup"), an agent ("P1") or a part of one ("P1/left_arm").
             Its numbers in ``qpos`` are fillers.
-        holding: Who holds what, where it was decided over time (``HoldingWatch``); None leaves it to the distances of
-            this one state.
+        holding: Who holds what, where it was decided over time (``observe/carrying.py``); None leaves it to the
+            distances of this one state.
     """
 
     qpos: NDArray[np.float64]

@@ -19,7 +19,6 @@ from taskgist_lab.generator.furnishing import (
     HIGH_M,
     LOW_M,
     STATURES_M,
-    EmptyChair,
     Sofa,
     any_place,
     any_seat,
@@ -31,7 +30,7 @@ from taskgist_lab.generator.furnishing import (
 from taskgist_lab.generator.things import LARGE, SMALL, any_of, at, radius_m
 from taskgist_lab.simulator.means import Roles
 from taskgist_lab.simulator.places import Place
-from taskgist_lab.simulator.room import Furniture, Person, Room, Table, Thing
+from taskgist_lab.simulator.room import Chair, Furniture, Person, Room, Table, Thing
 
 # --- A setting: a furnished room, who acts in it for whom, and what the means needs.
 
@@ -304,7 +303,7 @@ def _add_empty_chair(arrangement: Arrangement) -> None:
         return
     chair = _somewhere(arrangement, "", ABOUT_M)
     if _has_room(arrangement, chair):
-        arrangement.furniture.append(EmptyChair("empty_chair", chair.position_m, chair.yaw_rad))
+        arrangement.furniture.append(Chair("empty_chair", chair.position_m, chair.yaw_rad))
 
 
 # --- Zones: where things are handy for somebody, or far from somebody, as conditions on places.

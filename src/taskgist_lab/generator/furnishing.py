@@ -1,16 +1,16 @@
-"""Furniture of random rooms: round tables, shelves, cupboards, sofas, as MJCF text; and the tops of tables."""
+"""Furniture of random rooms: round tables, shelves, cupboards, sofas; and the tops of tables."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.world.bodies.profile import Posture
-from taskgist_lab.simulator.room import GREY, OAK, WHITE, Person, Table, box, chair, cylinder, fixed
+from taskgist_lab.simulator.room import GREY, OAK, WHITE, Colour, Person, Table, add_box, add_cylinder, add_furniture
 
 BOARD_M = 0.02
 """Thickness of the boards of shelves and cupboards."""
@@ -18,7 +18,7 @@ POST_M = 0.03
 """Thickness of a shelf's posts."""
 COLUMN_M, FOOT_M = 0.05, (0.08, 0.02)
 """Radius of a round table's column; radius and thickness of its foot, beside which feet have room."""
-CLOTH = "0.40 0.45 0.52 1"
+CLOTH: Colour = (0.40, 0.45, 0.52, 1.0)
 SOFA_SEAT_M, SOFA_DEPTH_M, ARM_M = 0.43, 0.60, 0.14
 """Height and depth of a sofa's seat, and the breadth of its arms and back."""
 
@@ -27,16 +27,14 @@ SOFA_SEAT_M, SOFA_DEPTH_M, ARM_M = 0.43, 0.60, 0.14
 class RoundTable(Table):
     """A round table on a column; its size is (diameter, diameter, height)."""
 
-    def mjcf(self) -> str:
-        """A fixed body whose frame is on the floor."""
+    def add_to(self, room: mujoco.MjSpec) -> None:
+        """Put it into a room."""
         radius, height, (foot, thick) = self.size_m[0] / 2, self.size_m[2], FOOT_M
         under = height - self.board_m
-        parts = (
-            cylinder(radius, self.board_m, (0, 0, height - self.board_m / 2), OAK),
-            cylinder(COLUMN_M, under, (0, 0, under / 2), GREY),
-            cylinder(foot, thick, (0, 0, thick / 2), GREY),
-        )
-        return fixed(self.name, (*self.centre_m, 0.0), self.yaw_rad, parts)
+        body = add_furniture(room, self.name, self.centre_m, self.yaw_rad)
+        add_cylinder(body, radius, self.board_m, (0, 0, height - self.board_m / 2), OAK)
+        add_cylinder(body, COLUMN_M, under, (0, 0, under / 2), GREY)
+        add_cylinder(body, foot, thick, (0, 0, thick / 2), GREY)
 
 
 @dataclass(frozen=True)
@@ -59,11 +57,13 @@ class Shelf:
     boards_m: tuple[float, ...]
     closed: bool = False
 
-    def mjcf(self) -> str:
-        """A fixed body whose frame is on the floor."""
+    def add_to(self, room: mujoco.MjSpec) -> None:
+        """Put it into a room."""
         depth, width = self.size_m
-        boards = [box((depth, width, BOARD_M), (0, 0, height - BOARD_M / 2), OAK) for height in self.boards_m]
-        return fixed(self.name, (*self.centre_m, 0.0), self.yaw_rad, (*boards, *self._uprights()))
+        body = add_furniture(room, self.name, self.centre_m, self.yaw_rad)
+        for height in self.boards_m:
+            add_box(body, (depth, width, BOARD_M), (0, 0, height - BOARD_M / 2), OAK)
+        self._add_uprights(body)
 
     def place(self, board: int, *, in_m: float = 0.0, aside_m: float = 0.0) -> tuple[float, float, float]:
         """A point of a board, metres, (3,).
@@ -77,18 +77,18 @@ class Shelf:
         x, y = -in_m, aside_m
         return self.centre_m[0] + cos * x - sin * y, self.centre_m[1] + sin * x + cos * y, self.boards_m[board]
 
-    def _uprights(self) -> Iterable[str]:
+    def _add_uprights(self, body: mujoco.MjsBody) -> None:
         depth, width = self.size_m
         top = self.boards_m[-1]
         if not self.closed:
             for x in (-1, 1):
                 for y in (-1, 1):
                     place = (x * (depth - POST_M) / 2, y * (width - POST_M) / 2, top / 2)
-                    yield box((POST_M, POST_M, top), place, GREY)
+                    add_box(body, (POST_M, POST_M, top), place, GREY)
             return
         for y in (-1, 1):
-            yield box((depth, BOARD_M, top), (0, y * (width + BOARD_M) / 2, top / 2), WHITE)
-        yield box((BOARD_M, width + 2 * BOARD_M, top), (-(depth + BOARD_M) / 2, 0, top / 2), WHITE)
+            add_box(body, (depth, BOARD_M, top), (0, y * (width + BOARD_M) / 2, top / 2), WHITE)
+        add_box(body, (BOARD_M, width + 2 * BOARD_M, top), (-(depth + BOARD_M) / 2, 0, top / 2), WHITE)
 
 
 @dataclass(frozen=True)
@@ -107,28 +107,16 @@ class Sofa:
     yaw_rad: float
     width_m: float = 0.60
 
-    def mjcf(self) -> str:
-        """A fixed body whose frame is on the floor."""
-        seat = box((SOFA_DEPTH_M, self.width_m, SOFA_SEAT_M), (0, 0, SOFA_SEAT_M / 2), CLOTH)
+    def add_to(self, room: mujoco.MjSpec) -> None:
+        """Put it into a room."""
+        body = add_furniture(room, self.name, self.centre_m, self.yaw_rad)
+        add_box(body, (SOFA_DEPTH_M, self.width_m, SOFA_SEAT_M), (0, 0, SOFA_SEAT_M / 2), CLOTH)
         tall, wide = SOFA_SEAT_M + 0.40, self.width_m + 2 * ARM_M
-        back = box((ARM_M, wide, tall), (-(SOFA_DEPTH_M + ARM_M) / 2, 0, tall / 2), CLOTH)
+        add_box(body, (ARM_M, wide, tall), (-(SOFA_DEPTH_M + ARM_M) / 2, 0, tall / 2), CLOTH)
         arm_height = SOFA_SEAT_M + 0.12
         across = (self.width_m + ARM_M) / 2
-        arms = [box((SOFA_DEPTH_M, ARM_M, arm_height), (0, y * across, arm_height / 2), CLOTH) for y in (-1, 1)]
-        return fixed(self.name, (*self.centre_m, 0.0), self.yaw_rad, (seat, back, *arms))
-
-
-@dataclass(frozen=True)
-class EmptyChair:
-    """A chair that nobody sits on: its name, the floor point beneath its seat, (2,), and where it faces."""
-
-    name: str
-    centre_m: tuple[float, float]
-    yaw_rad: float
-
-    def mjcf(self) -> str:
-        """A fixed body."""
-        return chair(self.name, self.centre_m, self.yaw_rad)
+        for y in (-1, 1):
+            add_box(body, (SOFA_DEPTH_M, ARM_M, arm_height), (0, y * across, arm_height / 2), CLOTH)
 
 
 def on_top(table: Table, place: Array, margin_m: float) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+import mujoco
 import numpy as np
 
 from taskgist.errors import SceneError
@@ -25,12 +26,12 @@ from taskgist_lab.generator.arrangement import (
     thing_at_hand,
 )
 from taskgist_lab.generator.rooms import DINING, HIGH, ROUND, around_a_table
-from taskgist_lab.generator.things import COLOURS, NOWHERE, SMALL, OpenBox, any_of
+from taskgist_lab.generator.things import NOWHERE, SMALL, OpenBox, any_colour, any_of
 from taskgist_lab.generator.way import Way
 from taskgist_lab.simulator.demonstration import Script
 from taskgist_lab.simulator.means import HELD_S, Means
 from taskgist_lab.simulator.places import SUPPORT_SPACING_M
-from taskgist_lab.simulator.room import Thing, placed, text
+from taskgist_lab.simulator.room import Thing
 from taskgist_lab.simulator.throwing import LetFall, Tap, Throw
 
 # --- Ways to drop something: onto the table, or beside oneself to the floor.
@@ -93,7 +94,7 @@ DUMPING_HELD_S = 0.2
 def a_bin(rng: np.random.Generator, low: tuple[float, ...], high: tuple[float, ...]) -> OpenBox:
     """A bin between two sizes."""
     size = tuple(round(float(each), 3) for each in rng.uniform(low, high))
-    return OpenBox(BIN, size, NOWHERE, rgba=str(rng.choice(COLOURS)))
+    return OpenBox(BIN, size, NOWHERE, rgba=any_colour(rng))
 
 
 def _beside_a_bin(rng: np.random.Generator) -> Setting:
@@ -221,22 +222,20 @@ class Sliding(Thing):
     friction: tuple[float, float, float] = (1.0, 0.005, 0.0001)
     ball: bool = False
 
-    def mjcf(self) -> str:
-        """A free body whose frame is in its middle."""
-        x, y, z = self.position_m
-        kind = "sphere" if self.ball else "box" if len(self.size_m) == 3 else "cylinder"
-        size = [self.size_m[0] / 2] if self.ball else [each / 2 for each in self.size_m]
-        rubs = f'friction="{text(self.friction)}" condim="6" priority="1"'
-        shape = f'<geom name="{self.name}" type="{kind}" size="{text(size)}" rgba="{self.rgba}" {rubs}/>'
-        place = placed((x, y, z + self.height_m / 2), self.yaw_rad)
-        return f'<body name="{self.name}" {place}><freejoint/>{shape}</body>'
+    def add_shapes(self, body: mujoco.MjsBody) -> None:
+        """Give its body its shape."""
+        super().add_shapes(body)
+        shape = body.first_geom()
+        if self.ball:
+            shape.type, shape.size = mujoco.mjtGeom.mjGEOM_SPHERE, (self.size_m[0] / 2, 0.0, 0.0)
+        shape.friction, shape.condim, shape.priority = self.friction, 6, 1
 
 
 def a_ball(rng: np.random.Generator) -> Sliding:
     """A ball of any size."""
     diameter = round(float(rng.uniform(*DIAMETERS_M)), 3)
     rolls = (GRIP, ROLLING_M, ROLLING_M)
-    return Sliding("ball", (diameter, diameter), NOWHERE, rgba=str(rng.choice(COLOURS)), friction=rolls, ball=True)
+    return Sliding("ball", (diameter, diameter), NOWHERE, rgba=any_colour(rng), friction=rolls, ball=True)
 
 
 def something_low(rng: np.random.Generator) -> Sliding:
@@ -244,7 +243,7 @@ def something_low(rng: np.random.Generator) -> Sliding:
     low, high = LOW_M[int(rng.integers(len(LOW_M)))]
     size = tuple(round(float(each), 3) for each in rng.uniform(low, high))
     slides = (round(float(rng.uniform(*SMOOTH)), 3), ROLLING_M, ROLLING_M)
-    return Sliding("tub" if len(size) == 2 else "case", size, NOWHERE, rgba=str(rng.choice(COLOURS)), friction=slides)
+    return Sliding("tub" if len(size) == 2 else "case", size, NOWHERE, rgba=any_colour(rng), friction=slides)
 
 
 def _with_a_ball(rng: np.random.Generator) -> Setting:

@@ -34,7 +34,6 @@ from taskgist_lab.generator.outcomes import check_before_eyes, check_comes_into_
 from taskgist_lab.generator.rooms import around_a_table
 from taskgist_lab.generator.things import (
     CARTONS,
-    COLOURS,
     NOWHERE,
     PEDESTALS,
     PICTURES,
@@ -42,6 +41,7 @@ from taskgist_lab.generator.things import (
     TALL,
     WALL_M,
     OpenBox,
+    any_colour,
     any_of,
     radius_m,
 )
@@ -211,7 +211,7 @@ def _covered(rng: np.random.Generator) -> Setting:
     arrangement = around_a_table(rng)
     thing = _near_thing(arrangement)
     gap = float(rng.uniform(*COVER_GAP_M))
-    cover = OpenBox("cover", _around(thing, gap), NOWHERE, rgba=str(rng.choice(COLOURS)), upside_down=True)
+    cover = OpenBox("cover", _around(thing, gap), NOWHERE, rgba=any_colour(rng), upside_down=True)
     over = arrangement.put_at(cover, np.array(thing.position_m), yaw_rad=thing.yaw_rad)
     return _blocked(arrangement, thing, over)
 

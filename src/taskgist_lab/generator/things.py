@@ -7,10 +7,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
+import mujoco
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices
-from taskgist_lab.simulator.room import Thing, box, placed
+from taskgist_lab.simulator.room import BLACK, BLUE, GREEN, PINE, RED, WHITE, Colour, Thing, add_box
 
 # --- Meshes of small things: mugs, bowls, carafes and figures, each a set of convex pieces.
 #
@@ -123,16 +124,16 @@ SHAPES: dict[str, tuple[Piece, ...]] = {
 
 WALL_M = 0.008
 """Thickness of the walls of boxes, bins and covers."""
-COLOURS = (
-    "0.78 0.16 0.13 1",
-    "0.18 0.32 0.62 1",
-    "0.25 0.50 0.30 1",
-    "0.12 0.12 0.13 1",
-    "0.85 0.68 0.42 1",
-    "0.93 0.92 0.89 1",
-    "0.92 0.72 0.15 1",
-    "0.55 0.30 0.55 1",
-    "0.20 0.55 0.60 1",
+COLOURS: tuple[Colour, ...] = (
+    RED,
+    BLUE,
+    GREEN,
+    BLACK,
+    PINE,
+    WHITE,
+    (0.92, 0.72, 0.15, 1.0),
+    (0.55, 0.30, 0.55, 1.0),
+    (0.20, 0.55, 0.60, 1.0),
 )
 NOWHERE = (0.0, 0.0, 0.0)
 """Where a thing is before it has been put somewhere."""
@@ -150,18 +151,15 @@ class OpenBox(Thing):
 
     upside_down: bool = False
 
-    def mjcf(self) -> str:
-        """A free body whose frame is in its middle."""
+    def add_shapes(self, body: mujoco.MjsBody) -> None:
+        """Give its body its shapes."""
         deep, wide, tall = self.size_m
         up = -1.0 if self.upside_down else 1.0
-        parts = [box((deep, wide, WALL_M), (0, 0, -up * (tall - WALL_M) / 2), self.rgba)]
+        add_box(body, (deep, wide, WALL_M), (0, 0, -up * (tall - WALL_M) / 2), self.rgba)
         for sign in (-1, 1):
             x, y = sign * (deep - WALL_M) / 2, sign * (wide - WALL_M) / 2
-            parts.append(box((WALL_M, wide, tall - WALL_M), (x, 0, up * WALL_M / 2), self.rgba))
-            parts.append(box((deep - 2 * WALL_M, WALL_M, tall - WALL_M), (0, y, up * WALL_M / 2), self.rgba))
-        x, y, z = self.position_m
-        place = placed((x, y, z + tall / 2), self.yaw_rad)
-        return f'<body name="{self.name}" {place}><freejoint/>{"".join(parts)}</body>'
+            add_box(body, (WALL_M, wide, tall - WALL_M), (x, 0, up * WALL_M / 2), self.rgba)
+            add_box(body, (deep - 2 * WALL_M, WALL_M, tall - WALL_M), (0, y, up * WALL_M / 2), self.rgba)
 
 
 @dataclass(frozen=True)
@@ -174,16 +172,18 @@ class MeshThing(Thing):
 
     mesh: str = ""
 
-    def mjcf(self) -> str:
-        """A free body whose frame is in its middle."""
-        x, y, z = self.position_m
-        place = placed((x, y, z + self.height_m / 2), self.yaw_rad)
-        shape = f'<geom name="{self.name}" type="mesh" mesh="{self.mesh}" rgba="{self.rgba}"/>'
-        return f'<body name="{self.name}" {place}><freejoint/>{shape}</body>'
+    def add_shapes(self, body: mujoco.MjsBody) -> None:
+        """Give its body its shape."""
+        body.add_geom(name=self.name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=self.mesh, rgba=self.rgba)
 
     def meshes(self) -> Mapping[str, bytes]:
         """The mesh's file."""
         return {f"{self.mesh}.obj": mesh_text(self.mesh)}
+
+
+def any_colour(rng: np.random.Generator) -> Colour:
+    """One of ``COLOURS``."""
+    return COLOURS[int(rng.choice(len(COLOURS)))]
 
 
 def radius_m(thing: Thing) -> float:
@@ -201,7 +201,7 @@ def _box(name: str, low: tuple[float, ...], high: tuple[float, ...]) -> Kind:
 
     def draw(rng: np.random.Generator) -> Thing:
         size = tuple(round(float(each), 3) for each in rng.uniform(low, high))
-        return Thing(name, size, NOWHERE, rgba=str(rng.choice(COLOURS)))
+        return Thing(name, size, NOWHERE, rgba=any_colour(rng))
 
     return draw
 
@@ -211,7 +211,7 @@ def _mesh(name: str) -> Kind:
 
     def draw(rng: np.random.Generator) -> Thing:
         size = tuple(round(each, 4) for each in extent_m(name))
-        return MeshThing(name, size, NOWHERE, rgba=str(rng.choice(COLOURS)), mesh=name)
+        return MeshThing(name, size, NOWHERE, rgba=any_colour(rng), mesh=name)
 
     return draw
 
@@ -273,7 +273,7 @@ COVER_GAP_M = (0.006, 0.015)
 def bin_of(rng: np.random.Generator) -> OpenBox:
     """A bin, open above."""
     size = tuple(round(float(each), 3) for each in rng.uniform(*BIN_M))
-    return OpenBox("bin", size, NOWHERE, rgba=str(rng.choice(COLOURS)))
+    return OpenBox("bin", size, NOWHERE, rgba=any_colour(rng))
 
 
 def cover_for(rng: np.random.Generator, thing: Thing) -> OpenBox:
@@ -281,7 +281,7 @@ def cover_for(rng: np.random.Generator, thing: Thing) -> OpenBox:
     wide = 2 * (radius_m(thing) + WALL_M + rng.uniform(*COVER_GAP_M))
     tall = thing.height_m + WALL_M + rng.uniform(0.01, 0.06)
     size = (round(wide, 3), round(wide, 3), round(tall, 3))
-    return OpenBox("cover", size, NOWHERE, rgba=str(rng.choice(COLOURS)), upside_down=True)
+    return OpenBox("cover", size, NOWHERE, rgba=any_colour(rng), upside_down=True)
 
 
 def any_of(rng: np.random.Generator, kinds: Mapping[str, Kind], *, but: frozenset[str] = frozenset()) -> Thing:

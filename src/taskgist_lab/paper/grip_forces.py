@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from taskgist.errors import RecordingError
-from taskgist.observe.history import Observer
+from taskgist.facts import vocabulary as v
+from taskgist.observe.observer import Observer
 from taskgist.recognition.label_proposal import grips_of
 from taskgist.recording.recording import Recording
 
@@ -48,7 +49,7 @@ def check_grips(recording: Recording, observer: Observer, name: str) -> tuple[Gr
 
     Args:
         recording: A recording with a signal ``AGENT_grip`` for each agent whose force was measured.
-        observer: One that has seen all of it.
+        observer: One of this recording.
         name: The object with the sensors.
 
     Raises:
@@ -59,7 +60,7 @@ def check_grips(recording: Recording, observer: Observer, name: str) -> tuple[Gr
         raise RecordingError("no grip forces", where=recording.name, field="signals", hint="name them AGENT_grip")
     checks: list[GripCheck] = []
     for agent in measured:
-        held = [grip for grip in grips_of(observer, recording, name) if grip.agent == agent]
+        held = [grip for grip in grips_of(observer, name) if grip.agent == agent]
         if held:
             checks += _compared(recording, observer, name, agent, (held[0].start_s, held[0].end_s))
     return tuple(checks)
@@ -87,5 +88,5 @@ def _gripped(recording: Recording, agent: str, around_s: float) -> tuple[float, 
 
 
 def _supported(observer: Observer, name: str, time_s: float) -> bool:
-    placed = observer.placement(name).at(time_s)
-    return placed is not None and placed.symbol == "On_Support"
+    placement = observer.placement(name).at(time_s)
+    return placement is not None and placement.symbol == v.ON_SUPPORT

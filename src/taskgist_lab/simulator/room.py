@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
+import mujoco
 import numpy as np
 
 from taskgist.world.bodies.profile import Posture
+from taskgist.world.geometry.transforms import about_z
 from taskgist.world.scene import Scene
+from taskgist.world.scene_file import AgentEntry
 
-# --- Furniture and small things of a room, as MJCF text.
+Vector = tuple[float, float, float]
+Colour = tuple[float, float, float, float]
+"""Red, green, blue and opacity."""
 
-OAK, WHITE, GREY = "0.62 0.45 0.28 1", "0.93 0.92 0.89 1", "0.45 0.47 0.50 1"
+# --- Furniture and small things.
+
+OAK: Colour = (0.62, 0.45, 0.28, 1.0)
+WHITE: Colour = (0.93, 0.92, 0.89, 1.0)
+GREY: Colour = (0.45, 0.47, 0.50, 1.0)
 SEAT_M = 0.45
 """Height of a chair's seat."""
 CHAIR_M = (0.42, 0.42, 0.04)
@@ -35,29 +44,34 @@ class Thing:
         size_m: Full size of a box (x, y, z), or diameter and height of a cylinder.
         position_m: Where the middle of its underside is, (3,).
         yaw_rad: Heading.
-        rgba: Colour as MJCF text.
+        rgba: Colour.
     """
 
     name: str
     size_m: tuple[float, ...]
     position_m: tuple[float, float, float]
     yaw_rad: float = 0.0
-    rgba: str = OAK
+    rgba: Colour = OAK
 
     @property
     def height_m(self) -> float:
         """Height."""
         return self.size_m[-1]
 
-    def mjcf(self) -> str:
-        """A free body whose frame is in its middle."""
+    def add_to(self, room: mujoco.MjSpec) -> None:
+        """Put it into a room: a free body whose frame is in its middle."""
         x, y, z = self.position_m
-        is_box = len(self.size_m) == 3
-        size = [s / 2 for s in self.size_m]
-        kind = "box" if is_box else "cylinder"
-        shape = f'<geom name="{self.name}" type="{kind}" size="{text(size)}" rgba="{self.rgba}"/>'
-        place = placed((x, y, z + self.height_m / 2), self.yaw_rad)
-        return f'<body name="{self.name}" {place}><freejoint/>{shape}</body>'
+        body = room.worldbody.add_body(name=self.name, pos=(x, y, z + self.height_m / 2), quat=about_z(self.yaw_rad))
+        body.add_freejoint()
+        self.add_shapes(body)
+
+    def add_shapes(self, body: mujoco.MjsBody) -> None:
+        """Give its body its shapes."""
+        if len(self.size_m) == 3:
+            kind, size = mujoco.mjtGeom.mjGEOM_BOX, [edge / 2 for edge in self.size_m]
+        else:
+            kind, size = mujoco.mjtGeom.mjGEOM_CYLINDER, [self.size_m[0] / 2, self.size_m[1] / 2, 0.0]
+        body.add_geom(name=self.name, type=kind, size=size, rgba=self.rgba)
 
     def meshes(self) -> Mapping[str, bytes]:
         """The files of its meshes by name; none."""
@@ -87,60 +101,68 @@ class Table:
         """Height of its upper face."""
         return self.size_m[2]
 
-    def mjcf(self) -> str:
-        """A fixed body whose frame is on the floor."""
+    def add_to(self, room: mujoco.MjSpec) -> None:
+        """Put it into a room."""
         depth, width, height = self.size_m
-        board = box((depth, width, self.board_m), (0, 0, height - self.board_m / 2), OAK)
-        legs = _legs(depth, width, height - self.board_m)
-        return fixed(self.name, (*self.centre_m, 0.0), self.yaw_rad, (board, *legs))
+        body = add_furniture(room, self.name, self.centre_m, self.yaw_rad)
+        add_box(body, (depth, width, self.board_m), (0, 0, height - self.board_m / 2), OAK)
+        _add_legs(body, depth, width, height - self.board_m)
 
 
-def chair(name: str, centre_m: tuple[float, float], yaw_rad: float) -> str:
-    """A chair that faces ``yaw_rad``, with its seat over a floor point."""
-    depth, width, board = CHAIR_M
-    seat = box((depth, width, board), (0, 0, SEAT_M - board / 2), GREY)
-    back = box((board, width, FURNITURE_BACK_M), (-(depth + board) / 2, 0, SEAT_M + FURNITURE_BACK_M / 2), GREY)
-    return fixed(name, (*centre_m, 0.0), yaw_rad, (seat, back, *_legs(depth, width, SEAT_M - board)))
+@dataclass(frozen=True)
+class Chair:
+    """A chair: its name, the floor point beneath its seat, (2,), and where it faces."""
+
+    name: str
+    centre_m: tuple[float, float]
+    yaw_rad: float
+
+    def add_to(self, room: mujoco.MjSpec) -> None:
+        """Put it into a room."""
+        depth, width, board = CHAIR_M
+        body = add_furniture(room, self.name, self.centre_m, self.yaw_rad)
+        add_box(body, (depth, width, board), (0, 0, SEAT_M - board / 2), GREY)
+        behind = (-(depth + board) / 2, 0, SEAT_M + FURNITURE_BACK_M / 2)
+        add_box(body, (board, width, FURNITURE_BACK_M), behind, GREY)
+        _add_legs(body, depth, width, SEAT_M - board)
 
 
-def sideboard(name: str, centre_m: tuple[float, float], yaw_rad: float) -> str:
-    """A closed cupboard at the wall."""
-    return fixed(name, (*centre_m, 0.0), yaw_rad, (box((0.40, 1.60, 0.80), (0, 0, 0.40), WHITE),))
+@dataclass(frozen=True)
+class Sideboard:
+    """A closed cupboard at the wall: its name, the floor point beneath its middle, (2,), and where it faces."""
+
+    name: str
+    centre_m: tuple[float, float]
+    yaw_rad: float
+
+    def add_to(self, room: mujoco.MjSpec) -> None:
+        """Put it into a room."""
+        body = add_furniture(room, self.name, self.centre_m, self.yaw_rad)
+        add_box(body, (0.40, 1.60, 0.80), (0, 0, 0.40), WHITE)
 
 
-def _legs(depth_m: float, width_m: float, height_m: float) -> Iterable[str]:
+def add_furniture(room: mujoco.MjSpec, name: str, centre_m: tuple[float, float], yaw_rad: float) -> mujoco.MjsBody:
+    """Add a body that does not move, its frame on the floor; its shapes are up to the caller."""
+    return room.worldbody.add_body(name=name, pos=(*centre_m, 0.0), quat=about_z(yaw_rad))
+
+
+def add_box(body: mujoco.MjsBody, size_m: Vector, centre_m: Vector, rgba: Colour) -> None:
+    """Add a box of full size (x, y, z) to a body."""
+    half = [edge / 2 for edge in size_m]
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=half, pos=centre_m, rgba=rgba)
+
+
+def add_cylinder(body: mujoco.MjsBody, radius_m: float, height_m: float, centre_m: Vector, rgba: Colour) -> None:
+    """Add an upright cylinder to a body."""
+    size = (radius_m, height_m / 2, 0.0)
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=size, pos=centre_m, rgba=rgba)
+
+
+def _add_legs(body: mujoco.MjsBody, depth_m: float, width_m: float, height_m: float) -> None:
     for x in (-1, 1):
         for y in (-1, 1):
             place = (x * (depth_m - LEG_M) / 2, y * (width_m - LEG_M) / 2, height_m / 2)
-            yield box((LEG_M, LEG_M, height_m), place, GREY)
-
-
-def fixed(name: str, place_m: tuple[float, float, float], yaw_rad: float, parts: Iterable[str]) -> str:
-    """A body that does not move, of some parts."""
-    return f'<body name="{name}" {placed(place_m, yaw_rad)}>{"".join(parts)}</body>'
-
-
-def placed(position_m: Iterable[float], yaw_rad: float) -> str:
-    """Attributes that say where something is, and how it is turned about the vertical."""
-    quaternion = (math.cos(yaw_rad / 2), 0.0, 0.0, math.sin(yaw_rad / 2))
-    return f'pos="{text(position_m)}" quat="{text(quaternion)}"'
-
-
-def box(size_m: tuple[float, float, float], centre_m: tuple[float, float, float], rgba: str) -> str:
-    """A part: a box of full size (x, y, z)."""
-    half = text(s / 2 for s in size_m)
-    return f'<geom type="box" size="{half}" pos="{text(centre_m)}" rgba="{rgba}"/>'
-
-
-def cylinder(radius_m: float, height_m: float, centre_m: tuple[float, float, float], rgba: str) -> str:
-    """A part: an upright cylinder."""
-    size = text((radius_m, height_m / 2))
-    return f'<geom type="cylinder" size="{size}" pos="{text(centre_m)}" rgba="{rgba}"/>'
-
-
-def text(values: Iterable[float]) -> str:
-    """Numbers as MJCF text."""
-    return " ".join(f"{value:.6g}" for value in values)
+            add_box(body, (LEG_M, LEG_M, height_m), place, GREY)
 
 
 LAP = {
@@ -187,8 +209,8 @@ class Person:
 class Furniture(Protocol):
     """Something that stands in a room and is not moved."""
 
-    def mjcf(self) -> str:
-        """A fixed body."""
+    def add_to(self, room: mujoco.MjSpec) -> None:
+        """Put it into a room."""
 
 
 @dataclass(frozen=True)
@@ -211,8 +233,7 @@ class Room:
 
     def scene(self) -> Scene:
         """The room as a scene with everybody at rest."""
-        texts = {"scene.toml": self._toml().encode(), "room.xml": self._mjcf().encode()}
-        return Scene.from_bundle({**texts, **self._meshes()}, where=self.name)
+        return Scene.from_spec(self._spec(), map(_entry, self.people), name=self.name)
 
     def varied(self, rng: np.random.Generator, *, distance_m: float, angle_rad: float) -> Room:
         """The room with its people and things moved and turned at random.
@@ -233,28 +254,26 @@ class Room:
             things.append(replace(thing, position_m=(x + dx, y + dy, z), yaw_rad=thing.yaw_rad + turn))
         return replace(self, people=tuple(people), things=tuple(things))
 
-    def _toml(self) -> str:
-        head = f'[scene]\nname = "{self.name}"\nmodel = "room.xml"\n'
-        return "\n".join((head, *(_agent_toml(person) for person in self.people)))
+    def _spec(self) -> mujoco.MjSpec:
+        room = mujoco.MjSpec()
+        room.modelname = self.name
+        room.worldbody.add_geom(
+            name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(4.0, 4.0, 0.1), rgba=(0.75, 0.72, 0.68, 1.0)
+        )
+        room.worldbody.add_light(pos=(0.0, 0.0, 3.0))
+        room.assets = {file: content for thing in self.things for file, content in thing.meshes().items()}
+        for file in room.assets:
+            room.add_mesh(name=Path(file).stem, file=file)
+        for piece in (*self._furniture(), *self.things):
+            piece.add_to(room)
+        return room
 
-    def _mjcf(self) -> str:
-        floor = '<geom name="floor" type="plane" size="4 4 0.1" rgba="0.75 0.72 0.68 1"/><light pos="0 0 3"/>'
-        bodies = (floor, *self._furniture(), *(thing.mjcf() for thing in self.things))
-        meshes = "".join(f'<mesh name="{Path(file).stem}" file="{file}"/>' for file in self._meshes())
-        assets = f"<asset>{meshes}</asset>" if meshes else ""
-        return f'<mujoco model="{self.name}">{assets}<worldbody>{"".join(bodies)}</worldbody></mujoco>'
-
-    def _meshes(self) -> dict[str, bytes]:
-        return {file: text for thing in self.things for file, text in thing.meshes().items()}
-
-    def _furniture(self) -> Iterable[str]:
-        yield self.table.mjcf()
-        if self.furniture is None:
-            yield sideboard("sideboard", SIDEBOARD_M, -math.pi / 2)
-        yield from (piece.mjcf() for piece in self.furniture or ())
+    def _furniture(self) -> Iterator[Furniture]:
+        yield self.table
+        yield from (Sideboard("sideboard", SIDEBOARD_M, -math.pi / 2),) if self.furniture is None else self.furniture
         for person in self.people:
             if person.posture == "sitting" and person.chair:
-                yield chair(f"chair_{person.name}", person.position_m, person.yaw_rad)
+                yield Chair(f"chair_{person.name}", person.position_m, person.yaw_rad)
 
 
 def _shift(rng: np.random.Generator, distance_m: float, angle_rad: float) -> tuple[float, float, float]:
@@ -262,27 +281,25 @@ def _shift(rng: np.random.Generator, distance_m: float, angle_rad: float) -> tup
     return float(dx), float(dy), float(rng.uniform(-angle_rad, angle_rad))
 
 
-def _agent_toml(person: Person) -> str:
-    return "\n".join(
-        (
-            f"[agents.{person.name}]",
-            f'profile = "{person.profile}"',
-            f"position_m = [{person.position_m[0]:.6f}, {person.position_m[1]:.6f}]",
-            f"yaw_deg = {math.degrees(person.yaw_rad):.6f}",
-            f'posture = "{person.posture}"',
-            *(_body_toml(person) if person.profile == HUMAN else ()),
-            "",
-        )
+def _entry(person: Person) -> AgentEntry:
+    """The person as an agent of a scene, to micrometres; robots rest as their profiles have it."""
+    entry = AgentEntry(
+        person.name,
+        profile=person.profile,
+        position_m=(round(person.position_m[0], 6), round(person.position_m[1], 6)),
+        yaw_rad=math.radians(round(math.degrees(person.yaw_rad), 6)),
+        posture=person.posture,
     )
-
-
-def _body_toml(person: Person) -> tuple[str, str]:
-    """A person's size, and how it rests; robots rest as their profiles have it."""
+    if person.profile != HUMAN:
+        return entry
     joints = {f"{side}_{joint}": angle for side in ("left", "right") for joint, angle in REST[person.posture].items()}
     if person.head_deg != (0.0, 0.0):
         joints |= dict(zip(("head_pan", "head_tilt"), person.head_deg, strict=True))
-    angles = ", ".join(f"{joint} = {angle:.3f}" for joint, angle in joints.items())
-    return f"body = {{ stature_m = {person.stature_m:.4f} }}", f"joints_deg = {{ {angles} }}"
+    return replace(
+        entry,
+        body={"stature_m": round(person.stature_m, 4)},
+        joints_rad={joint: math.radians(round(angle, 3)) for joint, angle in joints.items()},
+    )
 
 
 # --- What is in the living room of the study: people at a table, and things on it. Sizes are ours.
@@ -293,14 +310,12 @@ HIGH_TABLE = Table("table", size_m=(*TABLE.size_m[:2], 0.92))
 CLOSE_M, LIVING_ROOM_BACK_M, STANDING_M = 0.67, 0.93, 0.63
 """Distances of a pelvis from the middle of the table: sitting with the thighs under it, sitting back with the knees
 before it (room to stand up), standing at it."""
-RED, BLUE, GREEN, BLACK, PINE = (
-    "0.78 0.16 0.13 1",
-    "0.18 0.32 0.62 1",
-    "0.25 0.50 0.30 1",
-    "0.12 0.12 0.13 1",
-    "0.85 0.68 0.42 1",
-)
-SIZES_M: Mapping[str, tuple[tuple[float, ...], str]] = {
+RED: Colour = (0.78, 0.16, 0.13, 1.0)
+BLUE: Colour = (0.18, 0.32, 0.62, 1.0)
+GREEN: Colour = (0.25, 0.50, 0.30, 1.0)
+BLACK: Colour = (0.12, 0.12, 0.13, 1.0)
+PINE: Colour = (0.85, 0.68, 0.42, 1.0)
+SIZES_M: Mapping[str, tuple[tuple[float, ...], Colour]] = {
     "cup": ((0.075, 0.10), RED),
     "wooden_cube": ((0.07, 0.07, 0.07), PINE),
     "white_box": ((0.16, 0.32, 0.26), WHITE),

@@ -14,7 +14,6 @@ from taskgist.world import Stage, posture_of, support_of
 from taskgist_lab.generator.arrangement import EDGE_M, Arrangement, apart, both, handy, nearer_to, off_the_way
 from taskgist_lab.generator.furnishing import (
     STATURES_M,
-    EmptyChair,
     RoundTable,
     Shelf,
     Sofa,
@@ -27,6 +26,7 @@ from taskgist_lab.generator.outcomes import check_room
 from taskgist_lab.generator.rooms import DINING, HIGH, LOW, ROUND, around_a_table
 from taskgist_lab.generator.things import LARGE, SMALL, MeshThing, any_of, radius_m
 from taskgist_lab.simulator import Person, Room, Table
+from taskgist_lab.simulator.room import Chair
 
 SEEDS = range(60)
 PERSON = Person("P1", 1.70, (-0.7, 0.0), 0.0)
@@ -50,7 +50,7 @@ def test_rooms_differ_in_everything() -> None:
     heights = [room.table.height_m for room in rooms]
     assert min(heights) < 0.5
     assert max(heights) > 0.9
-    assert {type(piece) for room in rooms for piece in room.furniture} >= {Sofa, EmptyChair}
+    assert {type(piece) for room in rooms for piece in room.furniture} >= {Sofa, Chair}
     assert {person.posture for room in rooms for person in (room.performer, room.target)} == {"sitting", "standing"}
     assert {len(people(room)) for room in rooms} >= {2, 3, 4}
     assert any(isinstance(thing, MeshThing) for room in rooms for thing in room.things)

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 import pytest
 from hypothesis import given
@@ -20,16 +21,14 @@ from taskgist_lab.simulator.throwing import LetFall, Swing, Tap, Throw, velociti
 
 TABLE = Table("table")
 GOAL = (1.3, -0.5, 0.0)
-ROLLING = 'condim="6" priority="1" friction="0.5 0.0003 0.0003"'
+ROLLING = (0.5, 0.0003, 0.0003)
 
 
 @dataclass(frozen=True)
 class Ball(Thing):
-    def mjcf(self) -> str:
-        x, y, z = self.position_m
-        radius = self.size_m[0] / 2
-        shape = f'<geom type="sphere" size="{radius}" {ROLLING}/>'
-        return f'<body name="{self.name}" pos="{x} {y} {z + radius}"><freejoint/>{shape}</body>'
+    def add_shapes(self, body: mujoco.MjsBody) -> None:
+        size = (self.size_m[0] / 2, 0.0, 0.0)
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, friction=ROLLING, condim=6, priority=1)
 
 
 @pytest.fixture(scope="module")

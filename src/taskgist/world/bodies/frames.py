@@ -61,7 +61,7 @@ def frame_from(table: TomlTable, key: str, attempt: Attempts) -> Frame:
     name = attempt(lambda: table.text(key), UNREADABLE)
     offset_m = attempt(lambda: table.triple("offset_m", zero), zero)
     wxyz = _wxyz_from_rpy(attempt(lambda: table.triple("rpy_deg", zero), zero))
-    if attempt(lambda: table.flag("optical", default=False), False):
+    if attempt(lambda: table.flag("optical", False), False):
         wxyz = multiply(wxyz, OPTICAL_WXYZ)
     w, x, y, z = (float(value) for value in wxyz)
     return Frame(name, offset_m, (w, x, y, z))

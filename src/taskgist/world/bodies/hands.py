@@ -144,7 +144,7 @@ def _kind(table: TomlTable) -> HandKind:
     for kind in HAND_KINDS:
         if given == kind:
             return kind
-    raise UnknownNameError("kind of hand", given, HAND_KINDS, where=f"{table.where}: {table.path}")
+    raise UnknownNameError("kind of hand", given, HAND_KINDS, where=f"{table.place}")
 
 
 def ghosts_of(model: mujoco.MjModel, hand_body: int) -> list[int]:

@@ -13,7 +13,8 @@ the shapes are ours, read off [Winter 2009] and clothed bodies.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 
 from taskgist.errors import SceneError
@@ -101,6 +102,8 @@ SKIN, CLOTH, TROUSERS, SHOE = "0.87 0.68 0.55 1", "0.35 0.45 0.62 1", "0.25 0.27
 WAIST_SHARE = 0.22  # of the trunk: the lumbar joint above the mid-hip (ours)
 PALM_SHARE = 0.53  # of the hand: wrist to knuckles
 GROUP = 1
+SIDES = (("left", 1), ("right", -1))
+Vector = tuple[float, float, float]
 
 
 def human_mjcf(size: HumanSize) -> str:
@@ -114,145 +117,145 @@ def human_mjcf(size: HumanSize) -> str:
     """
     s = size
     waist = WAIST_SHARE * s.trunk_m
-    return "\n".join(
-        (
-            '<mujoco model="human"><compiler angle="degree" autolimits="true"/>',
-            f'<default><geom group="{GROUP}" density="1000"/><site group="4" size="0.01"/></default>',
-            '<worldbody><body name="pelvis"><freejoint name="root"/>',
-            _geom(
-                "pelvis",
-                "ellipsoid",
-                (0.065 * s.stature_m, 0.098 * s.stature_m, 0.065 * s.stature_m),
-                TROUSERS,
-            ),
-            _site("pelvis"),
-            *_each_side(_leg, s),
-            f'<body name="torso" pos="0 0 {waist:.5f}">',
-            _hinge("torso_turn", "0 0 1", (-90, 90)),
-            _hinge("torso_lean", "0 1 0", (-30, 90)),
-            _hinge("torso_side", "1 0 0", (-35, 35)),
-            *_trunk(s, waist),
-            *_head(s, s.trunk_m - waist + s.neck_m),
-            *_each_side(_arm, s),
-            "</body></body></worldbody></mujoco>",
-        )
-    )
+    model = ET.Element("mujoco", model="human")
+    ET.SubElement(model, "compiler", angle="degree", autolimits="true")
+    defaults = ET.SubElement(model, "default")
+    ET.SubElement(defaults, "geom", group=str(GROUP), density="1000")
+    ET.SubElement(defaults, "site", group="4", size="0.01")
+    pelvis = ET.SubElement(ET.SubElement(model, "worldbody"), "body", name="pelvis")
+    ET.SubElement(pelvis, "freejoint", name="root")
+    _geom(pelvis, "pelvis", "ellipsoid", (0.065 * s.stature_m, 0.098 * s.stature_m, 0.065 * s.stature_m), TROUSERS)
+    _site(pelvis, "pelvis")
+    for side, sign in SIDES:
+        _leg(pelvis, s, side, sign)
+    torso = _body(pelvis, "torso", (0, 0, waist))
+    _hinge(torso, "torso_turn", (0, 0, 1), (-90, 90))
+    _hinge(torso, "torso_lean", (0, 1, 0), (-30, 90))
+    _hinge(torso, "torso_side", (1, 0, 0), (-35, 35))
+    _trunk(torso, s, waist)
+    _head(torso, s, s.trunk_m - waist + s.neck_m)
+    for side, sign in SIDES:
+        _arm(torso, s, side, sign)
+    return ET.tostring(model, encoding="unicode")
 
 
-def _trunk(s: HumanSize, waist_m: float) -> Iterator[str]:
+def _trunk(torso: ET.Element, s: HumanSize, waist_m: float) -> None:
     top = s.trunk_m - waist_m
     half = 0.5 * (top + 0.03 * s.stature_m)
     depth, width = 0.062 * s.stature_m, 0.092 * s.stature_m
-    yield _geom("trunk", "ellipsoid", (depth, width, half + 0.02 * s.stature_m), CLOTH, (0, 0, half - 0.02))
-    yield _geom("neck", "capsule", (0.031 * s.stature_m, 0.5 * s.neck_m), SKIN, (0, 0, top + 0.4 * s.neck_m))
-    yield _site("abdomen", (0, 0, 0))
-    yield _site("chest", (0, 0, 0.45 * top))
-    yield _site("neck", (0, 0, top + 0.15 * s.neck_m))
+    _geom(torso, "trunk", "ellipsoid", (depth, width, half + 0.02 * s.stature_m), CLOTH, (0, 0, half - 0.02))
+    _geom(torso, "neck", "capsule", (0.031 * s.stature_m, 0.5 * s.neck_m), SKIN, (0, 0, top + 0.4 * s.neck_m))
+    _site(torso, "abdomen", (0, 0, 0))
+    _site(torso, "chest", (0, 0, 0.45 * top))
+    _site(torso, "neck", (0, 0, top + 0.15 * s.neck_m))
 
 
-def _head(s: HumanSize, height_m: float) -> Iterator[str]:
+def _head(torso: ET.Element, s: HumanSize, height_m: float) -> None:
     deep, wide, tall = 0.42 * s.head_m, 0.33 * s.head_m, 0.5 * s.head_m
     eye = (deep, 0.0, 0.508 * s.head_m)  # eyes 0.936 of stature: 0.066 above the chin
-    yield f'<body name="head" pos="0 0 {height_m:.5f}">'
-    yield _hinge("head_pan", "0 0 1", (-80, 80))
-    yield _hinge("head_tilt", "0 -1 0", (-60, 60))
-    yield _hinge("head_roll", "1 0 0", (-45, 45))
-    yield _geom("head", "ellipsoid", (deep, wide, tall), SKIN, (0, 0, tall))
-    yield _site("head_base")
-    yield _site("head", (0, 0, tall))
-    yield _site("head_top", (0, 0, s.head_m))
-    yield _site("eye", eye)
-    yield _site("nose", (1.15 * deep, 0, 0.40 * s.head_m))
-    for side, sign in (("left", 1), ("right", -1)):
-        yield _site(f"{side}_eye", (0.9 * deep, sign * 0.14 * s.head_m, eye[2]))
-        yield _geom(
-            f"{side}_eye", "sphere", (0.06 * s.head_m,), "0.1 0.1 0.1 1", (0.86 * deep, sign * 0.14 * s.head_m, eye[2])
+    head = _body(torso, "head", (0, 0, height_m))
+    _hinge(head, "head_pan", (0, 0, 1), (-80, 80))
+    _hinge(head, "head_tilt", (0, -1, 0), (-60, 60))
+    _hinge(head, "head_roll", (1, 0, 0), (-45, 45))
+    _geom(head, "head", "ellipsoid", (deep, wide, tall), SKIN, (0, 0, tall))
+    _site(head, "head_base")
+    _site(head, "head", (0, 0, tall))
+    _site(head, "head_top", (0, 0, s.head_m))
+    _site(head, "eye", eye)
+    _site(head, "nose", (1.15 * deep, 0, 0.40 * s.head_m))
+    for side, sign in SIDES:
+        _site(head, f"{side}_eye", (0.9 * deep, sign * 0.14 * s.head_m, eye[2]))
+        _geom(
+            head,
+            f"{side}_eye",
+            "sphere",
+            (0.06 * s.head_m,),
+            "0.1 0.1 0.1 1",
+            (0.86 * deep, sign * 0.14 * s.head_m, eye[2]),
         )
-        yield _site(f"{side}_ear", (0, sign * wide, 0.45 * s.head_m))
-    yield "</body>"
+        _site(head, f"{side}_ear", (0, sign * wide, 0.45 * s.head_m))
 
 
-def _arm(s: HumanSize, side: str, sign: int) -> Iterator[str]:
+def _arm(torso: ET.Element, s: HumanSize, side: str, sign: int) -> None:
     shoulder_z = (1 - WAIST_SHARE) * s.trunk_m
     sternum_y = 0.02 * s.stature_m
     y = 0.5 * s.shoulder_breadth_m - sternum_y
-    yield f'<body name="{side}_clavicle" pos="0 {sign * sternum_y:.5f} {shoulder_z:.5f}">'
-    yield _hinge(f"{side}_girdle_protraction", f"0 0 {-sign}", (-20, 35))
-    yield _hinge(f"{side}_girdle_elevation", f"{sign} 0 0", (-10, 35))
-    yield _link(f"{side}_clavicle", (0, sign * y, 0), 0.022 * s.stature_m, CLOTH)
-    yield f'<body name="{side}_upper_arm" pos="0 {sign * y:.5f} 0">'
-    yield _hinge(f"{side}_shoulder_flexion", "0 -1 0", (-60, 180))
-    yield _hinge(f"{side}_shoulder_abduction", f"{sign} 0 0", (-50, 180))
-    yield _hinge(f"{side}_shoulder_rotation", f"0 0 {sign}", (-90, 90))
-    yield _link(f"{side}_upper_arm", (0, 0, -s.upper_arm_m), 0.027 * s.stature_m, CLOTH)
-    yield _site(f"{side}_shoulder")
-    yield f'<body name="{side}_forearm" pos="0 0 {-s.upper_arm_m:.5f}">'
-    yield _hinge(f"{side}_elbow", "0 -1 0", (0, 150))
-    yield _hinge(f"{side}_forearm_rotation", f"0 0 {sign}", (-90, 90))
-    yield _link(f"{side}_forearm", (0, 0, -s.forearm_m), 0.021 * s.stature_m, SKIN)
-    yield _site(f"{side}_elbow")
-    yield from _hand(s, side, sign)
-    yield "</body></body></body>"
+    clavicle = _body(torso, f"{side}_clavicle", (0, sign * sternum_y, shoulder_z))
+    _hinge(clavicle, f"{side}_girdle_protraction", (0, 0, -sign), (-20, 35))
+    _hinge(clavicle, f"{side}_girdle_elevation", (sign, 0, 0), (-10, 35))
+    _link(clavicle, f"{side}_clavicle", (0, sign * y, 0), 0.022 * s.stature_m, CLOTH)
+    upper_arm = _body(clavicle, f"{side}_upper_arm", (0, sign * y, 0))
+    _hinge(upper_arm, f"{side}_shoulder_flexion", (0, -1, 0), (-60, 180))
+    _hinge(upper_arm, f"{side}_shoulder_abduction", (sign, 0, 0), (-50, 180))
+    _hinge(upper_arm, f"{side}_shoulder_rotation", (0, 0, sign), (-90, 90))
+    _link(upper_arm, f"{side}_upper_arm", (0, 0, -s.upper_arm_m), 0.027 * s.stature_m, CLOTH)
+    _site(upper_arm, f"{side}_shoulder")
+    forearm = _body(upper_arm, f"{side}_forearm", (0, 0, -s.upper_arm_m))
+    _hinge(forearm, f"{side}_elbow", (0, -1, 0), (0, 150))
+    _hinge(forearm, f"{side}_forearm_rotation", (0, 0, sign), (-90, 90))
+    _link(forearm, f"{side}_forearm", (0, 0, -s.forearm_m), 0.021 * s.stature_m, SKIN)
+    _site(forearm, f"{side}_elbow")
+    _hand(forearm, s, side, sign)
 
 
-def _hand(s: HumanSize, side: str, sign: int) -> Iterator[str]:
+def _hand(forearm: ET.Element, s: HumanSize, side: str, sign: int) -> None:
     palm, fingers = PALM_SHARE * s.hand_m, (1 - PALM_SHARE) * s.hand_m
-    yield f'<body name="{side}_hand" pos="0 0 {-s.forearm_m:.5f}">'
-    yield _hinge(f"{side}_wrist_flexion", f"{-sign} 0 0", (-70, 80))
-    yield _hinge(f"{side}_wrist_deviation", "0 -1 0", (-30, 30))
-    yield _geom(f"{side}_palm", "box", (0.042, 0.014, palm / 2), SKIN, (0, 0, -palm / 2))
-    yield _geom(f"{side}_fingers", "box", (0.038, 0.010, fingers / 2), SKIN, (0, 0, -palm - fingers / 2))
-    yield _geom(f"{side}_thumb", "capsule", (0.010, 0.025), SKIN, (0.045, -sign * 0.02, -0.55 * palm))
-    yield _site(f"{side}_wrist")
-    yield _site(f"{side}_hand", (0, 0, -palm))
-    yield _site(f"{side}_palm", (0, -sign * 0.03, -0.9 * palm))
-    yield _site(f"{side}_thumb", (0.045, -sign * 0.02, -0.9 * palm))
-    yield _site(f"{side}_fingertip", (0, 0, -s.hand_m))
-    yield "</body>"
+    hand = _body(forearm, f"{side}_hand", (0, 0, -s.forearm_m))
+    _hinge(hand, f"{side}_wrist_flexion", (-sign, 0, 0), (-70, 80))
+    _hinge(hand, f"{side}_wrist_deviation", (0, -1, 0), (-30, 30))
+    _geom(hand, f"{side}_palm", "box", (0.042, 0.014, palm / 2), SKIN, (0, 0, -palm / 2))
+    _geom(hand, f"{side}_fingers", "box", (0.038, 0.010, fingers / 2), SKIN, (0, 0, -palm - fingers / 2))
+    _geom(hand, f"{side}_thumb", "capsule", (0.010, 0.025), SKIN, (0.045, -sign * 0.02, -0.55 * palm))
+    _site(hand, f"{side}_wrist")
+    _site(hand, f"{side}_hand", (0, 0, -palm))
+    _site(hand, f"{side}_palm", (0, -sign * 0.03, -0.9 * palm))
+    _site(hand, f"{side}_thumb", (0.045, -sign * 0.02, -0.9 * palm))
+    _site(hand, f"{side}_fingertip", (0, 0, -s.hand_m))
 
 
-def _leg(s: HumanSize, side: str, sign: int) -> Iterator[str]:
+def _leg(pelvis: ET.Element, s: HumanSize, side: str, sign: int) -> None:
     sole = s.foot_height_m
-    yield f'<body name="{side}_thigh" pos="0 {sign * s.hip_breadth_m / 2:.5f} 0">'
-    yield _hinge(f"{side}_hip_flexion", "0 -1 0", (-30, 125))
-    yield _hinge(f"{side}_hip_abduction", f"{sign} 0 0", (-30, 45))
-    yield _link(f"{side}_thigh", (0, 0, -s.thigh_m), 0.040 * s.stature_m, TROUSERS)
-    yield _site(f"{side}_hip")
-    yield f'<body name="{side}_shank" pos="0 0 {-s.thigh_m:.5f}">'
-    yield _hinge(f"{side}_knee", "0 1 0", (0, 140))
-    yield _link(f"{side}_shank", (0, 0, -s.shank_m), 0.028 * s.stature_m, TROUSERS)
-    yield _site(f"{side}_knee")
-    yield f'<body name="{side}_foot" pos="0 0 {-s.shank_m:.5f}">'
-    yield _hinge(f"{side}_ankle", "0 -1 0", (-50, 40))
-    yield _geom(f"{side}_foot", "box", (s.foot_m / 2, 0.045, sole / 2), SHOE, (0.27 * s.foot_m, 0, -sole / 2))
-    yield _site(f"{side}_ankle")
-    yield _site(f"{side}_toe", (0.75 * s.foot_m, 0, -sole / 2))
-    yield _site(f"{side}_heel", (-0.23 * s.foot_m, 0, -sole / 2))
-    yield "</body></body></body>"
+    thigh = _body(pelvis, f"{side}_thigh", (0, sign * s.hip_breadth_m / 2, 0))
+    _hinge(thigh, f"{side}_hip_flexion", (0, -1, 0), (-30, 125))
+    _hinge(thigh, f"{side}_hip_abduction", (sign, 0, 0), (-30, 45))
+    _link(thigh, f"{side}_thigh", (0, 0, -s.thigh_m), 0.040 * s.stature_m, TROUSERS)
+    _site(thigh, f"{side}_hip")
+    shank = _body(thigh, f"{side}_shank", (0, 0, -s.thigh_m))
+    _hinge(shank, f"{side}_knee", (0, 1, 0), (0, 140))
+    _link(shank, f"{side}_shank", (0, 0, -s.shank_m), 0.028 * s.stature_m, TROUSERS)
+    _site(shank, f"{side}_knee")
+    foot = _body(shank, f"{side}_foot", (0, 0, -s.shank_m))
+    _hinge(foot, f"{side}_ankle", (0, -1, 0), (-50, 40))
+    _geom(foot, f"{side}_foot", "box", (s.foot_m / 2, 0.045, sole / 2), SHOE, (0.27 * s.foot_m, 0, -sole / 2))
+    _site(foot, f"{side}_ankle")
+    _site(foot, f"{side}_toe", (0.75 * s.foot_m, 0, -sole / 2))
+    _site(foot, f"{side}_heel", (-0.23 * s.foot_m, 0, -sole / 2))
 
 
-def _each_side(build: object, size: HumanSize) -> Iterable[str]:
-    assert callable(build)
-    for side, sign in (("left", 1), ("right", -1)):
-        yield from build(size, side, sign)
+def _body(carrier: ET.Element, name: str, pos: Vector) -> ET.Element:
+    return ET.SubElement(carrier, "body", name=name, pos=_numbers(pos))
 
 
-def _hinge(name: str, axis: str, range_deg: tuple[float, float]) -> str:
-    return f'<joint name="{name}" type="hinge" axis="{axis}" range="{range_deg[0]} {range_deg[1]}"/>'
+def _hinge(body: ET.Element, name: str, axis: tuple[int, int, int], range_deg: tuple[int, int]) -> None:
+    ET.SubElement(
+        body, "joint", name=name, type="hinge", axis=" ".join(map(str, axis)), range=" ".join(map(str, range_deg))
+    )
 
 
-def _geom(name: str, kind: str, size: tuple[float, ...], rgba: str, pos: tuple[float, float, float] = (0, 0, 0)) -> str:
-    return f'<geom name="{name}" type="{kind}" size="{_numbers(size)}" pos="{_numbers(pos)}" rgba="{rgba}"/>'
+def _geom(
+    body: ET.Element, name: str, kind: str, size: tuple[float, ...], rgba: str, pos: Vector = (0.0, 0.0, 0.0)
+) -> None:
+    ET.SubElement(body, "geom", name=name, type=kind, size=_numbers(size), pos=_numbers(pos), rgba=rgba)
 
 
-def _link(name: str, end: tuple[float, float, float], radius: float, rgba: str) -> str:
+def _link(body: ET.Element, name: str, end: Vector, radius: float, rgba: str) -> None:
     """A capsule along a segment, its round ends inside the joints."""
     ends = _numbers((*(0.12 * x for x in end), *(0.88 * x for x in end)))
-    return f'<geom name="{name}" type="capsule" size="{radius:.5f}" fromto="{ends}" rgba="{rgba}"/>'
+    ET.SubElement(body, "geom", name=name, type="capsule", size=_numbers((radius,)), fromto=ends, rgba=rgba)
 
 
-def _site(name: str, pos: tuple[float, float, float] = (0, 0, 0)) -> str:
-    return f'<site name="{name}" pos="{_numbers(pos)}"/>'
+def _site(body: ET.Element, name: str, pos: Vector = (0.0, 0.0, 0.0)) -> None:
+    ET.SubElement(body, "site", name=name, pos=_numbers(pos))
 
 
 def _numbers(values: Iterable[float]) -> str:

@@ -275,35 +275,50 @@ def model_files(
             shapes=shapes,
             room=room,
         )
-    else:
-        spec, files = _mjcf(path, prefix)
-    return {**files, key: _xml(spec, files, path)}
-
-
-def _mjcf(path: Path, prefix: str) -> tuple[mujoco.MjSpec, dict[str, bytes]]:
+        return {**files, key: _xml(spec, files, str(path))}
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except ValueError as error:
         raise SceneError(f"MuJoCo cannot read this model: {error}", where=path) from error
+    return spec_files(spec, key, where=str(path), prefix=prefix, folder=path.parent)
+
+
+def spec_files(
+    spec: mujoco.MjSpec, key: str, *, where: str, prefix: str = "", folder: Path = Path()
+) -> dict[str, bytes]:
+    """A specification as one flat MJCF document under ``key``, and its meshes under names without folders.
+
+    Args:
+        spec: The model, which gets the new names; meshes are taken from its ``assets``, else from disk.
+        key: Name of the document.
+        where: File for error messages.
+        prefix: Put before the names of meshes.
+        folder: To which files on disk are relative.
+
+    Raises:
+        SceneError: A file is missing, or this is no model.
+    """
+    given = dict(spec.assets)
     files: dict[str, bytes] = {}
-    for meshes, folder in ((spec.meshes, spec.meshdir), (spec.textures, spec.texturedir)):
-        for asset in meshes:
+    for assets, below in ((spec.meshes, spec.meshdir), (spec.textures, spec.texturedir)):
+        for asset in assets:
             if asset.file:
-                source = path.parent / folder / asset.file
+                data = given.get(asset.file)
+                data = read_file(folder / below / asset.file, named_by=where) if data is None else bytes(data)
                 asset.file = prefix + asset.file.replace("/", "_")
-                files[asset.file] = read_file(source, named_by=str(path))
+                files[asset.file] = data
     spec.meshdir = spec.texturedir = ""
-    return spec, files
+    return {**files, key: _xml(spec, files, where)}
 
 
-def _xml(spec: mujoco.MjSpec, files: Mapping[str, bytes], path: Path) -> bytes:
+def _xml(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> bytes:
     spec.assets = dict(files)
-    for problem in size_problems(spec, str(path)):
+    for problem in size_problems(spec, where):
         raise problem
     try:
         return str(spec.to_xml()).encode()
     except ValueError as error:
-        raise SceneError(f"MuJoCo cannot read this model: {error}", where=path) from error
+        raise SceneError(f"MuJoCo cannot read this model: {error}", where=where) from error
 
 
 def read_model(files: dict[str, bytes], name: str, *, where: str, room: bool) -> mujoco.MjSpec:

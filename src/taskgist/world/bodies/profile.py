@@ -194,7 +194,7 @@ def _image_px(table: TomlTable) -> tuple[int, int]:
 
 def _excluded(table: TomlTable) -> tuple[str, ...]:
     """The body that the eye sits in, and more of them around it."""
-    names = table.names("exclude") if isinstance(table.values.get("exclude"), list) else (table.text("exclude"),)
+    names = table.texts("exclude") if isinstance(table.values.get("exclude"), list) else (table.text("exclude"),)
     if not names:
         raise table.error("an eye sits in a body", "exclude", [], 'as "head"')
     return names
@@ -228,8 +228,8 @@ def read_legs(table: TomlTable) -> Legs:
         return Legs()
     joints = ("hips", "knees", "ankles", "thighs", "feet")
     table.only({"can", "seat_share", *joints})
-    names = {key: table.names(key) for key in joints}
-    can = tuple(read_posture(name, where=f"{table.where}: {table.path}") for name in table.names("can"))
+    names = {key: table.texts(key) for key in joints}
+    can = tuple(read_posture(name, where=f"{table.place}") for name in table.texts("can"))
     if "sitting" in can and not all(names.values()):
         missing = next(key for key, found in names.items() if not found)
         raise table.error("whoever sits has legs", missing, hint="name hips, knees, ankles, thighs and feet")
@@ -285,7 +285,7 @@ def check_sides(table: TomlTable, arms: tuple[Arm, ...]) -> None:
     sides = [arm.side for arm in arms if arm.side != UNREADABLE]
     for side in sides:
         if side not in SIDES:
-            raise UnknownNameError("side", side, SIDES, where=f"{table.where}: arms")
+            raise UnknownNameError("side", side, SIDES, where=f"{table.place}: arms")
     if len(set(sides)) < len(sides):
         raise table.error("one arm on each side", "arms", sides, "leave the others out")
 
@@ -308,13 +308,13 @@ def read_shapes(table: TomlTable) -> Shapes:
     for shapes in SHAPES:
         if given == shapes:
             return shapes
-    raise UnknownNameError("kind of shapes", given, SHAPES, where=f"{table.where}: shapes")
+    raise UnknownNameError("kind of shapes", given, SHAPES, where=f"{table.place}: shapes")
 
 
 def read_parts(table: TomlTable) -> tuple[tuple[str, tuple[str, ...]], ...]:
     """The ``[parts]`` table; empty where the parts are to be derived."""
     parts = table.table("parts")
-    return tuple((name, parts.names(name)) for name in parts)
+    return tuple((name, parts.texts(name)) for name in parts)
 
 
 # --- Reading agent profiles: each field by name, every problem found.
@@ -386,7 +386,7 @@ READERS: dict[str, tuple[Callable[[TomlTable], Any], Any]] = {
     "model": (lambda table: table.text("model"), UNREADABLE),
     "shapes": (read_shapes, "visual"),
     "legs": (lambda table: read_legs(table.table("posture")), Legs()),
-    "moves": (lambda table: table.table("base").only({"moves"}).flag("moves", default=False), False),
+    "moves": (lambda table: table.table("base").only({"moves"}).flag("moves", False), False),
     "hand": (lambda table: parse_hand(table.table("hand")) if "hand" in table else None, None),
     "parts": (read_parts, ()),
     "rest_rad": (read_rest_rad, ()),

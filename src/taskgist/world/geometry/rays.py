@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from taskgist.common.arrays import Array, Indices
 from taskgist.common.compiled import compiled
 from taskgist.world.bodies.agent import SEEN_MASK
-from taskgist.world.geometry import rays as raycast
 
 # --- Rays against shapes, by formula.
 #
@@ -276,13 +275,13 @@ def stand_between(
             radius = radii_m[ball]
             dx, dy, dz = centers[ball, 0] - ox, centers[ball, 1] - oy, centers[ball, 2] - oz
             dx, dy, dz = into_shape(matrices, shape, dx, dy, dz)
-            if kinds[shape] == raycast.PLANE:
+            if kinds[shape] == PLANE:
                 near = min(pz, pz + dz - radius) <= 0.0
             else:
                 bx, by, bz = px - bounds[shape, 0], py - bounds[shape, 1], pz - bounds[shape, 2]
                 sx, sy, sz = bounds[shape, 3] + radius, bounds[shape, 4] + radius, bounds[shape, 5] + radius
                 near = abs(bx) <= sx and abs(by) <= sy and abs(bz) <= sz
-                near = near or raycast.box(sx, sy, sz, bx, by, bz, dx, dy, dz) <= 1.0
+                near = near or box(sx, sy, sz, bx, by, bz, dx, dy, dz) <= 1.0
             if near:
                 found[count] = shape
                 count += 1
@@ -337,10 +336,10 @@ class Rays:
         kinds = model.geom_type.astype(np.int64)
         self.shapes = Shapes(
             kinds,
-            ~np.isin(kinds, raycast.FORMULAS),
+            ~np.isin(kinds, FORMULAS),
             np.array(model.geom_size),
             np.array(model.geom_aabb),
-            np.where(kinds == raycast.PLANE, np.inf, _around(model.geom_aabb)),
+            np.where(kinds == PLANE, np.inf, _around(model.geom_aabb)),
             np.array(model.geom_bodyid),
             data.geom_xpos,
             data.geom_xmat,
@@ -395,7 +394,7 @@ class Rays:
             return np.full(count, NO_GEOM, dtype=np.intp), np.full(count, np.inf)
         self.cast_count += count
         of = self.shapes
-        first, nearest = raycast.cast_at(of.kinds, of.sizes, of.positions, of.matrices, shapes, origin, directions)
+        first, nearest = cast_at(of.kinds, of.sizes, of.positions, of.matrices, shapes, origin, directions)
         meshes = shapes[of.formless[shapes]]
         if len(meshes):
             self._cast_at_meshes(meshes, origin, directions, first, nearest)
@@ -444,16 +443,16 @@ class Rays:
 def cast_each(of: Shapes, shapes: Indices, origins: Array, directions: Array) -> tuple[Indices, Array, Array]:
     """The first of some shapes that each ray meets, how far it is, and its outward normal there."""
     count = len(origins)
-    first, nearest, normals = np.full(count, NO_GEOM), np.full(count, raycast.INF), np.zeros((count, 3))
+    first, nearest, normals = np.full(count, NO_GEOM), np.full(count, INF), np.zeros((count, 3))
     for ray in range(count):
         for shape in shapes:
             m, size, kind = of.matrices[shape], of.sizes[shape], of.kinds[shape]
-            x, y, z = raycast.local(m, origins[ray] - of.positions[shape])
-            dx, dy, dz = raycast.local(m, directions[ray])
-            t = raycast.surface(kind, size[0], size[1], size[2], x, y, z, dx, dy, dz)
+            x, y, z = local(m, origins[ray] - of.positions[shape])
+            dx, dy, dz = local(m, directions[ray])
+            t = surface(kind, size[0], size[1], size[2], x, y, z, dx, dy, dz)
             if t < nearest[ray]:
                 first[ray], nearest[ray] = shape, t
-                n = raycast.normal_at(kind, size[0], size[1], size[2], x + t * dx, y + t * dy, z + t * dz)
+                n = normal_at(kind, size[0], size[1], size[2], x + t * dx, y + t * dy, z + t * dz)
                 for axis in range(3):
                     normals[ray, axis] = m[3 * axis] * n[0] + m[3 * axis + 1] * n[1] + m[3 * axis + 2] * n[2]
     return first, nearest, normals
@@ -465,10 +464,10 @@ def meets_boxes(of: Shapes, shapes: Indices, origin: Array, directions: Array) -
     met = np.zeros(directions.shape[0], dtype=np.bool_)
     for shape in shapes:
         m, b = of.matrices[shape], of.bounds[shape]
-        x, y, z = raycast.local(m, origin - of.positions[shape])
+        x, y, z = local(m, origin - of.positions[shape])
         for ray in range(directions.shape[0]):
-            dx, dy, dz = raycast.local(m, directions[ray])
-            met[ray] |= raycast.box(b[3], b[4], b[5], x - b[0], y - b[1], z - b[2], dx, dy, dz) < raycast.INF
+            dx, dy, dz = local(m, directions[ray])
+            met[ray] |= box(b[3], b[4], b[5], x - b[0], y - b[1], z - b[2], dx, dy, dz) < INF
     return met
 
 

@@ -1,8 +1,9 @@
-"""The lazy observer says what one says that has seen all frames, and looks at few of them."""
+"""An observer says what one says that has watched all frames, looks at few of them, and lets more be appended."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import cast
 
 import numpy as np
 import pytest
@@ -10,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from taskgist.errors import UnknownNameError
-from taskgist.observe import LazyObserver, Observer, snapshot
+from taskgist.observe import Observer, snapshot
 from taskgist.world import Fitter, Hold, Scene, Stage, State
-from tests.observe.frames import States, assert_same, said
+from tests.observe.states import States, assert_confirmed_stands, assert_same, said
+from tests.observe.step_by_step import Watching
 from tests.scenes import TABLE, agent, box, cylinder, scene
 
 RATE_HZ = 30.0
@@ -81,10 +83,21 @@ def played(room: Scene, start: State, stretches: list[Stretch], gaps_s: list[flo
     st.lists(STRETCHES, min_size=1, max_size=8),
     st.lists(st.sampled_from([1 / 60, 1 / 30, 0.05, 0.21]), min_size=1, max_size=3),
 )
-def test_both_observers_say_the_same_at_every_frame(
+def test_what_is_looked_up_is_what_was_watched_at_every_frame(
     room: Scene, reaching: State, stretches: list[Stretch], gaps_s: list[float]
 ) -> None:
     assert_same(room, played(room, reaching, stretches, gaps_s))
+
+
+@settings(max_examples=8)
+@given(
+    st.lists(STRETCHES, min_size=1, max_size=6),
+    st.lists(st.sampled_from([1 / 30, 0.05, 0.21]), min_size=1, max_size=3),
+)
+def test_what_was_confirmed_live_stands_when_all_frames_have_come(
+    room: Scene, reaching: State, stretches: list[Stretch], gaps_s: list[float]
+) -> None:
+    assert_confirmed_stands(room, played(room, reaching, stretches, gaps_s))
 
 
 def still_and_held(room: Scene, start: State) -> list[State]:
@@ -102,9 +115,9 @@ def test_few_frames_are_looked_at(room: Scene, reaching: State) -> None:
             looked_at.add(index)
             return super().state(index)
 
-    lazy = LazyObserver(room, Counted(states))
-    found = [said(lazy, states[index].time_s) for index in (10, 290)]
-    full = Observer.of(room, states)
+    observer = Observer(room, Counted(states))
+    found = [said(observer, states[index].time_s) for index in (10, 290)]
+    full = Watching.of(room, states)
     assert found == [said(full, states[index].time_s) for index in (10, 290)]
     assert "P1's right hand" in str(found[0]["cup placement"]), "a hold takes the most frames to see"
     assert len(looked_at) < 2 * 15, "a fifth of a second, and the window of the slip before and behind it"
@@ -112,10 +125,10 @@ def test_few_frames_are_looked_at(room: Scene, reaching: State) -> None:
 
 def test_a_snapshot_is_the_same_from_either(room: Scene, reaching: State) -> None:
     states = still_and_held(room, reaching)[::3]
-    full, lazy = Observer.of(room, states), LazyObserver(room, States(states))
+    observers = (Observer(room, States(states)), cast(Observer, Watching.of(room, states)))
     for state in (states[3], states[50], states[-1]):
         for who in room.agents:
-            found = [snapshot(Stage(room, state), history, agent=who, name="cup") for history in (full, lazy)]
+            found = [snapshot(Stage(room, state), observer, agent=who, name="cup") for observer in observers]
             assert found[0] == found[1]
             assert found[0]["placement"].evidence["by"] == ("P1's right hand",)
 
@@ -127,25 +140,25 @@ def test_a_slow_hand_is_decided_by_how_it_came(room: Scene, reaching: State) -> 
     for came_m_s in (0.0, 0.45):
         states = played(room, reaching, [aside, Stretch(5, came_m_s, 0.0, 0.0), slow], [1 / RATE_HZ])
         assert_same(room, states)
-        held[came_m_s] = LazyObserver(room, States(states)).holds(states[-1].time_s)
+        held[came_m_s] = Observer(room, States(states)).holds(states[-1].time_s)
     assert held == {0.0: (Hold("P1", "right", "cup"),), 0.45: ()}
 
 
 def test_what_was_never_confirmed_is_unknown(room: Scene, reaching: State) -> None:
     lone = States([State(reaching.qpos, 1.0)])
-    lazy = LazyObserver(room, lone)
-    assert lazy.posture("P1").at(1.0) is None
-    assert lazy.placement("cup").at(0.5) is None
-    assert lazy.holds(1.0) == ()
+    observer = Observer(room, lone)
+    assert observer.posture("P1").at(1.0) is None
+    assert observer.placement("cup").at(0.5) is None
+    assert observer.holds(1.0) == ()
 
 
 def test_unknown_names_are_named(room: Scene, reaching: State) -> None:
-    lazy = LazyObserver(room, States([reaching]))
+    observer = Observer(room, States([reaching]))
     with pytest.raises(UnknownNameError, match="did you mean 'cup'"):
-        lazy.placement("cups")
+        observer.placement("cups")
     with pytest.raises(UnknownNameError, match="did you mean 'mug'"):
-        lazy.motion("mugs")
+        observer.motion("mugs")
     with pytest.raises(UnknownNameError, match="known: P1, P2"):
-        lazy.posture("P3")
+        observer.posture("P3")
     with pytest.raises(UnknownNameError, match="known: P1, P2"):
-        lazy.hand("P3", "left")
+        observer.hand("P3", "left")

@@ -1,4 +1,4 @@
-"""Looking up single frames gives what watching all frames gives: windows, hysteresis, motion and confirmation."""
+"""Looking up single frames gives what watching all of them gives: windows, hysteresis, motion and confirmation."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taskgist.observe import Confirmation, Lookup, MotionLookup, MotionWatch, SlidingWindow
-from taskgist.observe.motion import followed, window_at
+from taskgist.observe import Confirmed, Hysteresis, Motion
 from taskgist.settings import DEFAULT
+from tests.observe.states import sequence
+from tests.observe.step_by_step import Confirmation, MotionWatch, SlidingWindow
 
 TIMING = DEFAULT.timing
 GAPS_S = st.sampled_from([1 / 120, 1 / 30, 0.05, 0.1, 0.2, 0.4]) | st.floats(0.004, 0.5)
@@ -30,17 +31,36 @@ def times_of(gaps: list[float], count: int) -> list[float]:
 
 
 @given(st.lists(GAPS_S, min_size=1, max_size=40), st.floats(0.01, 1.0))
-def test_the_window_at_a_frame_is_the_one_that_slides_over_it(gaps: list[float], width_s: float) -> None:
+def test_the_window_of_a_frame_is_the_one_that_slides_over_it(gaps: list[float], width_s: float) -> None:
     times = times_of(gaps, len(gaps) + 1)
     window: SlidingWindow[int] = SlidingWindow(width_s)
     slid = [around for index, time in enumerate(times) for around in window.push(time, index)] + [*window.finish()]
-    assert [tuple(window_at(times, index, width_s)) for index in range(len(times))] == [each.items for each in slid]
+    frames = sequence(times)
+    assert [tuple(frames.window(index, width_s)) for index in range(len(times))] == [each.items for each in slid]
 
 
-@given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=30))
-def test_going_back_to_what_is_decided_gives_what_going_forward_gives(table: list[tuple[bool, bool]]) -> None:
-    forward = accumulate(table, lambda before, row: row[before], initial=False)
-    assert [followed(lambda index, before: table[index][before], each) for each in range(len(table))] == [*forward][1:]
+@given(st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=30), st.randoms())
+def test_going_back_to_what_is_decided_gives_what_going_forward_gives(
+    table: list[tuple[bool, bool]], order: np.random.Generator
+) -> None:
+    forward = [*accumulate(table, lambda before, row: row[before], initial=False)][1:]
+    assert [Hysteresis(lambda index, before: table[index][before]).at(each) for each in range(len(table))] == forward
+    kept, indices = Hysteresis(lambda index, before: table[index][before]), [*range(len(table))]
+    order.shuffle(indices)
+    assert [kept.at(each) for each in indices] == [forward[each] for each in indices]
+
+
+def test_what_was_decided_once_is_not_asked_again() -> None:
+    asked: list[int] = []
+
+    def undecided(index: int, before: bool) -> bool:
+        asked.append(index)
+        return before
+
+    kept = Hysteresis(undecided)
+    for index in range(100):
+        kept.at(index)
+    assert max(asked.count(index) for index in range(100)) <= 3
 
 
 @given(st.lists(GAPS_S, min_size=1, max_size=5), runs(st.none() | SPEEDS_M_S))
@@ -51,9 +71,9 @@ def test_motion_looked_up_is_motion_watched(gaps: list[float], speeds: list[floa
     places = [None if speed is None else np.array([x, 0.0, 1.0]) for x, speed in zip(along, speeds, strict=True)]
     watch = MotionWatch(TIMING)
     watched = [answer for time, place in zip(times, places, strict=True) for answer in watch.update(time, place)]
-    looked_up = MotionLookup(times, places.__getitem__, TIMING)
-    assert [looked_up.at(index) for index in reversed(range(len(times)))] == [
-        motion for _, motion in reversed([*watched, *watch.finish()])
+    motion = Motion(sequence(times), places.__getitem__, TIMING)
+    assert [(times[index], motion.at(index)) for index in reversed(range(len(times)))] == [
+        *reversed([*watched, *watch.finish()])
     ]
 
 
@@ -67,12 +87,13 @@ def test_what_is_looked_up_is_what_was_confirmed(
         confirmation.update(time, value)
     asked = [0.0, *(time + later for time in times for later in (0.0, 0.003))]
     for time in reversed(asked):
-        lookup = Lookup(times, values.__getitem__, minimum_s, key=lambda value: value[0])
-        assert lookup.at(time) == confirmation.at(time)
+        found = Confirmed(sequence(times), values.__getitem__, minimum_s, key=lambda value: value[0])
+        assert found.at(time) == confirmation.at(time)
+    assert found.intervals == confirmation.intervals
 
 
 def test_no_more_frames_are_looked_at_than_it_takes() -> None:
-    """The example of ``observe/history.py``, within a longer sequence."""
+    """The example of ``observe/frames.py``, within a longer sequence."""
     asked: set[int] = set()
     values: list[str] = [*"AAAAAAAAAA", *"AAABAAABBBB", *"BBBBBBBBBB"]
 
@@ -81,8 +102,8 @@ def test_no_more_frames_are_looked_at_than_it_takes() -> None:
         return values[index]
 
     times = [0.1 * index for index in range(len(values))]
-    assert Lookup(times, raw, 0.2).at(times[13]) == "A"
+    assert Confirmed(sequence(times), raw, 0.2).at(times[13]) == "A"
     assert asked == {10, 11, 12, 13, 14}
     asked.clear()
-    assert Lookup(times, raw, 0.2).at(times[17]) == "B"
+    assert Confirmed(sequence(times), raw, 0.2).at(times[17]) == "B"
     assert asked == {16, 17, 18, 19}

@@ -1,0 +1,242 @@
+"""Frames in order of time, and what lasts in them: windows, speeds, hysteresis, confirmation.
+
+A raw fact of one frame flickers: a tracked hand trembles at the edge of a contact, an object wobbles when it is put
+down. Three things make it a fact that can be relied on. Speeds are measured within a *window* around a frame. Between
+two thresholds *hysteresis* lets all stay as it was. And a value counts only when it has lasted for a minimum duration;
+then it is *confirmed*, from its onset on. Until then it is provisional, and the old one still stands. An example, with
+a minimum of 0.2 s and frames every 0.1 s::
+
+    raw        A A A B A A A B B B B
+    confirmed  A A A A A A A B B B B      the lone B never counted, the last B counts from its first frame on
+
+Nobody asks for the raw values of all frames. An explanation asks for two times of a recording, so each value is looked
+up where it is asked for, in the frames that it hangs on, and then kept::
+
+    raw        A A A B A A A B B B B
+                     ^                    this B does not last, the A before it does: 5 frames were looked at
+                             ^            this B lasts: 4 frames were looked at
+
+Live input appends frames. A frame is *settled* once its windows are complete, and only settled frames are looked at:
+what was confirmed live therefore stands when the whole recording is asked.
+"""
+
+from __future__ import annotations
+
+import bisect
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from itertools import pairwise
+from typing import Generic, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from taskgist.common.arrays import Array
+from taskgist.errors import RecordingError
+from taskgist.world.state import Frames, State
+
+ROUNDING_S = 1e-9
+KEPT_STATES = 128
+"""As many states at hand as the windows around a frame hold, of the fastest trackers."""
+
+
+class FrameSequence:
+    """States of one scene in order of time: a whole recording, or as many as have come so far.
+
+    Args:
+        window_s: Width of the widest window that will be asked for, in seconds.
+        frames: The whole sequence; where it is left out, frames are appended one by one.
+
+    Attributes:
+        times_s: Times of the frames in seconds.
+        state: Gives the state in a frame, by its index.
+        settled: How many frames, from the first one on, have complete windows: all, if no more will come.
+    """
+
+    def __init__(self, window_s: float, frames: Frames | None = None) -> None:
+        self._window_s = window_s
+        self._appended: list[State] = []
+        self._complete = frames is not None
+        self.times_s: list[float] = [] if frames is None else frames.times_s.tolist()
+        self.state: Callable[[int], State] = (
+            self._appended.__getitem__ if frames is None else lru_cache(KEPT_STATES)(frames.state)
+        )
+        self.settled = len(self.times_s)
+
+    def append(self, state: State) -> None:
+        """Take the next frame.
+
+        Raises:
+            RecordingError: It is not later than the last one, or no more frames were to come.
+        """
+        if self._complete:
+            raise RecordingError("no more frames were to come", hint="make another observer for other frames")
+        if self.times_s and state.time_s <= self.times_s[-1]:
+            hint = f"append frames in order of time; the last was at {self.times_s[-1]:g} s"
+            raise RecordingError("times run backwards", field="time_s", value=state.time_s, hint=hint)
+        self._appended.append(state)
+        self.times_s.append(state.time_s)
+        while self.settled < len(self.times_s) - 1 and self._is_late(-1, self.settled, self._window_s):
+            self.settled += 1
+
+    def finish(self) -> None:
+        """Say that no more frames will come."""
+        self._complete = True
+        self.settled = len(self.times_s)
+
+    def index_at(self, time_s: float) -> int:
+        """The last settled frame that is not later than a time; -1 if there is none."""
+        return bisect.bisect_right(self.times_s, time_s + ROUNDING_S, hi=self.settled) - 1
+
+    def window(self, index: int, width_s: float) -> range:
+        """The frames within half a width before and behind a frame, and in any case its neighbours.
+
+        So slow trackers (5 Hz) are served, too. The first frame that is half a width late completes the window.
+        """
+        now_s, within_s, end = self.times_s[index], width_s / 2 + ROUNDING_S, len(self.times_s) - 1
+        first, last = max(index - 1, 0), min(index + 1, end)
+        while first > 0 and now_s - self.times_s[first - 1] <= within_s:
+            first -= 1
+        while last < end and not self._is_late(last, index, width_s) and self.times_s[last + 1] - now_s <= within_s:
+            last += 1
+        return range(first, last + 1)
+
+    def _is_late(self, later: int, index: int, width_s: float) -> bool:
+        return self.times_s[later] - self.times_s[index] >= width_s / 2 - ROUNDING_S
+
+
+def velocity(times_s: Sequence[float], places: ArrayLike) -> Array | None:
+    """Velocity in metres per second (3,) of a straight line fitted to places (n, 3); None for a single time."""
+    moments = np.asarray(times_s) - np.mean(times_s)
+    spread = float(moments @ moments)
+    return None if spread <= 0.0 else np.asarray(moments @ np.asarray(places) / spread)
+
+
+def speed_m_s(times_s: Sequence[float], places: Sequence[Array]) -> float | None:
+    """Speed of a straight line fitted to places (3,) in metres; None for a single time."""
+    fitted = velocity(times_s, places)
+    return None if fitted is None else float(np.linalg.norm(fitted))
+
+
+class Hysteresis:
+    """A condition of frames that may go on because it held in the frame before.
+
+    One frame out of a long sequence is answered by going back to the nearest frame whose answer is the same whatever
+    came before it, and following the frames from there.
+
+    Args:
+        holds: Says whether the condition holds in a frame, by its index and whether it held in the frame before. Before
+            the first frame it did not.
+    """
+
+    def __init__(self, holds: Callable[[int, bool], bool]) -> None:
+        self._holds = holds
+        self._found: dict[int, bool] = {}
+
+    def at(self, index: int) -> bool:
+        """Whether it holds in a frame."""
+        start = index
+        while start > 0 and start not in self._found and self._holds(start, True) != self._holds(start, False):
+            start -= 1
+        for each in range(start, index + 1):
+            if each not in self._found:
+                self._found[each] = self._holds(each, self._found.get(each - 1, False))
+        return self._found[index]
+
+
+V = TypeVar("V", bound=Hashable)
+
+
+@dataclass(frozen=True)
+class Interval(Generic[V]):
+    """A value that holds from ``start_s`` until ``end_s``, in seconds; the last one ends with the last frame."""
+
+    value: V
+    start_s: float
+    end_s: float
+
+
+class Confirmed(Generic[V]):
+    """The confirmed values of one fact over a sequence of frames.
+
+    Only the key of a value must last. What else belongs to it, such as the support that an object rests on, is told as
+    of the last frame that had the key.
+
+    Args:
+        frames: The frames; more may be appended.
+        raw: Gives the raw value of a settled frame, by its index.
+        minimum_s: How long a value must last to be confirmed, in seconds.
+        key: What of a value must last.
+    """
+
+    def __init__(
+        self,
+        frames: FrameSequence,
+        raw: Callable[[int], V],
+        minimum_s: float,
+        key: Callable[[V], Hashable] = lambda value: value,
+    ) -> None:
+        self._frames, self._minimum_s = frames, minimum_s
+        self._raw = cache(raw)
+        self._key = cache(lambda index: key(self._raw(index)))
+        # Onsets of the confirmed values, in the frames that were followed so far, and where their last run began:
+        self._onsets: list[int] = []
+        self._followed = self._run = 0
+
+    def at(self, time_s: float) -> V | None:
+        """The confirmed value at a time, as it last was by then; None before anything was confirmed."""
+        here = self._frames.index_at(time_s)
+        deciding = self._deciding(here)
+        if deciding is None:
+            return None
+        return next(self._raw(index) for index in range(here, -1, -1) if self._key(index) == self._key(deciding))
+
+    @property
+    def provisional(self) -> V | None:
+        """The raw value of the last settled frame, where it is not confirmed (yet)."""
+        last = self._frames.settled - 1
+        deciding = self._deciding(last)
+        if last < 0 or (deciding is not None and self._key(deciding) == self._key(last)):
+            return None
+        return self._raw(last)
+
+    @property
+    def intervals(self) -> tuple[Interval[V], ...]:
+        """The confirmed values in order, each as it was at its onset; it ends where the next begins."""
+        for index in range(self._followed, self._frames.settled):
+            if self._key(index) != self._key(self._run):
+                self._run = index
+            is_news = not self._onsets or self._key(self._onsets[-1]) != self._key(index)
+            if is_news and self._lasts(self._run, index):
+                self._onsets.append(self._run)
+        self._followed = self._frames.settled
+        ends = pairwise(self._frames.times_s[index] for index in (*self._onsets, self._followed - 1) if self._onsets)
+        return tuple(Interval(self._raw(onset), *span) for onset, span in zip(self._onsets, ends, strict=True))
+
+    def _deciding(self, here: int) -> int | None:
+        """A frame of the run that is confirmed as of one frame: its own run, or the last before that lasted."""
+        last = here
+        while last >= 0:
+            first = self._beginning(last)
+            if self._lasts(first, self._ending(first, last) if last == here else last):
+                return last
+            last = first - 1
+        return None
+
+    def _beginning(self, last: int) -> int:
+        """Where the run that a frame belongs to begins, or where it has lasted long enough by that frame."""
+        first = last
+        while first > 0 and not self._lasts(first, last) and self._key(first - 1) == self._key(last):
+            first -= 1
+        return first
+
+    def _ending(self, first: int, last: int) -> int:
+        """Where that run ends, or where it has lasted long enough."""
+        end = self._frames.settled - 1
+        while last < end and not self._lasts(first, last) and self._key(last + 1) == self._key(first):
+            last += 1
+        return last
+
+    def _lasts(self, first: int, last: int) -> bool:
+        return self._frames.times_s[last] - self._frames.times_s[first] >= self._minimum_s - ROUNDING_S
