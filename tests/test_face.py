@@ -29,7 +29,7 @@ FACE = {
 }
 SUBMODULES = {"taskgist.language.efforts", "taskgist.perspective.queries", "taskgist.perspective.scene_efforts"}
 """What examples and pages may import from besides the face and the rooms: they are documented in docs/queries.md."""
-USERS = [*sorted((ROOT / "examples").glob("*.py")), ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+USERS = [*sorted((ROOT / "examples").glob("*.py")), ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
 def test_the_names() -> None:

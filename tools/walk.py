@@ -29,7 +29,7 @@ from tools.markdown import filled, header, row
 
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src"
-PAGE = ROOT / "docs" / "architecture.md"
+PAGE = next((ROOT / "docs").rglob("architecture.md"))
 RECORDINGS = SOURCE / "taskgist/data/recordings/study/show"
 LEARN = "learn FOLDER/show_a.mcap"
 QUERY = "query FOLDER/show_a.mcap --agent P2 --object cup"
@@ -104,20 +104,20 @@ def _compiled_that_ran() -> Iterator[tuple[str, str]]:
 
 def measured(words: Sequence[str]) -> dict[str, Any]:
     """A walk in a process of its own, as ``--json`` says it."""
-    command = [sys.executable, "-m", "tools.walk", "--json", *words]
+    command = [sys.executable, "-m", "tools.walk", "--json", "--", *words]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     return dict(json.loads(done.stdout))
 
 
 def page_lines() -> Iterator[str]:
     """The table of the page."""
-    yield from header("command", "files", "functions", "modules loaded", "large libraries loaded")
+    yield from header("files", "functions", "modules loaded", "large libraries loaded", "command")
     with tempfile.TemporaryDirectory() as folder:
         for words in EXAMPLES:
             command = words.replace("FOLDER", str(RECORDINGS))
             found = measured([*command.split(), *(("-k", f"{folder}/knowledge.db") if words in KNOWING else ())])
             large = ", ".join(found["large"]) or "none"
-            yield row(f"`taskgist {words}`", len(found["functions"]), found["functions_count"], found["modules"], large)
+            yield row(len(found["functions"]), found["functions_count"], found["modules"], large, f"`taskgist {words}`")
 
 
 def main() -> int:

@@ -19,8 +19,7 @@ from taskgist.language.sentences import asked, indifference, meaning, why
 from taskgist.learning.clause import clause_of
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Context
-from taskgist.learning.questions import questions_of
-from taskgist.learning.understanding import Judgement, Understanding
+from taskgist.learning.understanding import Judgement, Understanding, questions_of
 from taskgist.settings import BANDS, DEFAULT
 
 # --- How an understanding is printed: clause, tree, meaning, questions; and the same as JSON.

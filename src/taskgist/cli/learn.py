@@ -80,8 +80,7 @@ def learn(
 
 def _check_knowledge(knowledge: str, tree: HypothesisTree) -> None:
     """Refuse knowledge that cannot be added to before the long work, not after it."""
-    from taskgist.store.address import file_of
-    from taskgist.store.database import load, update  # with sqlalchemy, which only knowledge should wait for
+    from taskgist.store.database import file_of, load, update  # with sqlalchemy, which only knowledge should wait for
 
     path = file_of(knowledge)
     if path is None:

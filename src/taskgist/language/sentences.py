@@ -8,8 +8,7 @@ from fractions import Fraction
 from taskgist.language.phrases import ABILITIES, listed, phrase, topic
 from taskgist.learning.clause import Literal, clause_of
 from taskgist.learning.estimate import Verdict
-from taskgist.learning.questions import Question
-from taskgist.learning.understanding import Judgement, Understanding
+from taskgist.learning.understanding import Judgement, Question, Understanding
 
 
 def meaning(understanding: Understanding) -> str:

@@ -13,12 +13,12 @@ from .explanation import Explanation as Explanation
 from .explanation import explain as explain
 from .explanation import explanation_from_json as explanation_from_json
 from .knowledge import Knowledge as Knowledge
-from .questions import Choice as Choice
-from .questions import Question as Question
-from .questions import questions_of as questions_of
 from .understanding import Answer as Answer
+from .understanding import Choice as Choice
 from .understanding import Judgement as Judgement
+from .understanding import Question as Question
 from .understanding import Understanding as Understanding
 from .understanding import answer_from_json as answer_from_json
 from .understanding import in_force as in_force
+from .understanding import questions_of as questions_of
 from .understanding import understand as understand

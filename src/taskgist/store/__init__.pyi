@@ -1,5 +1,5 @@
-from .address import Address as Address
-from .address import file_of as file_of
+from .database import Address as Address
+from .database import file_of as file_of
 from .database import load as load
 from .database import save as save
 from .database import update as update

@@ -16,8 +16,7 @@ from taskgist.facts.vocabulary import EFFORT_LEVELS
 from taskgist.language.sentences import asked
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Explanation
-from taskgist.learning.questions import questions_of
-from taskgist.learning.understanding import Understanding, understand
+from taskgist.learning.understanding import Understanding, questions_of, understand
 from taskgist.settings import DEFAULT
 from taskgist_lab.paper.draws import Judged, understanding_of
 from taskgist_lab.paper.published import (

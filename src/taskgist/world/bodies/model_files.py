@@ -19,7 +19,7 @@ from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.world.bodies.human import HumanSize, human_mjcf
 from taskgist.world.bodies.profile import AgentProfile, Arm
-from taskgist.world.bodies.urdf import Shapes, flat_name, is_urdf, read_urdf
+from taskgist.world.bodies.urdf import Shapes, flat_name, read_urdf
 
 # --- What a profile names, held against what its model has: every name that is missing, with the one that was meant.
 
@@ -368,3 +368,8 @@ def read_file(path: Path, *, named_by: str | None = None) -> bytes:
 
 def _folder() -> Path:
     return Path(str(resources.files("taskgist.world") / "models"))
+
+
+def is_urdf(text: bytes) -> bool:
+    """Whether a model's text is a URDF document."""
+    return b"<robot" in text and b"<mujoco" not in text.partition(b"<robot")[0]

@@ -168,11 +168,6 @@ COMPILER = {
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
-def is_urdf(text: bytes) -> bool:
-    """Whether a model's text is a URDF document."""
-    return b"<robot" in text and b"<mujoco" not in text.partition(b"<robot")[0]
-
-
 def read_urdf(
     text: bytes,
     read: Callable[[str], bytes],

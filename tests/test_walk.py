@@ -1,0 +1,41 @@
+"""How many of our files a command walks through is held: a house that grows back is noticed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from taskgist.store import load
+from tools.walk import LEARN, QUERY, RECORDINGS, ROOT, measured
+
+FILES = {LEARN: 64, QUERY: 40}
+"""At most so many files. They are to shrink: the goals are 60 for one recording, and 30 for one object."""
+
+
+@pytest.mark.parametrize("command", FILES)
+def test_a_command_walks_through_few_files(command: str, tmp_path: Path) -> None:
+    option = ("-k", str(tmp_path / "knowledge.db")) if command == LEARN else ()
+    found = measured([*command.replace("FOLDER", str(RECORDINGS)).split(), *option])
+    assert found["exit_code"] == 0
+    assert "main" in found["functions"]["taskgist/cli/__init__.py"]
+    assert len(found["functions"]) <= FILES[command], sorted(found["functions"])
+    if command == LEARN:
+        assert load(tmp_path / "knowledge.db").tasks == ("show",), "what is measured is the real work"
+
+
+def test_what_runs_while_modules_are_imported_does_not_count() -> None:
+    found = measured(["--help"])
+    assert set(found["functions"]) == {"taskgist/cli/__init__.py", "taskgist/cli/app.py"}
+    assert found["modules"] <= 60
+    assert found["large"] == []
+
+
+def test_the_figures_are_printed() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "tools.walk", "--", "--version"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert "functions ran, in 2 files" in done.stdout
+    assert "modules of ours are loaded, and no large library" in done.stdout
