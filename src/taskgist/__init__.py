@@ -14,7 +14,8 @@ What most users need, by purpose; each name is loaded when it is first used:
 - Where: `ability_map`, `Grid`, `places_for`.
 - Demonstrations: `Recording`, `Label`, `read_recording`, `write_recording`, `load_mapping` and `import_recording` (from
   other systems' tables), `propose_label`, `check_recording`.
-- Facts: `Observer` (over time, of recordings and live), `explain_recording` (between start and end), `Predicate` (one of your own).
+- Facts: `Observer` (over time, of recordings and live), `explain_recording` (between start and end), `Predicate` (one of
+  your own).
 - What tasks mean: `learn`, `Knowledge`, `load_knowledge`, `update_knowledge`, `meaning`, `why`.
 - All thresholds: `Settings`. All expected errors: `TaskgistError`.
 
