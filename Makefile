@@ -6,11 +6,17 @@ READY := $(VENV)/ready
 SUDO := $(if $(filter 0,$(shell id -u)),,sudo)
 # Our matrices are small: threads of the linear algebra only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
+# MkDocs' theme advertises its successor.
+export NO_MKDOCS_2_WARNING := 1
 
-.PHONY: help setup demo test lint types format bench twins recordings clean
+# Folders and files of tests that say in half a minute whether something essential broke.
+QUICK := $(addprefix tests/, test_architecture.py facts learning language store recognition pipeline/test_symmetries.py \
+	perspective/test_perspective_laws.py perspective/test_perspective_queries.py cli/test_query.py cli/test_surface.py)
+
+.PHONY: help setup demo test quick coverage lint types format docs wheel bench record twins recordings clean
 
 help:  ## list the commands
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
 
 # Debian's python3 cannot make virtual environments until python3-venv is there.
 $(READY): pyproject.toml constraints.txt
@@ -37,13 +43,30 @@ types: $(READY)  ## strict types
 test: lint types  ## linters, types and tests
 	$(BIN)/pytest -n auto
 
+quick: $(READY)  ## laws, facts, learning, and one question of each kind, in under half a minute
+	$(BIN)/pytest -n auto $(QUICK)
+
+coverage: $(READY)  ## how much of the code the tests run (compiled loops cannot be traced), and which lines they do not
+	$(BIN)/pytest -n auto --cov --cov-report=term:skip-covered --cov-report=html:build/coverage
+
 format: $(READY)  ## format the code and mend what the linter can mend
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-bench: $(READY)  ## speed, as ratios against peers
+docs: $(READY)  ## the pages as a site in build/site; a warning is an error
+	@$(BIN)/python -m tools.reference_pages
+	$(BIN)/mkdocs build --strict --quiet
+	@echo "built: build/site/index.html"
+
+wheel: $(READY)  ## build the wheel, and run it installed elsewhere, by another user
+	$(BIN)/python -m tools.installed
+
+bench: $(READY)  ## speed, as ratios against peers and against what was recorded
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
 	$(BIN)/python -m benchmarks
+
+record: $(READY)  ## keep the ratios of the last bench as those that the next one is compared with
+	$(BIN)/python -m benchmarks.record
 
 twins: $(READY)  ## compare fast and slow answers of perspective in COUNT random rooms
 	$(BIN)/python -m tools.twins --count $(or $(COUNT),200)

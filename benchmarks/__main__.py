@@ -1,4 +1,4 @@
-"""Measure; print a table and write benchmarks.json.
+"""Measure; print a table beside peers and the record, and write benchmarks.json.
 
 python -m benchmarks [TOPIC ...]
 """
@@ -17,6 +17,7 @@ from rich.table import Table
 from benchmarks import demonstrations, growth, judging, learning, maps, profiled, rooms, scenes, sight, start
 from benchmarks.figure import Figure, seconds_text
 from benchmarks.machine import machine
+from benchmarks.record import compared, recorded, yardstick
 from benchmarks.timing import use_one_core
 
 OUT = Path("benchmarks.json")
@@ -40,11 +41,15 @@ def main() -> None:
     use_one_core()
     warm_up()
     console, document = Console(), measured_before()
+    record = recorded()
     for topic in (each for each in TOPICS if each in chosen):
+        before_s = yardstick()
         measured = list(TOPICS[topic]())
-        console.print(table(topic, measured))
+        yardstick_s = (before_s + yardstick()) / 2
+        beside = [compared(figure, figure.ours_s / yardstick_s, record) for figure in measured]
+        console.print(table(topic, measured, beside))
         document["figures"] = [figure for figure in document["figures"] if figure["topic"] != topic]
-        document["figures"] += [figure.plain for figure in measured]
+        document["figures"] += [figure.plain | {"yardsticks": figure.ours_s / yardstick_s} for figure in measured]
     if PROFILE in chosen:
         document[PROFILE] = profiled.profiles()
         for name, rows in document[PROFILE].items():
@@ -68,14 +73,15 @@ def warm_up() -> None:
     scenes.everything(scene, scene.initial)
 
 
-def table(topic: str, figures: list[Figure]) -> Table:
-    """Figures of one topic, each with its peers beneath."""
+def table(topic: str, figures: list[Figure], beside: list[str]) -> Table:
+    """Figures of one topic, each beside its record, with its peers beneath."""
     made = Table(title=topic, box=None, title_justify="left", title_style="bold")
     for column in ("what", "time", "ratio", "goal, work, bound"):
         made.add_column(column, overflow="fold")
-    for each in figures:
+    for each, record in zip(figures, beside, strict=True):
         mark = {True: "met: ", False: "NOT MET: ", None: ""}[each.met]
         made.add_row(each.what, seconds_text(each.ours_s), "", f"{mark}{each.goal}")
+        made.add_row("", "", "", record)
         for name, seconds in sorted(each.peers_s.items(), key=lambda item: item[1]):
             made.add_row(f"  {name}", seconds_text(seconds), f"{seconds / each.ours_s:.3g}", "")
         for line in remarks(each):

@@ -10,7 +10,7 @@ from benchmarks.figure import Figure
 from benchmarks.rooms import furnished, moved
 from benchmarks.timing import once, share, work
 from taskgist.observe import ability_observations
-from taskgist.perspective import ABILITIES, Standpoint, effort_from
+from taskgist.perspective import ABILITIES, Viewpoint, effort_from
 from taskgist.pipeline import label_of, shipped_recordings
 from taskgist.recording import read
 from taskgist.settings import DEFAULT
@@ -94,7 +94,7 @@ def _measured(demonstration: Demonstration) -> Measured:
 def _hardest(stage: Stage, demonstration: Demonstration) -> int:
     found = []
     for state in demonstration.states:
-        here = Standpoint(stage.show(state), demonstration.agent, DEFAULT)
+        here = Viewpoint(stage.show(state), demonstration.agent, DEFAULT)
         found += [effort_from(here, demonstration.name, ability).level for ability in ABILITIES]
     return max(level for level in found if level is not None)
 

@@ -12,7 +12,7 @@ from benchmarks.figure import Figure
 from benchmarks.rooms import furnished
 from benchmarks.timing import once, seconds, work
 from taskgist.maps.ability_map import ability_map
-from taskgist.perspective import Standpoint, effort_from
+from taskgist.perspective import Viewpoint, effort_from
 from taskgist.settings import DEFAULT
 from taskgist.world import Stage
 
@@ -40,7 +40,7 @@ def figures() -> Iterator[Figure]:
 def all_maps(stage: Stage) -> None:
     """Where everybody sees and reaches, at all levels."""
     for agent in stage.scene.agents:
-        here = Standpoint(stage, agent, DEFAULT)
+        here = Viewpoint(stage, agent, DEFAULT)
         for ability in ABILITIES:
             ability_map(here, ability=ability)
 
@@ -55,7 +55,7 @@ def cell_by_cell(stage: Stage, cells: int) -> float:
         for _ in range(ASKED):
             place = (*(base[:2] + rng.uniform(-1.5, 1.5, 2)), rng.uniform(0, 2))
             stage.show(before.replace(at=stage.scene.object_slice(name), to=(*place, 1, 0, 0, 0)))
-            here = Standpoint(stage, agent, DEFAULT)
+            here = Viewpoint(stage, agent, DEFAULT)
             total += once(lambda here=here: [effort_from(here, name, ability) for ability in ABILITIES])  # type: ignore[misc]
     stage.show(before)
     return total * cells / ASKED

@@ -9,7 +9,7 @@ from types import CodeType
 
 from benchmarks import demonstrations, maps, scenes
 from benchmarks.rooms import furnished
-from taskgist.perspective.scene_efforts import Follower
+from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.world import Stage
 
 MOST = 12
@@ -38,12 +38,12 @@ def _scene() -> Callable[[], object]:
 
 def _following() -> Callable[[], None]:
     scene = furnished(scenes.AGENTS, scenes.OBJECTS)
-    follower, states = Follower(scene), list(scenes.frames(scene))
-    follower.update(scene.initial)
+    follower, states = SceneEfforts(Stage(scene)), list(scenes.frames(scene))
+    follower.all()
 
     def follow() -> None:
         for state in states:
-            follower.update(state)
+            scenes.follow(follower, state)
 
     return follow
 

@@ -24,7 +24,7 @@ from rich.table import Table
 
 from benchmarks.ik import ArmIK
 from taskgist.errors import TaskgistError
-from taskgist.perspective import Standpoint, actions_of, effort_from
+from taskgist.perspective import Viewpoint, actions_of, effort_from
 from taskgist.settings import DEFAULT
 from taskgist.world import Agent, ArmIndices, Scene, Stage, builtin_profiles
 
@@ -94,7 +94,7 @@ def agreement(body: str, *, level: int, targets: int, front: bool = True, seed: 
     counts: Counter[tuple[bool, bool]] = Counter()
     for target in _targets(stage, arm, targets, front, np.random.default_rng(seed)):
         stage.show(scene.initial.replace(at=scene.object_slice("ball"), to=(*target, 1, 0, 0, 0)))
-        found = effort_from(Standpoint(stage, "A", DEFAULT, actions=allowed), "ball", "reach").level
+        found = effort_from(Viewpoint(stage, "A", DEFAULT, actions=allowed), "ball", "reach").level
         counts[found in range(1, level + 1), ik.gap_m(target, enough_m=NEAR_M) <= NEAR_M] += 1
     return Agreement(body, arm.profile.side, level, front, counts)
 

@@ -9,9 +9,9 @@ import numpy as np
 from benchmarks.figure import Figure
 from benchmarks.rooms import furnished
 from benchmarks.timing import once, seconds, share
-from taskgist.perspective import ABILITIES, Standpoint, effort_from, visibility_from
-from taskgist.perspective.scene_efforts import Follower, all_efforts
-from taskgist.perspective.viewpoint import Target
+from taskgist.perspective import ABILITIES, Viewpoint, effort_from
+from taskgist.perspective.scene_efforts import SceneEfforts
+from taskgist.perspective.target import Target
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, State
 
@@ -44,15 +44,15 @@ def from_nothing() -> Figure:
 def following() -> Iterator[Figure]:
     """The same while a tracker reports one agent and one object moved in every frame."""
     scene = furnished(AGENTS, OBJECTS)
-    follower = Follower(scene)
-    follower.update(scene.initial)
+    follower = SceneEfforts(Stage(scene))
+    follower.all()
     taken, asked = [], []
     for state in frames(scene):
-        taken.append(once(lambda state=state: follower.update(state)))  # type: ignore[misc]
+        taken.append(once(lambda state=state: follow(follower, state)))  # type: ignore[misc]
         asked.append(follower.asked_count)
         last = state
-    fresh = seconds(lambda: all_efforts(Stage(scene, last)), repeats=1)
-    assert follower.update(last) == all_efforts(Stage(scene, last))
+    fresh = seconds(lambda: SceneEfforts(Stage(scene, last)).all(), repeats=1)
+    assert follower.all() == SceneEfforts(Stage(scene, last)).all()
     for percent, label in ((50, "median"), (95, "95th percentile")):
         ours = share(taken, percent)
         yield Figure(
@@ -65,6 +65,12 @@ def following() -> Iterator[Figure]:
             counts={"answers anew": share([float(count) for count in asked], percent)},
             note=f"of {AGENTS * OBJECTS * len(ABILITIES)} answers; {len(taken)} frames",
         )
+
+
+def follow(follower: SceneEfforts, state: State) -> None:
+    """All efforts in the next state."""
+    follower.update(state)
+    follower.all()
 
 
 def frames(scene: Scene) -> Iterator[State]:
@@ -86,9 +92,9 @@ def everything(scene: Scene, state: State) -> dict[str, int]:
     """All efforts and visibility scores of a scene in a state; gives the work done."""
     stage, targets = Stage(scene, state), dict[str, Target]()
     for agent in scene.agents:
-        here = Standpoint(stage, agent, DEFAULT, targets=targets)
+        here = Viewpoint(stage, agent, DEFAULT, targets=targets)
         for name in scene.objects:
             for ability in ABILITIES:
                 effort_from(here, name, ability)
-            visibility_from(here, name)
+            here.visibility(name)
     return stage.counts

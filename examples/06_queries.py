@@ -1,6 +1,6 @@
 """Questions about a room: who reaches what by which actions, what A reaches and B does not see, and why."""
 
-from taskgist import Perspectives, Scene, Stage, objects_where, parse_question
+from taskgist import Scene, SceneEfforts, Stage, objects_where, parse_question
 from taskgist.language.efforts import why
 from taskgist.perspective.queries import Condition
 from taskgist.perspective.scene_efforts import becoming_able_by
@@ -28,7 +28,7 @@ yaw_deg = 180
 
 def main() -> None:
     scene = Scene.from_bundle({"scene.toml": SCENE.encode(), "room.xml": ROOM.encode()})
-    asked = Perspectives(Stage(scene))  # one standpoint for each agent, however many questions
+    asked = SceneEfforts(Stage(scene))  # each effort is found once, however many questions
 
     actions = ("Lean_Torso", "Stretch_Out_Arm(left)")
     efforts = asked.efforts_with("P1", "reach", actions)
@@ -41,7 +41,7 @@ def main() -> None:
 
     for agent, ability in (Condition("P1", "reach") & Condition("P2", "see")).abilities:
         for name in scene.objects:
-            print(f"{why(asked.standpoint(agent), asked.effort(agent, name, ability))}.")
+            print(f"{why(asked.effort(agent, name, ability))}.")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Who may import whom: the rooms of the house (docs/architecture.md), no circles, one engine that knows no lab."""
+"""Who may import whom: the rooms of the house (docs/how/architecture.md), no circles, one engine that knows no lab."""
 
 from __future__ import annotations
 

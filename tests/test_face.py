@@ -19,11 +19,11 @@ from tests.test_architecture import ROOMS, ROOT, SOURCE, names_of
 
 FACE = {
     *("Scene", "Stage", "AgentProfile"),
-    *("least_effort", "visibility", "Perspectives", "parse_question", "objects_where"),
+    *("least_effort", "visibility", "SceneEfforts", "parse_question", "objects_where"),
     *("ability_map", "Grid", "places_for"),
     *("Recording", "Label", "read_recording", "write_recording", "load_mapping", "import_recording"),
     *("propose_label", "check_recording"),
-    *("observe_recording", "explain_recording", "Predicate"),
+    *("Observer", "explain_recording", "Predicate"),
     *("learn", "Knowledge", "load_knowledge", "update_knowledge", "meaning", "why"),
     *("Settings", "TaskgistError"),
 }

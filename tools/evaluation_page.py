@@ -1,4 +1,4 @@
-"""Put the figures of an evaluation into docs/evaluation.md: ``python -m tools.evaluation_page --pool FILE``.
+"""Put the figures of an evaluation into docs/research/evaluation.md: ``python -m tools.evaluation_page --pool FILE``.
 
 What the pool lacks is made first, on all cores. The page's text stays; tables stand
 between marks, and pictures in docs/pictures.
@@ -31,7 +31,7 @@ from taskgist_lab.evaluation.values import CLEAN
 from taskgist_lab.view import picture_of
 from tools.markdown import filled
 
-PAGE, PICTURES = Path("docs/evaluation.md"), Path("docs/pictures")
+PAGE, PICTURES = Path("docs/research/evaluation.md"), Path("docs/pictures")
 SEED, DRAWS, COUNT, STUDY_COUNT = 1000, 200, 150, 30
 
 

@@ -1,4 +1,4 @@
-"""How many generated demonstrations meet the paper's clauses, by means, into docs/generator.md.
+"""How many generated demonstrations meet the paper's clauses, by means, into docs/research/generator.md.
 
     python -m tools.generator_page --pool POOL
 
@@ -17,7 +17,7 @@ from taskgist_lab.evaluation.values import CLEAN, Sample
 from taskgist_lab.paper.published import CLAUSES
 from tools.markdown import filled, header, row
 
-PAGE = Path("docs/generator.md")
+PAGE = Path("docs/research/generator.md")
 POSTURES = ("posture.value.1", "posture.value.2")
 """Where a clause names postures, the class stands for them: generated people sit or stand as it comes."""
 

@@ -2,7 +2,7 @@
 
     python tools/make_recordings.py --kth FOLDER_OF_THE_KTH_DATA
 
-Without ``--kth`` only the simulated ones are made. The KTH data is described in docs/recordings.md.
+Without ``--kth`` only the simulated ones are made. The KTH data is described in docs/research/recordings.md.
 """
 
 from __future__ import annotations

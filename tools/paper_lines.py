@@ -1,4 +1,4 @@
-"""The lines of docs/study.md: what the comparison with the paper says, as tables."""
+"""The lines of docs/research/study.md: what the comparison with the paper says, as tables."""
 
 from __future__ import annotations
 

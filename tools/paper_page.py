@@ -1,4 +1,4 @@
-"""Put the paper's study into docs/study.md, with pictures: ``python -m tools.paper_page [--no-pictures]``."""
+"""Put the paper's study into docs/research/study.md, with pictures: ``python -m tools.paper_page [--no-pictures]``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tools import paper_lines as lines
 from tools.markdown import filled
 from tools.paper_lines import JudgedStudy
 
-PAGE, PICTURES = Path("docs/study.md"), Path("docs/pictures")
+PAGE, PICTURES = Path("docs/research/study.md"), Path("docs/pictures")
 CLOSE_UP = ("hide", 0)
 """The demonstration that is shown from everybody's perspective."""
 COLOURS = 256

@@ -1,4 +1,4 @@
-"""Put the figures of benchmarks.json into the tables of docs/speed.md: ``python -m tools.speed_page``."""
+"""Put the figures of benchmarks.json into the tables of docs/research/speed.md: ``python -m tools.speed_page``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 from tools.markdown import filled
 
-SOURCE, PAGE = Path("benchmarks.json"), Path("docs/speed.md")
+SOURCE, PAGE = Path("benchmarks.json"), Path("docs/research/speed.md")
 MARKS = {True: "met", False: "not met", None: ""}
 
 

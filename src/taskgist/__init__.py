@@ -9,13 +9,13 @@
 What most users need, by purpose; each name is loaded when it is first used:
 
 - A scene and its agents: `Scene`, `Stage` (a scene in one state: what everything is asked of), `AgentProfile`.
-- Who sees, reaches and grasps what, with how much effort: `least_effort`, `visibility`, `Perspectives` (all efforts of
+- Who sees, reaches and grasps what, with how much effort: `least_effort`, `visibility`, `SceneEfforts` (all efforts of
   a scene), `parse_question` and `objects_where` (questions about several agents).
 - Where: `ability_map`, `Grid`, `places_for`.
 - Demonstrations: `Recording`, `Label`, `read_recording`, `write_recording`, `load_mapping` and `import_recording` (from
   other systems' tables), `propose_label`, `check_recording`.
-- Facts: `Observer` (over time, of recordings and live), `explain_recording` (between start and end), `Predicate` (one of
-  your own).
+- Facts: `Observer` (over time, of recordings and live), `explain_recording` (between start and end), `Predicate` (your
+  own).
 - What tasks mean: `learn`, `Knowledge`, `load_knowledge`, `update_knowledge`, `meaning`, `why`.
 - All thresholds: `Settings`. All expected errors: `TaskgistError`.
 
@@ -35,7 +35,7 @@ _WHERE = {
     "AgentProfile": "world.bodies.profile:AgentProfile",
     "least_effort": "perspective.search:least_effort",
     "visibility": "perspective.image:visibility",
-    "Perspectives": "perspective.scene_efforts:Perspectives",
+    "SceneEfforts": "perspective.scene_efforts:SceneEfforts",
     "parse_question": "perspective.queries:parse_question",
     "objects_where": "perspective.queries:objects_where",
     "Grid": "maps.grid:Grid",

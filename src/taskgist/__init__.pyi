@@ -12,7 +12,7 @@ from .observe.observer import Observer as Observer
 from .perspective.image import visibility as visibility
 from .perspective.queries import objects_where as objects_where
 from .perspective.queries import parse_question as parse_question
-from .perspective.scene_efforts import Perspectives as Perspectives
+from .perspective.scene_efforts import SceneEfforts as SceneEfforts
 from .perspective.search import least_effort as least_effort
 from .pipeline.checkup import check as check_recording
 from .pipeline.explain import explain_recording as explain_recording
@@ -35,10 +35,10 @@ __all__ = [
     "Knowledge",
     "Label",
     "Observer",
-    "Perspectives",
     "Predicate",
     "Recording",
     "Scene",
+    "SceneEfforts",
     "Settings",
     "Stage",
     "TaskgistError",

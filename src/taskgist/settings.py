@@ -82,7 +82,7 @@ class Contact:
     """Largest gap between hand and a held object (ours: fit errors of tracked hands are of this order)."""
     slip_start_m_s: float = 0.15
     """A near hand begins to hold when it moves slower than this against the object (ours: against the grip forces of
-    real handovers, docs/recordings.md)."""
+    real handovers, docs/research/recordings.md)."""
     slip_stop_m_s: float = 0.30
     """A hand lets go when it moves faster than this (ours: above the noise of tracked orientations)."""
     slip_window_s: float = 0.2
@@ -149,7 +149,7 @@ BANDS: dict[str, tuple[tuple[int, int], tuple[int, int]]] = {
 }
 """Named bands (l1, l2) as exact fractions: d1 = Q − l1·Q, d2 = Q − l2·Q. narrow: Eq. 34-35; wide: 7.3 (10-60 %);
 sharp (ours): nothing is confusing, so that nothing is asked, and one error in seven demonstrations is forgiven
-(docs/evaluation.md)."""
+(docs/research/evaluation.md)."""
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from benchmarks.figure import Bound, Figure, seconds_text
 from benchmarks.peers.eye_view import EyeView
 from benchmarks.peers.multi_ray import MultiRay
 from benchmarks.peers.triangles import triangles
+from benchmarks.record import by_topic, compared, recorded
 from benchmarks.rooms import furnished, moved
 from benchmarks.timing import in_turn, share
 from taskgist.perspective import view_of
@@ -79,6 +80,19 @@ def test_peers_look_through_the_window_of_the_eye() -> None:
     for agent in scene.agents:
         drawn = MultiRay(EyeView.of(scene, scene.initial, agent)).image()
         assert np.mean(drawn == view_of(stage, agent).geoms) > 0.999
+
+
+def test_a_figure_is_held_to_the_record_in_yardsticks() -> None:
+    figure = Figure("sight", "all", 0.002)
+    record = by_topic([figure.plain | {"yardsticks": 4.0}, Figure("sight", "other", 1.0).plain])
+    assert record == {"sight": {"all": 4.0}}
+    assert compared(figure, 4.1, record) == "1.02 × recorded"
+    assert compared(figure, 5.01, record) == "SLOWER: 1.25 × recorded"
+    assert compared(Figure("sight", "new", 1.0), 1.0, record) == "not recorded"
+
+
+def test_the_record_holds_positive_figures() -> None:
+    assert all(value > 0 for figures in recorded().values() for value in figures.values())
 
 
 def test_durations_read_well() -> None:

@@ -10,6 +10,7 @@ from typing import Any
 from typer.testing import CliRunner
 
 from taskgist.cli.app import app
+from tests.schemas import hold_to_schema
 
 
 class Result:
@@ -29,8 +30,11 @@ def run(line: str, exit_code: int = 0) -> str:
 
 
 def run_json(line: str, exit_code: int = 0) -> Any:
-    """The one JSON document that a command prints."""
-    return json.loads(run(f"{line} --json", exit_code))
+    """The one JSON document that a command prints, which is as its schema says."""
+    document = json.loads(run(f"{line} --json", exit_code))
+    group, second, *_ = [*line.split(), ""]
+    hold_to_schema(f"{group} {second}" if group == "agent" else group, document)
+    return document
 
 
 def refusal(line: str, folder: Path) -> str:

@@ -8,7 +8,7 @@ import pytest
 
 from taskgist.language.efforts import why
 from taskgist.perspective import ABILITIES, EFFORT_NAMES
-from taskgist.perspective.scene_efforts import Perspectives
+from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.world import Scene, Stage
 from tests.cli.running import refusal, run, run_json
 from tests.shipped import PATHS
@@ -37,8 +37,8 @@ def room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def asked(room: Path) -> Perspectives:
-    return Perspectives(Stage(Scene.load(room / "room.toml")))
+def asked(room: Path) -> SceneEfforts:
+    return SceneEfforts(Stage(Scene.load(room / "room.toml")))
 
 
 def test_a_table_of_efforts(room: Path) -> None:
@@ -56,7 +56,7 @@ def test_the_least_actions_for_an_object_and_why(room: Path) -> None:
     for ability in ABILITIES:
         effort = asked(room).effort("P1", "cup", ability)
         assert f"{effort.level} {EFFORT_NAMES[ability][effort.level or 0]}" in text
-        assert f"{why(asked(room).standpoint('P1'), effort)}." in text
+        assert f"{why(effort)}." in text
     document = run_json("query room.toml --object cup --ability reach --why")
     assert [(each["agent"], each["object"], each["ability"]) for each in document["efforts"]] == [
         ("P1", "cup", "reach"),

@@ -43,6 +43,7 @@ def test_changed_knowledge_is_noticed(learned: Path) -> None:
         connection.execute(
             "UPDATE taskgist_explanations SET document = replace(document, 'Becomes_Easier', 'Becomes_Harder')"
         )
+    connection.close()
     code, output = run("explain", "give")
     assert code == 2
     assert "damaged explanation" in output
@@ -59,7 +60,7 @@ def test_halves_of_characters_are_refused(learned: Path) -> None:
 
 
 def test_corrected_facts_replace_the_old_ones(learned: Path) -> None:
-    facts = Path(__file__).parent.parent.parent / "docs" / "extending.md"
+    facts = Path(__file__).parent.parent.parent / "docs" / "howto" / "extending.md"
     text = facts.read_text(encoding="utf-8")
     start = text.index('    {\n      "schema"')
     document = text[start : text.index("\n    }\n", start) + 7]

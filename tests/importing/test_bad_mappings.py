@@ -42,7 +42,8 @@ def error_of(folder: Path, text: str) -> str:
 
 
 MISTAKES = {
-    "unknown field": ('units = "m"', 'units = "m"\naxis = { x = "y" }', r"\[sources.body\]: no field 'axis'; did you mean 'axes'"),
+    "unknown field": ('units = "m"', 'units = "m"\naxis = { x = "y" }',
+                      r"\[sources.body\]: no field 'axis'; did you mean 'axes'"),
     "unknown section": ("[people.P1]", "[persons.P1]", r"mapping.toml: no field 'persons' .known: about.*people"),
     "unknown unit": ('units = "m"', 'units = "meter"', r"sources.body.units: .*got 'meter'.*cm, inch, m, mm"),
     "no unit": ('units = "m"', "", r"sources.body.units: is missing"),
@@ -67,7 +68,8 @@ MISTAKES = {
     "mesh": ('type = "cylinder", radius_m = 0.04, length_m = 0.1', 'type = "mesh", file = "cup.obj", units = "m"',
              r"objects.cup.shape.file: the mesh file does not exist.*cup.obj"),
     "same name": ("[objects.cup]", "[objects.P1]", r"same name.*'P1'"),
-    "not a number": ("person = 0", 'person = 0\nstature_m = "tall"', r"stature_m: must be a finite number \(got 'tall'\)"),
+    "not a number": ("person = 0", 'person = 0\nstature_m = "tall"',
+                     r"stature_m: must be a finite number \(got 'tall'\)"),
     "toml": ("[people.P1]", "[people.P1", r"not valid TOML.*line"),
     "bare axes": ("[people.P2]", '[people.P1.directions]\nhead = { forward = "-y" }\n[people.P2]',
                   r"people.P1.directions \(face\): a bare point has no local axes.*from = "),

@@ -1,4 +1,4 @@
-"""The examples of docs/import.md are real: they load, they read the files they describe, they are the shipped ones."""
+"""The examples of docs/howto/import.md are real: they load, read the files they describe, and are the shipped ones."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from taskgist.importing import load_mapping, read_tracks
 from taskgist.importing.mapping_people import DIRECTIONS, LANDMARKS, PARTS
 from tests.importing.skeletons import NAMES, TIMES_S, cup_position, cup_wxyz, keypoints, mapping_file, write_csv
 
-PAGE = (Path(__file__).parents[2] / "docs" / "import.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "import.md").read_text(encoding="utf-8")
 EXAMPLES = dict(re.findall(r"^```toml\n# (\S+\.toml)\n(.*?)^```$", PAGE, flags=re.DOTALL | re.MULTILINE))
 
 

@@ -16,7 +16,7 @@ from taskgist.maps.ability_map import AbilityMap, ability_map
 from taskgist.maps.footing import footing_of
 from taskgist.maps.grid import Cells, Grid, Zone, solid_cells
 from taskgist.maps.see import CellsToSee
-from taskgist.perspective import Ability, Standpoint, effort_from
+from taskgist.perspective import Ability, Viewpoint, effort_from
 from taskgist.settings import DEFAULT, Maps
 from taskgist.world import Stage, State
 from tests.maps.maps_twin import MapTwin
@@ -58,7 +58,7 @@ def test_fast_and_slow_agree_where_an_agent_has_very_many_ways_to_stand() -> Non
     """Its own shapes, once for each way, make a table with more rows than 16 bits can tell apart."""
     fine = replace(COARSE.efforts, turn_step_rad=math.radians(2.0), lean_step_rad=0.05, move_radius_m=0.0)
     stage, settings = Room((table(0.9),), (Person("P1", (0, 0)),)).stage(), replace(COARSE, efforts=fine)
-    twin, here = MapTwin(stage, "P1", settings), Standpoint(stage, "P1", settings)
+    twin, here = MapTwin(stage, "P1", settings), Viewpoint(stage, "P1", settings)
     beside_the_legs = Grid((0.0, 0.1, 0.35), 0.0, 0.05, (1, 1, 2))
     found = ability_map(here, ability="see", grid=beside_the_legs)
     assert found.levels.ravel().tolist() == [twin.level("see", point) for point in beside_the_legs.centers()]
@@ -82,7 +82,7 @@ def test_a_map_says_what_the_search_says_of_a_small_ball(ability: Ability) -> No
     for cell in cells:
         point = found.grid.centers()[cell]
         state = stage.state.replace(at=stage.scene.object_slice("dot"), to=(*point, 1.0, 0.0, 0.0, 0.0))
-        here = Standpoint(Stage(stage.scene, state), "P1", SMALL)
+        here = Viewpoint(Stage(stage.scene, state), "P1", SMALL)
         same += effort_from(here, "dot", ability).level == found.levels.ravel()[cell]
     assert same >= 56
 
@@ -113,11 +113,11 @@ def test_a_mirrored_room_has_a_mirrored_map() -> None:
 def test_fewer_actions_win_fewer_cells() -> None:
     stage = SEATED.stage()
     for ability, actions in (("see", ["Pan_Head", "Tilt_Head"]), ("reach", ["Lean_Torso", "Stretch_Out_Arm(left)"])):
-        some = ability_map(Standpoint(stage, "P1", SMALL, actions=actions), ability=ability)  # type: ignore[arg-type]
+        some = ability_map(Viewpoint(stage, "P1", SMALL, actions=actions), ability=ability)  # type: ignore[arg-type]
         every = seated(ability)
         assert 0 < some.at_most(4).count < every.at_most(4).count
         assert (some.at_most(4) - every.at_most(4)).count == 0
-    none = ability_map(Standpoint(stage, "P1", SMALL, actions=[]), ability="reach")
+    none = ability_map(Viewpoint(stage, "P1", SMALL, actions=[]), ability="reach")
     assert none.at_most(4).count == 0
 
 

@@ -12,7 +12,7 @@ from taskgist.maps.ability_map import AbilityMap, ability_map, read_maps, write_
 from taskgist.maps.grid import Grid, Zone
 from taskgist.maps.places import Place, places_for, zone_where
 from taskgist.perspective.queries import parse_question
-from taskgist.perspective.scene_efforts import Perspectives
+from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.world import Stage, State
 from tests.maps.test_maps import SMALL
 from tools.rooms import Person, Room, Thing, chair, table
@@ -100,9 +100,9 @@ def test_sizes_that_cannot_be(size: tuple[float, float, float]) -> None:
         places_for(ROOM.stage(), size, everywhere())
 
 
-def perspectives(*untracked: str) -> Perspectives:
+def perspectives(*untracked: str) -> SceneEfforts:
     stage = ROOM.stage()
-    return Perspectives(Stage(stage.scene, State(stage.state.qpos, untracked=frozenset(untracked))), SMALL)
+    return SceneEfforts(Stage(stage.scene, State(stage.state.qpos, untracked=frozenset(untracked))), SMALL)
 
 
 def test_set_questions_about_places_are_the_algebra_of_maps() -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from taskgist.perspective import ABILITIES, Standpoint, effort_from, view_of, visibility
+from taskgist.perspective import ABILITIES, Viewpoint, effort_from, view_of, visibility
 from taskgist.settings import Settings
 from taskgist.world import Stage
 from tests.perspective.random_rooms import Case
@@ -40,7 +40,7 @@ class Comparison:
 def compare_levels(case: Case, agent: str, settings: Settings = COARSE) -> Comparison:
     """All abilities of one agent towards all objects."""
     stage, found = case.stage(), Comparison()
-    here, twin = Standpoint(stage, agent, settings), Twin(case.stage(), agent, settings)
+    here, twin = Viewpoint(stage, agent, settings), Twin(case.stage(), agent, settings)
     for name in stage.scene.objects:
         for ability in ABILITIES:
             fast = effort_from(here, name, ability)

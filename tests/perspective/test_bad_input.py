@@ -8,8 +8,8 @@ import pytest
 from taskgist.errors import SceneError, TaskgistError
 from taskgist.facts import UNKNOWN
 from taskgist.observe import ability_observations
-from taskgist.perspective import ABILITIES, Ability, Standpoint, effort_from, least_effort, view_of, visibility
-from taskgist.perspective.scene_efforts import Follower, all_efforts
+from taskgist.perspective import ABILITIES, Ability, Viewpoint, effort_from, least_effort, view_of, visibility
+from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.world import Scene, Stage, holding_of
 from tools.rooms import COARSE, Person, Room, Thing, table, wall
 
@@ -89,7 +89,7 @@ def test_all_about_an_object_without_geometry_is_unknown() -> None:
         effort = least_effort(stage, "P1", "cup", ability, COARSE)
         assert (effort.level, effort.reason) == (None, "cup has no shape")
         assert least_effort(stage, "P1", "box", ability, COARSE).level is not None
-    assert dict(Follower(scene, COARSE).update(scene.initial)) == all_efforts(stage, COARSE)
+    assert SceneEfforts(Stage(scene), COARSE).all() == SceneEfforts(stage, COARSE).all()
     observations = ability_observations(stage, "P1", "cup", COARSE)
     assert {observation.value for observation in observations.values()} == {UNKNOWN}
     assert holding_of(stage, "cup", COARSE.contact) is None
@@ -133,7 +133,7 @@ def crowded() -> Stage:
 
 @pytest.mark.parametrize(("ability", "level"), [("see", {0, 1}), ("reach", {1}), ("grasp", {1})])
 def test_two_thousand_objects_are_answered(crowded: Stage, ability: Ability, level: set[int]) -> None:
-    here = Standpoint(crowded, "P1", COARSE)
+    here = Viewpoint(crowded, "P1", COARSE)
     assert effort_from(here, "near", ability).level in level
     assert effort_from(here, "ball 777", ability).level in {0, 1, 2, 4, 5}
 

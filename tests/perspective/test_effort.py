@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 
-from taskgist.perspective import ABILITIES, Standpoint, effort_from
+from taskgist.perspective import ABILITIES, Viewpoint, effort_from
 from taskgist.settings import DEFAULT
 from tests.perspective.random_rooms import random_case
 from tools.rooms import COARSE
@@ -19,7 +19,7 @@ def test_evidence_told_late_is_evidence_told_at_once(seed: int) -> None:
     case = random_case(seed)
     stage = case.stage()
     agent = case.scene.agents[0]
-    here = Standpoint(stage, agent, COARSE)
+    here = Viewpoint(stage, agent, COARSE)
     questions = [(name, ability) for name in case.scene.objects for ability in ABILITIES]
     late = {question: effort_from(here, *question) for question in questions}
     at_once = {question: effort_from(here, *question, explained=True) for question in questions}
@@ -29,13 +29,13 @@ def test_evidence_told_late_is_evidence_told_at_once(seed: int) -> None:
     for question in questions:
         assert late[question] == at_once[question]
         assert late[question].evidence == at_once[question].evidence
-        assert late[question].reason == at_once[question].evidence["reason"]
+        assert late[question].reason == at_once[question].evidence_document["reason"]
     assert (stage.geom_centers(case.scene.agent(agent).geoms) == before).all()
 
 
 def test_it_respects_the_actions_that_were_allowed() -> None:
     case = random_case(804, untracked=False)
-    here = Standpoint(case.stage(), case.scene.agents[0], DEFAULT, actions=("Pan_Head",))
+    here = Viewpoint(case.stage(), case.scene.agents[0], DEFAULT, actions=("Pan_Head",))
     for name in case.scene.objects:
         effort = effort_from(here, name, "see")
         assert effort.evidence == effort_from(here, name, "see", explained=True).evidence
@@ -43,7 +43,7 @@ def test_it_respects_the_actions_that_were_allowed() -> None:
 
 def test_pickled_and_as_a_document_it_says_the_same() -> None:
     case = random_case(805)
-    here = Standpoint(case.stage(), case.scene.agents[0], COARSE)
+    here = Viewpoint(case.stage(), case.scene.agents[0], COARSE)
     for ability in ABILITIES:
         effort = effort_from(here, case.scene.objects[0], ability)
         copied = pickle.loads(pickle.dumps(effort))
@@ -51,4 +51,5 @@ def test_pickled_and_as_a_document_it_says_the_same() -> None:
         assert copied.evidence == effort.evidence
         document = json.loads(json.dumps(effort.document))
         assert (document["level"], document["effort"], document["reason"]) == (effort.level, effort.name, effort.reason)
-        assert "told" not in document
+        assert document["evidence"]["reason"] == effort.reason
+        assert "find_evidence" not in document

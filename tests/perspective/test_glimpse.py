@@ -15,11 +15,11 @@ import pytest
 from numpy.typing import NDArray
 
 from taskgist.errors import UnknownNameError
-from taskgist.perspective import Standpoint, effort_from, visibility, visibility_from
-from taskgist.perspective.candidates import Stances, UsableHead
-from taskgist.perspective.effort import Among
+from taskgist.perspective import Viewpoint, effort_from, visibility
+from taskgist.perspective.candidates import Candidates, UsableHead
 from taskgist.perspective.image import from_eye, in_shadow, lens_of, look
 from taskgist.perspective.see import See, aimed, next_glimpse, turned_heads
+from taskgist.perspective.viewpoint import Screening
 from taskgist.world import Scene, Stage, State
 from taskgist.world.geometry.rays import NO_GEOM
 from tests.perspective.random_rooms import OCTAHEDRON, WEDGE, random_case
@@ -30,34 +30,34 @@ Generator = np.random.Generator
 SEEDS = range(800, 806)
 LEVELS = (1, 2, 4)
 MOST = 8
-"""Stances of a batch that are looked at, picked at random."""
+"""Candidates of a batch that are looked at, picked at random."""
 
 
 @dataclass(eq=False)
 class Head:
     """An agent that aims its head at an object."""
 
-    here: Standpoint
+    here: Viewpoint
     see: See
 
     @classmethod
-    def of(cls, here: Standpoint, name: str) -> Head:
+    def of(cls, here: Viewpoint, name: str) -> Head:
         return cls(here, See(here, here.target(name)))
 
-    def usable(self, stances: Stances) -> UsableHead:
-        return stances.bent.frames.usable(self.here.actions)
+    def usable(self, candidates: Candidates) -> UsableHead:
+        return candidates.torso.frames.usable(self.here.actions)
 
-    def batches(self) -> Iterator[tuple[int, Stances]]:
+    def batches(self) -> Iterator[tuple[int, Candidates]]:
         for level in LEVELS:
-            for stances in self.here.stances(level, self.see.target.middle):
-                if len(stances):  # not every body bends
-                    yield level, stances
+            for candidates in self.here.candidates.of_level(level, self.see.target.middle):
+                if len(candidates):  # not every body bends
+                    yield level, candidates
 
-    def aimed(self, stances: Stances, index: int) -> Array:
-        return aimed(stances.frames(index), self.usable(stances).neck, self.see.target.middle)
+    def aimed(self, candidates: Candidates, index: int) -> Array:
+        return aimed(candidates.frames(index), self.usable(candidates).neck, self.see.target.middle)
 
-    def state(self, stances: Stances, index: int, angles: Array) -> State:
-        return stances[index].state.replace(self.usable(stances).changes(angles))
+    def state(self, candidates: Candidates, index: int, angles: Array) -> State:
+        return candidates[index].state.replace(self.usable(candidates).changes(angles))
 
     def sees(self, state: State, *, in_cone: bool = True) -> bool:
         here, target = self.here, self.see.target
@@ -76,23 +76,23 @@ class Head:
 
 @dataclass
 class Tally:
-    """How many stances were looked at, by what became of them."""
+    """How many candidates were looked at, by what became of them."""
 
     seen: int = 0
     passed: int = 0
     shaded: int = 0
 
 
-def heads(here: Standpoint) -> Iterator[Head]:
+def heads(here: Viewpoint) -> Iterator[Head]:
     for name in here.stage.scene.objects:
         yield Head.of(here, name)
 
 
-def glimpsed(among: Among, count: int) -> set[int]:
-    found, index = set(), among.next(0, count)
+def glimpsed(screening: Screening, count: int) -> set[int]:
+    found, index = set(), screening.next(0, count)
     while index < count:
         found.add(index)
-        index = among.next(index + 1, count)
+        index = screening.next(index + 1, count)
     return found
 
 
@@ -102,12 +102,14 @@ def some(count: int, rng: Generator) -> list[int]:
 
 def check_aimed(head: Head, rng: Generator, tally: Tally) -> None:
     """Nothing that the aimed head sees was passed over, and nothing in a shadow is seen."""
-    for level, stances in head.batches():
-        hopeful = glimpsed(head.see.among(stances), len(stances))
-        for index in some(len(stances), rng):
-            state = head.state(stances, index, head.aimed(stances, index))
+    for level, candidates in head.batches():
+        hopeful = glimpsed(head.see.screen(candidates), len(candidates))
+        for index in some(len(candidates), rng):
+            state = head.state(candidates, index, head.aimed(candidates, index))
             seen, shaded = head.sees(state), head.in_shadow(state)
-            where = f"{head.here.agent.name}, {head.see.target.name}, level {level}, stance {index} of {len(stances)}"
+            where = (
+                f"{head.here.agent.name}, {head.see.target.name}, level {level}, candidate {index} of {len(candidates)}"
+            )
             assert not seen or index in hopeful, f"passed over: {where}"
             assert not shaded or not head.sees(state, in_cone=False), f"seen in a shadow: {where}"
             tally.seen, tally.passed = tally.seen + seen, tally.passed + (index not in hopeful)
@@ -118,19 +120,19 @@ def check_on_the_way(head: Head, rng: Generator) -> int:
     """The same for heads on the way to where they are aimed, and for heads that look anywhere."""
     lens, seen = lens_of(head.here.agent.profile.eye), 0
     sought = (head.here.stage.shapes, head.see.others, head.see.target.sought, lens)
-    for level, stances in head.batches():
-        neck, index = head.usable(stances).neck, int(rng.integers(len(stances)))
+    for level, candidates in head.batches():
+        neck, index = head.usable(candidates).neck, int(rng.integers(len(candidates)))
         shares = np.linspace(0.0, 1.0, 4)[:, None]
-        way = neck.now + (head.aimed(stances, index) - neck.now) * shares
+        way = neck.now + (head.aimed(candidates, index) - neck.now) * shares
         angles = np.vstack((way, rng.uniform(neck.ranges[:, 0], neck.ranges[:, 1], (2, len(neck.now)))))
-        eyes = turned_heads(stances.frames(index), neck, angles)
+        eyes = turned_heads(candidates.frames(index), neck, angles)
         hopeful, step = set(), next_glimpse(*sought, eyes, 0)
         while step < len(eyes):
             hopeful.add(step)
             step = next_glimpse(*sought, eyes, step + 1)
         for step in range(len(eyes)):
-            sees = head.sees(head.state(stances, index, angles[step]))
-            assert not sees or step in hopeful, f"{head.see.target.name}, level {level}, stance {index}, step {step}"
+            sees = head.sees(head.state(candidates, index, angles[step]))
+            assert not sees or step in hopeful, f"{head.see.target.name}, level {level}, candidate {index}, step {step}"
             seen += sees
     return seen
 
@@ -142,7 +144,7 @@ def check_on_the_way(head: Head, rng: Generator) -> int:
 def test_what_the_aimed_head_sees_was_not_passed_over(seed: int) -> None:
     case, rng, tally = random_case(seed), np.random.default_rng(seed), Tally()
     for agent in case.scene.agents:
-        for head in heads(Standpoint(case.stage(), agent, COARSE)):
+        for head in heads(Viewpoint(case.stage(), agent, COARSE)):
             check_aimed(head, rng, tally)
     assert tally.seen
     assert tally.passed
@@ -154,7 +156,7 @@ def test_what_a_head_on_the_way_sees_was_not_passed_over(seed: int) -> None:
     seen = [
         check_on_the_way(head, rng)
         for agent in case.scene.agents
-        for head in heads(Standpoint(case.stage(), agent, COARSE))
+        for head in heads(Viewpoint(case.stage(), agent, COARSE))
     ]
     assert sum(seen)
 
@@ -241,7 +243,7 @@ def test_grazing_things_are_not_passed_over(places: Callable[[Generator], dict[s
     rng, tally = np.random.default_rng(7), Tally()
     for _ in range(24):
         put_at = places(rng)
-        here = Standpoint(Stage(SCENE, put(SCENE, put_at)), "P1", COARSE)
+        here = Viewpoint(Stage(SCENE, put(SCENE, put_at)), "P1", COARSE)
         for name in sorted(SOUGHT & put_at.keys()):
             check_aimed(Head.of(here, name), rng, tally)
     assert tally.seen
@@ -290,31 +292,31 @@ def test_shadows_hold_all_and_only_what_a_box_hides(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_visibility_from_a_standpoint_is_that_of_the_stage(seed: int) -> None:
-    """Before and after the standpoint was asked other things."""
+def test_visibility_from_a_viewpoint_is_that_of_the_stage(seed: int) -> None:
+    """Before and after the viewpoint was asked other things."""
     case = random_case(seed)
     for agent in case.scene.agents:
-        here = Standpoint(case.stage(), agent, COARSE)
+        here = Viewpoint(case.stage(), agent, COARSE)
         for name in case.scene.objects:
             plain = visibility(case.stage(), agent, name, COARSE)
             known = case.state.known([name, f"{agent}/head"])
             assert (plain is not None) == known
-            assert visibility_from(here, name) == plain
+            assert here.visibility(name) == plain
             effort_from(here, name, "see")
-            assert visibility_from(here, name) == plain
+            assert here.visibility(name) == plain
 
 
 @pytest.mark.parametrize("lost", ["cup", "P1", "P1/head"])
 def test_visibility_of_the_untracked_is_unknown(lost: str) -> None:
     room = Room((Thing("cup", (0.03, 0.05), (0.6, 0.0, 1.4), "cylinder"),), (Person("P1", (0.0, 0.0)),), (48, 36))
     scene = room.scene()
-    here = Standpoint(Stage(scene, State(scene.initial.qpos, untracked=frozenset({lost}))), "P1", COARSE)
-    assert visibility_from(here, "cup") is None
+    here = Viewpoint(Stage(scene, State(scene.initial.qpos, untracked=frozenset({lost}))), "P1", COARSE)
+    assert here.visibility("cup") is None
     assert visibility(here.stage, "P1", "cup", COARSE) is None
-    assert visibility_from(Standpoint(Stage(scene), "P1", COARSE), "cup") is not None
+    assert Viewpoint(Stage(scene), "P1", COARSE).visibility("cup") is not None
 
 
 def test_visibility_of_what_is_not_there_is_refused() -> None:
-    here = Standpoint(Stage(SCENE), "P1", COARSE)
+    here = Viewpoint(Stage(SCENE), "P1", COARSE)
     with pytest.raises(UnknownNameError, match="cup"):
-        visibility_from(here, "cup")
+        here.visibility("cup")

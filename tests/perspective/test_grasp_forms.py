@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from taskgist.perspective.grasp import sampling as samples
-from taskgist.perspective.grasp.grasps import Grasps
-from taskgist.perspective.grasp.sampling import form_of, grasps_in_object
+from taskgist.perspective import grasp_sampling as samples
+from taskgist.perspective.grasp_sampling import Grasps, form_of, grasps_in_object
 from taskgist.settings import DEFAULT
 from taskgist.world import Hand, Scene, Stage
 from taskgist_lab.generator.things import SHAPES

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import Effort, least_effort
-from taskgist.perspective.grasp.grasps import Grasps, hand_centers, hand_frames
-from taskgist.perspective.grasp.sampling import grasps_in_object, sample_grasps
+from taskgist.perspective.grasp_sampling import Grasps, grasps_in_object, hand_centers, hand_frames, sample_grasps
 from taskgist.settings import DEFAULT
 from taskgist.world import HAND_KINDS, Hand, HandKind, Scene, Stage, hand_boxes
 from taskgist.world.bodies.profile import builtin_profile_text
@@ -45,8 +44,8 @@ def effort(stage: Stage, name: str) -> Effort:
 @pytest.mark.parametrize("kind", HAND_KINDS)
 def test_every_kind_grasps_a_cup_and_says_so(kind: HandKind) -> None:
     found = effort(with_hand(kind, CUP), "cup")
-    assert (found.level, found.evidence["hand"]) == (1, kind)
-    assert round(found.evidence["width_m"], 6) in {0.06, 0.1}  # type: ignore[call-overload]
+    assert (found.level, found.evidence_document["hand"]) == (1, kind)
+    assert round(found.evidence_document["width_m"], 6) in {0.06, 0.1}  # type: ignore[call-overload]
 
 
 @pytest.mark.parametrize("kind", HAND_KINDS)

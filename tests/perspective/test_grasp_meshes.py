@@ -7,8 +7,15 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import Effort, least_effort
-from taskgist.perspective.grasp.grasps import MOST, Grasps, hand_centers, hand_frames, opposite_points
-from taskgist.perspective.grasp.sampling import TOUCH_M, grasps_in_object
+from taskgist.perspective.grasp_sampling import (
+    MOST,
+    TOUCH_M,
+    Grasps,
+    grasps_in_object,
+    hand_centers,
+    hand_frames,
+    opposite_points,
+)
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, distances_outside_m
 from tests import meshes
@@ -130,7 +137,7 @@ def test_a_handle_counts_where_the_tub_is_too_wide() -> None:
     found = effort(with_thing(meshes.joined(tub, meshes.handle(at=0.11, out=0.05, half=0.05))), "thing")
     assert found.level is not None
     assert found.level < 5
-    assert found.evidence["width_m"] == pytest.approx(0.012, abs=1e-3)
+    assert found.evidence_document["width_m"] == pytest.approx(0.012, abs=1e-3)
 
 
 def test_a_bowl_is_taken_at_its_rim_from_above() -> None:
@@ -168,12 +175,12 @@ def test_a_shelf_is_reached_into_from_the_front_and_not_through_its_back() -> No
     scene = in_shelf()
     front = effort(scene, "can")
     assert front.level == 1
-    assert front.evidence["approach"][0] > 0.6  # type: ignore[index]
+    assert front.evidence_document["approach"][0] > 0.6  # type: ignore[index]
     assert least_effort(Stage(scene), "P2", "can", "reach", HERE_ONLY).level in {1, 2}
     behind = effort(scene, "can", "P2")
     assert behind.level == 5
     assert behind.reason == "every approach blocked by shelf"
-    assert behind.evidence["miss"]["approaches"]["shelf"] > 0  # type: ignore[index]
+    assert behind.evidence_document["miss"]["approaches"]["shelf"] > 0  # type: ignore[index]
 
 
 def _wall(axis: int, away_m: float, around: tuple[float, float, float]) -> str:
@@ -195,7 +202,7 @@ def test_the_way_in_must_be_free_not_only_the_grasp() -> None:
     assert free.level == 1
     assert caged.level == 5
     assert caged.reason.startswith("every approach blocked by cage")
-    assert sum(caged.evidence["miss"]["approaches"].values()) > 0  # type: ignore[index]
+    assert sum(caged.evidence_document["miss"]["approaches"].values()) > 0  # type: ignore[index]
 
 
 def test_grasps_go_with_their_object_and_are_sampled_once() -> None:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from taskgist.perspective import Standpoint
-from taskgist.perspective.grasp.grasps import Grasps, Hands
-from taskgist.perspective.grasp.judge import Tries
-from taskgist.perspective.grasp.sampling import TOUCH_M, grasps_in_object
+from taskgist.perspective import Viewpoint
+from taskgist.perspective.grasp import GraspTrials
+from taskgist.perspective.grasp_sampling import TOUCH_M, Grasps, grasps_in_object
 from taskgist.world import Hand, Stage
 from tests.perspective.random_rooms import random_case
 from tests.perspective.twin_grasp import hand_poses
@@ -17,16 +16,13 @@ MOST = 60
 """Grasps of one object that are measured."""
 
 
-def tries_of(here: Standpoint, name: str, hand: Hand) -> tuple[Tries, Grasps]:
+def trials_of(here: Viewpoint, name: str, hand: Hand) -> tuple[GraspTrials, Grasps]:
     stage = here.stage
     grasps, pose = grasps_in_object(stage, name, hand, here.settings.grasp), stage.body(stage.scene.object_body(name))
-    obstacles = here.collisions.obstacles, here.collisions.boxes
-    hands = Hands.of(grasps, hand)
-    tries = Tries(stage, here.agent, object_in_world=pose, grasps=grasps, hands=hands, obstacles=obstacles)
-    return tries, grasps.placed(pose)
+    return GraspTrials(stage, here.agent, pose, grasps, hand, here.collisions), grasps.placed(pose)
 
 
-def measured_free(stage: Stage, here: Standpoint, grasps: Grasps, index: int, hand: Hand) -> bool:
+def measured_free(stage: Stage, here: Viewpoint, grasps: Grasps, index: int, hand: Hand) -> bool:
     poses, arm = hand_poses(grasps, index, hand), here.agent.arms[0]
     stage.place(arm.ghosts, np.array([pose.position for pose in poses]), poses[0].matrix.reshape(9))
     around = np.setdiff1d(np.union1d(here.collisions.obstacles, here.agent.core_geoms), grasps.solids)
@@ -39,16 +35,16 @@ def test_tried_grasps_are_free_where_measuring_says_so(seed: int) -> None:
     case, rng = random_case(seed), np.random.default_rng(seed)
     stage = Stage(case.scene, case.state)
     for agent in case.scene.agents:
-        here = Standpoint(stage, agent)
+        here = Viewpoint(stage, agent)
         hand = here.agent.profile.hand
         if hand is None:
             continue
         for name in case.scene.objects:
             if not len(grasps_in_object(stage, name, hand, here.settings.grasp)):
                 continue
-            tries, grasps = tries_of(here, name, hand)
+            trials, grasps = trials_of(here, name, hand)
             some = rng.permutation(len(grasps))[:MOST]
             free = [int(index) for index in some if measured_free(stage, here, grasps, int(index), hand)]
             stage.show(case.state)
-            assert tries.first_free(some, here.agent.arms[0]) == (free[0] if free else None)
-            assert [each for each in some if tries.first_free(np.array([each]), here.agent.arms[0]) == each] == free
+            assert trials.first_free(some, here.agent.arms[0]) == (free[0] if free else None)
+            assert [each for each in some if trials.first_free(np.array([each]), here.agent.arms[0]) == each] == free

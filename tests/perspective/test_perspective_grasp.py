@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from taskgist.perspective import Ability, Effort, Standpoint, least_effort
-from taskgist.perspective.effort import Outcome
-from taskgist.perspective.grasp.sampling import around, grasps_in_object, sample_grasps
-from taskgist.perspective.reach import Cloud, Reach, ReachAmong
+from taskgist.perspective import Ability, Effort, Viewpoint, least_effort
+from taskgist.perspective.effort import Reached
+from taskgist.perspective.grasp_sampling import around, grasps_in_object, sample_grasps
+from taskgist.perspective.reach import PointCloud, Reach, ReachScreening
+from taskgist.perspective.viewpoint import FindMiss, Hit
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage
 from tests.perspective.twin_grasp import hand_poses
@@ -38,16 +39,16 @@ def held(room: Room, side: str) -> Stage:
 def test_what_is_held_needs_no_effort(side: str, ability: Ability) -> None:
     found = least_effort(held(Room((CUP,), (STANDING,)), side), "P1", "cup", ability)
     assert (found.level, found.actions, found.name) == (0, ("No_Action_Required",), "No_Effort_Required")
-    assert found.evidence["arm"] == side
+    assert found.evidence_document["arm"] == side
     assert found.reason == "held"
 
 
-def reached(stage: Stage, side: str, points: np.ndarray) -> Outcome | None:
+def reached(stage: Stage, side: str, points: np.ndarray) -> Hit | FindMiss | None:
     """How P1 reaches one of some points with one arm from where it stands, if it does."""
-    here = Standpoint(stage, "P1", HERE_ONLY, actions=(f"Stretch_Out_Arm({side})",))
-    (stances,) = here.stances(1, points[0])
-    among = ReachAmong(Reach(here, here.target("cup")), stances, Cloud.of(points))
-    return next(among.outcomes(0)) if among.next(0, 1) == 0 else None
+    here = Viewpoint(stage, "P1", HERE_ONLY, actions=(f"Stretch_Out_Arm({side})",))
+    (candidates,) = here.candidates.of_level(1, points[0])
+    screening = ReachScreening(Reach(here, here.target("cup")), candidates, PointCloud.of(points))
+    return next(screening.results(0)) if screening.next(0, 1) == 0 else None
 
 
 def test_reach_is_the_arms_length_from_the_shoulder() -> None:
@@ -57,9 +58,11 @@ def test_reach_is_the_arms_length_from_the_shoulder() -> None:
     points = stage.shoulder(arm).to_world([(0.7, 0.0, 0.0), (0.7001, 0.0, 0.0), (0.0, 0.69, 0.0), (-0.5, -0.1, 0.0)])
     assert [reached(stage, "left", point[None]) is not None for point in points] == [True, False, True, False]
     found = reached(stage, "left", points)
-    assert found is not None
-    nearest = {"arm": "left", "point_m": points[2].tolist(), "distance_m": pytest.approx(0.69)}
-    assert found.evidence() == nearest
+    assert isinstance(found, Hit)
+    nearest = found.find_evidence()
+    assert isinstance(nearest, Reached)
+    assert (nearest.arm, nearest.point_m) == ("left", tuple(points[2].tolist()))
+    assert nearest.distance_m == pytest.approx(0.69)
 
 
 @pytest.mark.parametrize(("up_deg", "expected"), [(85, False), (75, True), (-60, True), (-89, True)])
@@ -100,8 +103,8 @@ def test_a_plate_is_grasped_at_its_edge() -> None:
     plate = Thing("plate", (0.15, 0.15, 0.01), (0.5, 0.2, 1.2))
     found = effort((plate,), "grasp")
     assert found.level == 1
-    assert found.evidence["width_m"] == pytest.approx(0.02, abs=1e-4)
-    center = np.abs(np.array(found.evidence["point_m"]) - plate.place)
+    assert found.evidence_document["width_m"] == pytest.approx(0.02, abs=1e-4)
+    center = np.abs(np.array(found.evidence_document["point_m"]) - plate.place)
     assert center.max() > 0.08  # the palm stays out of the plate
 
 
@@ -112,7 +115,7 @@ def test_a_framed_plate_is_not_grasped_in_its_middle_for_the_palm_would_be_in_it
     assert effort((plate, *frame), "reach").level == 1
     found = effort((plate, *frame), "grasp")
     assert found.level == 5
-    assert "plate" in found.evidence["miss"]["approaches"]  # type: ignore[index]
+    assert "plate" in found.evidence_document["miss"]["approaches"]  # type: ignore[index]
 
 
 def test_the_own_chest_is_in_the_hands_way_until_it_turns() -> None:
@@ -139,7 +142,7 @@ def test_what_lies_on_the_table_is_taken_from_above_not_through_it() -> None:
     found = effort((coin, table(0.65, height=0.92)), "grasp")
     assert found.level is not None
     assert found.level < 5
-    assert found.evidence["approach"][2] < -0.5  # type: ignore[index]
+    assert found.evidence_document["approach"][2] < -0.5  # type: ignore[index]
 
 
 def test_another_agents_hand_around_the_thing_is_in_the_way() -> None:
@@ -159,8 +162,8 @@ def test_nothing_is_grasped_from_behind() -> None:
     found = effort((CUP,), "grasp")
     stage = Room((CUP,), (STANDING,)).stage()
     shoulder = stage.shoulder(stage.scene.agent("P1").arm("left")).position
-    ahead = np.array(found.evidence["point_m"]) - shoulder
-    assert np.array(found.evidence["approach"]) @ ahead >= -1e-9
+    ahead = np.array(found.evidence_document["point_m"]) - shoulder
+    assert np.array(found.evidence_document["approach"]) @ ahead >= -1e-9
 
 
 def test_opposite_points_of_a_box_are_its_three_widths() -> None:

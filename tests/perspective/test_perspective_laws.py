@@ -2,13 +2,13 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import pytest
 from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
-from taskgist.perspective import ABILITIES, Effort, Standpoint, able, effort_from, least_effort, visibility
+from taskgist.perspective import ABILITIES, Effort, Viewpoint, able, effort_from, least_effort, visibility
+from taskgist.perspective.effort import Occlusion
 from tools.rooms import COARSE, Person, Room, Thing, chair, random_room, table, wall
 
 FEW = settings(max_examples=5, deadline=None, derandomize=True, database=None)
@@ -17,7 +17,7 @@ SIDES = {"left": "right", "right": "left"}
 
 def efforts(room: Room) -> dict[tuple[str, str], Effort]:
     stage = room.stage()
-    here = Standpoint(stage, "P1", COARSE)
+    here = Viewpoint(stage, "P1", COARSE)
     return {(name, ability): effort_from(here, name, ability) for name in stage.scene.objects for ability in ABILITIES}
 
 
@@ -61,8 +61,8 @@ def test_a_mirrored_room_mirrors_arms_and_keeps_efforts(number: int) -> None:
     for key, effort in before.items():
         assert symbols(effort)[::2] == symbols(after[key])[::2], key
         assert mirror_names(effort.actions) == after[key].actions, key
-        if "arm" in effort.evidence:
-            assert SIDES[str(effort.evidence["arm"])] == after[key].evidence["arm"]
+        if "arm" in effort.evidence_document:
+            assert SIDES[str(effort.evidence_document["arm"])] == after[key].evidence_document["arm"]
 
 
 def mirror_joints(room: Room) -> Room:
@@ -124,10 +124,12 @@ def test_what_hides_an_object_is_told_with_a_ray_to_each() -> None:
     )
     cup = Thing("cup", (0.1,), (1.6, 0.0, 0.5), "sphere")
     stage = Room((*screens, cup, chair(0.0)), (Person("P1", (0.0, 0.0), 0.0, "sitting"),)).stage()
-    found = effort_from(Standpoint(stage, "P1", COARSE, actions=("Pan_Head", "Tilt_Head")), "cup", "see")
-    miss: Any = found.evidence["miss"]
+    found = effort_from(Viewpoint(stage, "P1", COARSE, actions=("Pan_Head", "Tilt_Head")), "cup", "see")
     assert found.level == 5
-    assert dict(miss["occluders"]).keys() == {"screen 0", "screen 1"}
-    assert sum(dict(miss["occluders"]).values()) == miss["unoccluded_px"] > 50
-    assert [hit[0] for hit in miss["hits_m"].values()] == pytest.approx([0.78, 0.78])
-    assert miss["eye_m"][0] < 0.3
+    assert found.evidence.told is not None
+    miss = found.evidence.told.hindrance
+    assert isinstance(miss, Occlusion)
+    assert dict(miss.occluders).keys() == {"screen 0", "screen 1"}
+    assert sum(dict(miss.occluders).values()) == miss.unoccluded_px > 50
+    assert [hit[0] for _, hit in miss.hits_m] == pytest.approx([0.78, 0.78])
+    assert miss.eye_m[0] < 0.3

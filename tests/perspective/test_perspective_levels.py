@@ -5,7 +5,7 @@ from functools import cache
 
 import pytest
 
-from taskgist.perspective import ABILITIES, Effort, Standpoint, able, effort_from, least_effort
+from taskgist.perspective import ABILITIES, Effort, Viewpoint, able, effort_from, least_effort
 from taskgist.world import Agent, posture_of
 from tests.perspective.random_rooms import Case, random_case
 from tools.rooms import COARSE, Person, Room, Thing
@@ -22,7 +22,7 @@ MOVES: dict[str, tuple[set[str], ...]] = {
 def efforts(seed: int) -> tuple[Case, tuple[Effort, ...]]:
     case = random_case(seed)
     stage = case.stage()
-    here = Standpoint(stage, "P1", COARSE)
+    here = Viewpoint(stage, "P1", COARSE)
     return case, tuple(effort_from(here, name, ability) for name in case.scene.objects for ability in ABILITIES)
 
 

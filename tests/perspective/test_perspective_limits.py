@@ -15,19 +15,19 @@ from taskgist.perspective import (
     Ability,
     Amount,
     Effort,
-    Standpoint,
+    Viewpoint,
     able,
     actions_of,
     least_effort,
     view_of,
     visibility,
 )
-from taskgist.perspective.actions import Stance
-from taskgist.perspective.candidates import Stances
-from taskgist.perspective.effort import Miss, Outcome, Why
-from taskgist.perspective.floor import Floor, Place, moved
-from taskgist.perspective.search import Found, least
+from taskgist.perspective.candidates import Candidate, Candidates
+from taskgist.perspective.constraints import Floor, Place, moved
+from taskgist.perspective.effort import Held, Miss, Reason
+from taskgist.perspective.search import Solution, least
 from taskgist.perspective.see import aimed
+from taskgist.perspective.viewpoint import FindMiss, Hit
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage
 from tools.rooms import COARSE, Person, Room, Thing, chair, table, wall
@@ -44,22 +44,22 @@ def cup_at(x: float, y: float, z: float) -> Thing:
 
 def head_aimed(stage: Stage, target: np.ndarray) -> dict[int, float]:
     """Head angles by index into qpos with which P1, where it is, looks at a target."""
-    (stances,) = Standpoint(stage, "P1", COARSE).stances(1, target)
-    head = stances.bent.frames.usable(HEAD)
-    return head.changes(aimed(stances.frames(0), head.neck, target))
+    (candidates,) = Viewpoint(stage, "P1", COARSE).candidates.of_level(1, target)
+    head = candidates.torso.frames.usable(HEAD)
+    return head.changes(aimed(candidates.frames(0), head.neck, target))
 
 
-def all_stances(here: Standpoint, level: int, target: np.ndarray) -> list[Stance]:
-    return [batch[index] for batch in here.stances(level, target) for index in range(len(batch))]
+def all_candidates(here: Viewpoint, level: int, target: np.ndarray) -> list[Candidate]:
+    return [batch[index] for batch in here.candidates.of_level(level, target) for index in range(len(batch))]
 
 
-def floor_of(here: Standpoint) -> list[Place]:
+def floor_of(here: Viewpoint) -> list[Place]:
     """All places that can be got to, with collisions as of the whole body."""
     floor = Floor(
         here.state,
         here.agent,
         here.settings.efforts,
-        lambda offset_m: here.blocked(moved(here.state, here.agent, offset_m)) is None,
+        lambda offset_m: here.collisions.blocking(moved(here.state, here.agent, offset_m)) is None,
     )
     return [place for batch in floor.batches() for place in batch]
 
@@ -116,8 +116,8 @@ def test_nothing_moves_but_the_joints_of_the_level(level: int, joints: set[str],
     allowed = {agent.joints[j] for j in joints - {"legs"}} | {agent.joints[j] for j in legs if "legs" in joints}
     allowed |= set(range(agent.base.start, agent.base.stop)) if moves else set()
     changed: set[int] = set()
-    for stance in all_stances(Standpoint(stage, "P1", COARSE), level, np.array((0.9, 0.1, 0.8))):
-        changed |= set(np.flatnonzero(stance.state.qpos != stage.scene.initial.qpos).tolist())
+    for candidate in all_candidates(Viewpoint(stage, "P1", COARSE), level, np.array((0.9, 0.1, 0.8))):
+        changed |= set(np.flatnonzero(candidate.state.qpos != stage.scene.initial.qpos).tolist())
     assert changed
     assert changed <= allowed
 
@@ -127,12 +127,12 @@ def test_who_walks_turns_the_chest_to_the_object() -> None:
     stage = Room((), (turned,)).stage()
     agent = stage.scene.agent("P1")
     target = np.array((-1.0, 2.0, 1.0))
-    stances = all_stances(Standpoint(stage, "P1", COARSE), 4, target)
-    assert len({stance.amount.moved_m for stance in stances}) > 2
-    for stance in stances:
-        chest = stage.show(stance.state).site(stage.scene.model.site("P1/chest").id)
-        assert "Turn_Torso" not in stance.actions
-        ahead = target[:2] - stance.state.qpos[agent.base][:2]
+    candidates = all_candidates(Viewpoint(stage, "P1", COARSE), 4, target)
+    assert len({candidate.amount.moved_m for candidate in candidates}) > 2
+    for candidate in candidates:
+        chest = stage.show(candidate.state).site(stage.scene.model.site("P1/chest").id)
+        assert "Turn_Torso" not in candidate.actions
+        ahead = target[:2] - candidate.state.qpos[agent.base][:2]
         np.testing.assert_allclose(
             chest.matrix[:2, 0] / np.linalg.norm(chest.matrix[:2, 0]), ahead / np.linalg.norm(ahead), atol=1e-9
         )
@@ -140,40 +140,40 @@ def test_who_walks_turns_the_chest_to_the_object() -> None:
 
 def test_of_equal_amounts_the_best_is_taken() -> None:
     stage = Room((CUP,), (STANDING,)).stage()
-    here = Standpoint(stage, "P1", COARSE)
+    here = Viewpoint(stage, "P1", COARSE)
     turn = here.agent.joints["torso_turn"]
 
     class LeftTurns:
-        """Every stance will do, the farther left the better."""
+        """Every candidate will do, the farther left the better."""
 
-        def __init__(self, stances: Stances | None = None) -> None:
-            self.stances = stances
+        def __init__(self, candidates: Candidates | None = None) -> None:
+            self.candidates = candidates
 
         def unknown(self, level: int) -> str | None: ...
 
-        def without_effort(self) -> Why:
+        def without_effort(self) -> FindMiss:
             return self.miss
 
-        def among(self, stances: Stances) -> LeftTurns:
-            return LeftTurns(stances)
+        def screen(self, candidates: Candidates) -> LeftTurns:
+            return LeftTurns(candidates)
 
         def next(self, start: int, stop: int) -> int:
             return min(start, stop)
 
-        def outcomes(self, index: int) -> Iterator[Outcome | Why]:
-            assert self.stances is not None
-            yield Outcome(merit=-float(self.stances[index].state.qpos[turn]))
+        def results(self, index: int) -> Iterator[Hit | FindMiss]:
+            assert self.candidates is not None
+            yield Hit(lambda: Held("left"), cost=-float(self.candidates[index].state.qpos[turn]))
 
         def miss(self) -> Miss:
-            return Miss(0.0, "no")
+            return Miss(Reason.NOT_HELD, "no")
 
     for level in (2, 4):
         found = least(here, LeftTurns(), level, np.array((1.0, 0.0, 1.0)))
-        assert isinstance(found, Found)
+        assert isinstance(found, Solution)
         assert found.amount == (Amount(torso_rad=0.5) if level == 2 else Amount())
     narrow = replace(COARSE, efforts=replace(COARSE.efforts, turn_step_rad=0.2))
-    found = least(Standpoint(stage, "P1", narrow), LeftTurns(), 2, np.zeros(3))
-    assert isinstance(found, Found)
+    found = least(Viewpoint(stage, "P1", narrow), LeftTurns(), 2, np.zeros(3))
+    assert isinstance(found, Solution)
     assert found.state.qpos[turn] == 0.2
 
 
@@ -185,14 +185,14 @@ def test_standing_up_is_free_without_a_table_and_blocked_by_one_over_the_thighs(
     assert blocked.level == 5
     assert "against table" in blocked.reason
     contact = {"part": "legs", "other": "table", "depth_m": pytest.approx(0.05, abs=0.05)}
-    assert blocked.evidence["miss"] == {"blocking": contact}
+    assert blocked.evidence_document["miss"] == {"blocking": contact}
 
 
 def test_standing_up_is_blocked_by_a_lamp_above() -> None:
     lamp = Thing("lamp", (0.3, 0.3, 0.02), (0.4, 0.0, 1.6), free=False)
     blocked = effort(Room((chair(0.0), lamp, cup_at(0.5, 0.3, 1.75)), (SITTING,)), "reach")
     assert blocked.level == 5
-    assert "head against lamp" in " ".join(map(str, blocked.evidence["not_with_less"]))  # type: ignore[call-overload]
+    assert "head against lamp" in " ".join(map(str, blocked.evidence_document["not_with_less"]))  # type: ignore[call-overload]
 
 
 def test_what_the_agent_holds_is_not_in_its_way() -> None:
@@ -202,21 +202,21 @@ def test_what_the_agent_holds_is_not_in_its_way() -> None:
     stage = room.stage()
     hand = stage.site(stage.scene.agent("P1").arm("right").palm_site).position
     held = stage.state.replace(at=stage.scene.object_slice("board"), to=(*hand, 1, 0, 0, 0))
-    assert "board" not in {stage.scene.owners[g] for g in Standpoint(stage.show(held), "P1").collisions.obstacles}
+    assert "board" not in {stage.scene.owners[g] for g in Viewpoint(stage.show(held), "P1").collisions.obstacles}
     assert "board" in {
-        stage.scene.owners[g] for g in Standpoint(stage.show(stage.scene.initial), "P1").collisions.obstacles
+        stage.scene.owners[g] for g in Viewpoint(stage.show(stage.scene.initial), "P1").collisions.obstacles
     }
 
 
 def test_a_present_contact_does_not_block_but_a_deeper_one_does() -> None:
     post = Thing("post", (0.05, 0.05, 0.3), (0.155, 0.0, 1.2), free=False)
     stage = Room((post,), (STANDING,)).stage()
-    here = Standpoint(stage, "P1")
+    here = Viewpoint(stage, "P1")
     agent = here.agent
     assert any(stage.overlaps(agent.core_geoms, here.collisions.obstacles))
-    assert here.blocked(stage.scene.initial) is None
+    assert here.collisions.blocking(stage.scene.initial) is None
     leaned = stage.scene.initial.replace({agent.joints["torso_lean"]: 0.5})
-    blocking = here.blocked(leaned)
+    blocking = here.collisions.blocking(leaned)
     assert blocking is not None
     assert (blocking.part, blocking.other) == ("torso", "post")
 
@@ -224,28 +224,28 @@ def test_a_present_contact_does_not_block_but_a_deeper_one_does() -> None:
 def test_sitting_down_needs_a_seat() -> None:
     low = cup_at(0.45, 0.2, 0.45)
     stage = Room((low, chair(-0.43)), (STANDING,)).stage()
-    here = Standpoint(stage, "P1", COARSE)
-    assert here.other_posture is not None
-    assert here.other_posture.actions == ("Make_Sitting",)
+    here = Viewpoint(stage, "P1", COARSE)
+    assert here.candidates.other_posture is not None
+    assert here.candidates.other_posture.actions == ("Make_Sitting",)
     for seat in ((), (chair(-0.43, height=0.2),), (chair(-0.43, height=0.8),), (chair(-0.43, y=0.6),)):
-        assert Standpoint(Room((low, *seat), (STANDING,)).stage(), "P1", COARSE).other_posture is None
+        assert Viewpoint(Room((low, *seat), (STANDING,)).stage(), "P1", COARSE).candidates.other_posture is None
 
 
 def test_nobody_walks_through_a_thin_wall() -> None:
     room = Room((wall("wall", 0.4, half=(0.005, 6.0, 1.2)),), (replace(STANDING, stature=1.0),))
-    here = Standpoint(room.stage(), "P1", DEFAULT)
+    here = Viewpoint(room.stage(), "P1", DEFAULT)
     floor = floor_of(here)
     assert len(floor) > 50
     assert max(place.offset_m[0] for place in floor) < 0.4
     at = {place.offset_m[0] for place in floor}
-    assert here.blocked(moved(here.state, here.agent, (0.25, 0.0))) is None
-    assert here.blocked(moved(here.state, here.agent, (0.5, 0.0))) is None
+    assert here.collisions.blocking(moved(here.state, here.agent, (0.25, 0.0))) is None
+    assert here.collisions.blocking(moved(here.state, here.agent, (0.5, 0.0))) is None
     assert 0.25 in at
 
 
 def test_the_way_round_is_longer_than_the_straight_one() -> None:
     def ways(*things: Thing) -> dict[tuple[float, float], float]:
-        here = Standpoint(Room(things, (STANDING,)).stage(), "P1", DEFAULT)
+        here = Viewpoint(Room(things, (STANDING,)).stage(), "P1", DEFAULT)
         return {(round(p.offset_m[0], 6), round(p.offset_m[1], 6)): p.way_m for p in floor_of(here)}
 
     free, round_about = ways(), ways(wall("wall", 0.6, half=(0.02, 0.5, 1.2)))

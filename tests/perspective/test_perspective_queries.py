@@ -10,13 +10,14 @@ from taskgist.errors import UnknownNameError
 from taskgist.perspective import (
     EFFORT_NAMES,
     Amount,
-    Standpoint,
+    Viewpoint,
     actions_for,
     effort_from,
     least_effort,
     objects_with,
     visibility,
 )
+from taskgist.perspective.effort import evidence_document
 from tools.rooms import COARSE, Person, Room, Thing, chair, wall
 
 HIGH = Thing("high", (0.03, 0.05), (0.5, 0.2, 1.75), "cylinder")
@@ -58,9 +59,9 @@ def test_an_action_that_the_agent_does_not_have_is_refused() -> None:
         objects_with(ROOM.stage(), "P1", "see", ["Pan_Heads"])
 
 
-def test_one_standpoint_answers_like_many() -> None:
+def test_one_viewpoint_answers_like_many() -> None:
     stage = ROOM.stage()
-    here = Standpoint(stage, "P1", COARSE)
+    here = Viewpoint(stage, "P1", COARSE)
     for name in stage.scene.objects:
         shared, alone = effort_from(here, name, "grasp"), least_effort(stage, "P1", name, "grasp", COARSE)
         assert shared == alone
@@ -81,13 +82,13 @@ def test_a_step_weighs_more_than_any_turn() -> None:
 def test_answers_are_plain_data_and_survive_a_process_pool(name: str, ability: str) -> None:
     stage = ROOM.stage()
     found = least_effort(stage, "P1", name, ability, COARSE)  # type: ignore[arg-type]
-    assert json.loads(json.dumps(found.evidence)) == found.evidence
+    assert json.loads(json.dumps(found.evidence_document)) == found.evidence_document
     assert pickle.loads(pickle.dumps(found)) == found
     assert found.reason
     assert set(found.joints_rad) == {"head_pan", "head_tilt", "torso_turn", "torso_lean"}
     seen = visibility(stage, "P1", name)
     assert seen is not None
-    assert json.loads(json.dumps(seen.evidence)) == seen.evidence
+    assert json.loads(json.dumps(evidence_document(seen))) == evidence_document(seen)
 
 
 def test_sight_says_what_hides_the_object() -> None:
@@ -97,4 +98,4 @@ def test_sight_says_what_hides_the_object() -> None:
     assert seen is not None
     assert (seen.score, seen.visible_share, seen.in_gaze_cone) == (0.0, 0.0, False)
     assert seen.occluders[0][0] == "wall"
-    assert "occluded by wall" in least_effort(stage, "P1", "cup", "see", COARSE).evidence["not_with_less"]  # type: ignore[operator]
+    assert "occluded by wall" in least_effort(stage, "P1", "cup", "see", COARSE).evidence_document["not_with_less"]  # type: ignore[operator]

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from taskgist.perspective import ABILITIES, Standpoint, effort_from, visibility
+from taskgist.perspective import ABILITIES, Viewpoint, effort_from, visibility
 from taskgist.settings import DEFAULT
 from tests.perspective.comparing import Comparison, compare_levels, compare_pixels
 from tests.perspective.random_rooms import random_case
@@ -50,7 +50,7 @@ ROOMS = {
 @pytest.mark.parametrize("room", ROOMS)
 def test_fast_search_agrees_with_trying_every_state(room: str) -> None:
     stage = ROOMS[room].stage()
-    here, twin = Standpoint(stage, "P1", COARSE), Twin(stage, "P1", COARSE)
+    here, twin = Viewpoint(stage, "P1", COARSE), Twin(stage, "P1", COARSE)
     for name in stage.scene.objects:
         for ability in ABILITIES:
             difference = disagreement(effort_from(here, name, ability), twin.answer(name, ability))
@@ -60,7 +60,7 @@ def test_fast_search_agrees_with_trying_every_state(room: str) -> None:
 def test_the_rooms_above_reach_every_level_but_held() -> None:
     stages = [room.stage() for room in ROOMS.values()]
     levels = {
-        (ability, effort_from(Standpoint(stage, "P1", COARSE), name, ability).level)
+        (ability, effort_from(Viewpoint(stage, "P1", COARSE), name, ability).level)
         for stage in stages
         for name in stage.scene.objects
         for ability in ABILITIES

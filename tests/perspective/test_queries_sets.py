@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from taskgist.errors import InputError, UnknownNameError
-from taskgist.perspective import ABILITIES, Ability, Standpoint, able, least_effort
+from taskgist.perspective import ABILITIES, Ability, Viewpoint, able, least_effort
 from taskgist.perspective import scene_efforts as queries_module
 from taskgist.perspective.queries import Condition, Question, objects_where, parse_question
-from taskgist.perspective.scene_efforts import Chosen, Perspectives, able_by, becoming_able_by
+from taskgist.perspective.scene_efforts import Chosen, SceneEfforts, able_by, becoming_able_by
 from taskgist.world import Stage, State
 from tools.rooms import COARSE, Person, Room, Thing, chair, wall
 
@@ -25,10 +25,10 @@ ROOM = Room((chair(0.0), wall("wall", 1.2, half=(0.02, 4.0, 1.25)), HIGH, NEAR, 
 NAMES = ("high", "near", "far", "behind")
 
 
-def perspectives(*untracked: str) -> Perspectives:
+def perspectives(*untracked: str) -> SceneEfforts:
     stage = ROOM.stage()
     state = stage.state
-    return Perspectives(Stage(stage.scene, State(state.qpos, untracked=frozenset(untracked))), COARSE)
+    return SceneEfforts(Stage(stage.scene, State(state.qpos, untracked=frozenset(untracked))), COARSE)
 
 
 KNOWN = perspectives()
@@ -173,15 +173,15 @@ def test_unknown_levels_are_those_of_able() -> None:
         assert lost.able("P1", name, "reach", max_level=level) is expected
 
 
-def test_standpoints_and_efforts_are_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_viewpoints_and_efforts_are_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[str] = []
 
-    class Counted(Standpoint):
+    class Counted(Viewpoint):
         def __init__(self, stage: Stage, agent: str, *rest: object, **named: object) -> None:
             made.append(agent)
             super().__init__(stage, agent, *rest, **named)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(queries_module, "Standpoint", Counted)
+    monkeypatch.setattr(queries_module, "Viewpoint", Counted)
     asked = perspectives()
     for text in ("P1 reaches and P2 sees", "not P1 sees or P2 reaches <= 1", "P1 reaches"):
         objects_where(asked, parse_question(text, PEOPLE_))

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from taskgist.perspective import Standpoint
-from taskgist.perspective.candidates import Stances
-from taskgist.perspective.effort import Miss, Outcome
-from taskgist.perspective.reach import Cloud, Reach, ReachAmong, grasps_in_reach
+from taskgist.perspective import Viewpoint
+from taskgist.perspective.candidates import Candidates
+from taskgist.perspective.effort import Miss, Reached, Reason
+from taskgist.perspective.reach import PointCloud, Reach, ReachScreening, grasps_in_reach
+from taskgist.perspective.viewpoint import Hit
 from taskgist.world import Arm, ArmIndices, Pose
 from tests.perspective.random_rooms import random_case
 from tools.rooms import COARSE, Person, Room, Thing, chair
@@ -42,23 +43,23 @@ def reached(shoulder: Pose, arm: Arm, points: Array) -> Flags:
     return np.asarray(inside)
 
 
-def able(judge: Reach, stances: Stances, index: int, points: Array) -> list[int]:
-    """Arms that reach one of some points from a stance, the nearer shoulder's first."""
+def able(judge: Reach, candidates: Candidates, index: int, points: Array) -> list[int]:
+    """Arms that reach one of some points from a candidate, the nearer shoulder's first."""
     least = []
     for column, arm in enumerate(judge.arms):
-        shoulder = stances.shoulder(index, arm)
+        shoulder = candidates.shoulder(index, arm)
         ours = reached(shoulder, judge.arm(arm).profile, points)
         if ours.any():
             least.append((round(float(distances_m(shoulder, points)[ours].min()), 6), column))
     return [column for _, column in sorted(least)]
 
 
-def gaps_m(judge: Reach, stances: Stances, points: Array) -> Array:
-    """How far the nearest point is from each arm's shoulder, from each stance, (n, a)."""
+def gaps_m(judge: Reach, candidates: Candidates, points: Array) -> Array:
+    """How far the nearest point is from each arm's shoulder, from each candidate, (n, a)."""
     return np.array(
         [
-            [distances_m(stances.shoulder(index, arm), points).min() for arm in judge.arms]
-            for index in range(len(stances))
+            [distances_m(candidates.shoulder(index, arm), points).min() for arm in judge.arms]
+            for index in range(len(candidates))
         ]
     )
 
@@ -69,21 +70,21 @@ def gaps_m(judge: Reach, stances: Stances, points: Array) -> Array:
 def judges(seed: int) -> Iterator[Reach]:
     case = random_case(seed)
     for agent in case.scene.agents:
-        here = Standpoint(case.stage(), agent, COARSE)
+        here = Viewpoint(case.stage(), agent, COARSE)
         for name in case.scene.objects:
             yield Reach(here, here.target(name))
 
 
-def batches(judge: Reach) -> Iterator[Stances]:
+def batches(judge: Reach) -> Iterator[Candidates]:
     for level in range(1, 5):
-        yield from judge._here.stances(level, judge.target.middle)
+        yield from judge._here.candidates.of_level(level, judge.target.middle)
 
 
-def clouds(judge: Reach, stances: Stances, rng: Generator) -> Iterator[Array]:
+def clouds(judge: Reach, candidates: Candidates, rng: Generator) -> Iterator[Array]:
     """The object's points, and points anywhere about a shoulder: one, a few, and spread out."""
     yield judge.surface.points
-    if judge.arms and len(stances):
-        shoulder = stances.shoulder(int(rng.integers(len(stances))), judge.arms[0])
+    if judge.arms and len(candidates):
+        shoulder = candidates.shoulder(int(rng.integers(len(candidates))), judge.arms[0])
         length_m = judge.arm(judge.arms[0]).profile.length_m
         for count, spread in ((1, 0.0), (5, 0.1), (5, 1.0)):
             middle = shoulder.position + rng.uniform(-1.2, 1.2, 3) * length_m
@@ -94,23 +95,23 @@ def clouds(judge: Reach, stances: Stances, rng: Generator) -> Iterator[Array]:
 def test_arms_reach_what_is_within_length_and_sector(seed: int) -> None:
     rng, found = np.random.default_rng(seed), {True: 0, False: 0}
     for judge in judges(seed):
-        for stances in batches(judge):
-            for points in clouds(judge, stances, rng):
-                among = ReachAmong(judge, stances, Cloud.of(points))
-                ours = [able(judge, stances, index, points) for index in range(len(stances))]
-                assert passed_over(among, len(stances)) == [index for index, arms in enumerate(ours) if not arms]
+        for candidates in batches(judge):
+            for points in clouds(judge, candidates, rng):
+                screening = ReachScreening(judge, candidates, PointCloud.of(points))
+                ours = [able(judge, candidates, index, points) for index in range(len(candidates))]
+                assert passed_over(screening, len(candidates)) == [index for index, arms in enumerate(ours) if not arms]
                 for index, arms in enumerate(ours):
                     found[bool(arms)] += 1
                     if arms or rng.random() < 0.1:
-                        assert among.able(index) == arms
+                        assert screening.able(index) == arms
     assert min(found.values()) > 50
 
 
-def passed_over(among: ReachAmong, count: int) -> list[int]:
-    missed, index = list(range(count)), among.next(0, count)
+def passed_over(screening: ReachScreening, count: int) -> list[int]:
+    missed, index = list(range(count)), screening.next(0, count)
     while index < count:
         missed.remove(index)
-        index = among.next(index + 1, count)
+        index = screening.next(index + 1, count)
     return missed
 
 
@@ -118,21 +119,23 @@ def passed_over(among: ReachAmong, count: int) -> list[int]:
 def test_outcomes_tell_the_nearest_point_of_each_arm(seed: int) -> None:
     outcomes = 0
     for judge in judges(seed):
-        for stances in batches(judge):
-            among, points = judge.among(stances), judge.surface.points
-            index = among.next(0, len(stances))
-            if index == len(stances):
+        for candidates in batches(judge):
+            screening, points = judge.screen(candidates), judge.surface.points
+            index = screening.next(0, len(candidates))
+            if index == len(candidates):
                 continue
-            for outcome, column in zip(among.outcomes(index), able(judge, stances, index, points), strict=True):
-                assert isinstance(outcome, Outcome)
-                arm, shoulder = judge.arm(judge.arms[column]), stances.shoulder(index, judge.arms[column])
-                point = np.array([outcome.evidence()["point_m"]])
+            for outcome, column in zip(screening.results(index), able(judge, candidates, index, points), strict=True):
+                assert isinstance(outcome, Hit)
+                arm, shoulder = judge.arm(judge.arms[column]), candidates.shoulder(index, judge.arms[column])
+                found = outcome.find_evidence()
+                assert isinstance(found, Reached)
+                point = np.array([found.point_m])
                 least_m = distances_m(shoulder, points)[reached(shoulder, arm.profile, points)].min()
                 assert outcome.actions == (f"Stretch_Out_Arm({arm.profile.side})",)
                 assert reached(shoulder, arm.profile, point).all()
                 assert distances_m(shoulder, point) == pytest.approx(least_m, abs=1e-6)
-                assert outcome.evidence()["distance_m"] == pytest.approx(float(distances_m(shoulder, point)[0]))
-                assert outcome.merit == round(float(least_m), 6)
+                assert found.distance_m == pytest.approx(float(distances_m(shoulder, point)[0]))
+                assert outcome.cost == round(float(least_m), 6)
                 outcomes += 1
     assert outcomes
 
@@ -141,15 +144,17 @@ def test_outcomes_tell_the_nearest_point_of_each_arm(seed: int) -> None:
 def test_the_miss_is_that_of_the_shoulder_which_comes_nearest(seed: int) -> None:
     misses = 0
     for judge in judges(seed):
-        for stances in batches(judge):
-            among, points = judge.among(stances), judge.surface.points
-            if not len(stances) or among.next(0, len(stances)) < len(stances):
+        for candidates in batches(judge):
+            screening, points = judge.screen(candidates), judge.surface.points
+            if not len(candidates) or screening.next(0, len(candidates)) < len(candidates):
                 continue
-            miss, gaps = among.miss(), gaps_m(judge, stances, points)
+            miss, gaps = screening.miss(), gaps_m(judge, candidates, points)
             assert isinstance(miss, Miss)
             lengths_m = {judge.arm(arm).profile.length_m for arm in judge.arms}
             assert len(lengths_m) == 1
-            assert miss.shortfall == pytest.approx(max(gaps.min() - lengths_m.pop(), 0.0), abs=1e-9)
+            beyond_m = miss.quantity.value if miss.quantity else 0.0
+            assert miss.reason is (Reason.TOO_FAR if miss.quantity else Reason.OUT_OF_SECTOR)
+            assert beyond_m == pytest.approx(max(gaps.min() - lengths_m.pop(), 0.0), abs=1e-9)
             misses += 1
     assert misses
 
@@ -160,28 +165,28 @@ def test_beyond_holds_where_no_point_comes_within_the_margin(seed: int) -> None:
     rng, found = np.random.default_rng(seed), {True: 0, False: 0}
     for judge in judges(seed):
         lengths_m = np.array([judge.arm(arm).profile.length_m for arm in judge.arms])
-        for stances in batches(judge):
-            for points in clouds(judge, stances, rng):
-                spare_m = (gaps_m(judge, stances, points) - lengths_m).min() if len(stances) else np.inf
-                among = ReachAmong(judge, stances, Cloud.of(points))
+        for candidates in batches(judge):
+            for points in clouds(judge, candidates, rng):
+                spare_m = (gaps_m(judge, candidates, points) - lengths_m).min() if len(candidates) else np.inf
+                screening = ReachScreening(judge, candidates, PointCloud.of(points))
                 for margin_m in (0.0, 0.05, 0.3, max(0.0, spare_m - 1e-6), max(0.0, spare_m + 1e-6)):
                     ours = bool(spare_m > margin_m)
-                    assert among.beyond(margin_m) <= ours
-                    assert len(points) > 1 or among.beyond(margin_m) == ours
+                    assert screening.beyond(margin_m) <= ours
+                    assert len(points) > 1 or screening.beyond(margin_m) == ours
                     found[ours] += 1
     assert min(found.values()) > 50
 
 
 def test_nothing_is_reached_of_what_has_no_points() -> None:
     room = Room((chair(0.0), Thing("cup", (0.03, 0.05), (0.4, 0.2, 1.2), "cylinder")), (Person("P1", (0.0, 0.0)),))
-    here = Standpoint(room.stage(), "P1", COARSE)
+    here = Viewpoint(room.stage(), "P1", COARSE)
     judge = Reach(here, here.target("cup"))
-    for stances in batches(judge):
-        among = ReachAmong(judge, stances, Cloud.of(np.empty((0, 3))))
-        assert among.next(0, len(stances)) == len(stances)
-        miss = among.miss()
+    for candidates in batches(judge):
+        screening = ReachScreening(judge, candidates, PointCloud.of(np.empty((0, 3))))
+        assert screening.next(0, len(candidates)) == len(candidates)
+        miss = screening.miss()
         assert miss is not None
-        assert miss.why == "has no surface"
+        assert miss.text == "has no surface"
 
 
 # edges of the sector ------------------------------------------------------------------------------------------
@@ -199,12 +204,12 @@ def at(shoulder: Pose, arm: Arm, distance_m: float, azimuth_rad: float, elevatio
 def test_the_sector_is_closed_and_ends_there(body: str) -> None:
     """Points on its far side, and a little inside and outside of it."""
     thing = Thing("cup", (0.03, 0.05), (0.4, 0.2, 1.2), "cylinder")
-    here = Standpoint(Room((thing,), (Person("P1", (0.3, -0.2), 0.7, profile=body),)).stage(), "P1", COARSE)
+    here = Viewpoint(Room((thing,), (Person("P1", (0.3, -0.2), 0.7, profile=body),)).stage(), "P1", COARSE)
     judge = Reach(here, here.target("cup"))
-    (stances,) = here.stances(1, judge.target.middle)
+    (candidates,) = here.candidates.of_level(1, judge.target.middle)
     assert judge.arms
     for column, index in enumerate(judge.arms):
-        arm, shoulder = judge.arm(index).profile, stances.shoulder(0, index)
+        arm, shoulder = judge.arm(index).profile, candidates.shoulder(0, index)
         (right, left), (down, up) = arm.azimuth_rad, arm.elevation_rad
         ahead = (0.7 * arm.length_m, (right + left) / 2, (down + up) / 2)
         edges = [(0, arm.length_m, 1.0), (1, right, -1.0), (1, left, 1.0), (2, up, 1.0)]
@@ -214,7 +219,7 @@ def test_the_sector_is_closed_and_ends_there(body: str) -> None:
                 where = [*ahead]
                 where[which] = edge + outward * beside
                 points = at(shoulder, arm, where[0], where[1], where[2])
-                found = column in ReachAmong(judge, stances, Cloud.of(points)).able(0)
+                found = column in ReachScreening(judge, candidates, PointCloud.of(points)).able(0)
                 assert found == (beside <= 0.0), (arm.side, which, edge, beside)
 
 

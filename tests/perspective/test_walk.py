@@ -11,8 +11,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from taskgist.perspective import Standpoint
-from taskgist.perspective.candidates import OVERHEAD_M, Stances, Walk, turns_towards
+from taskgist.perspective import Viewpoint
+from taskgist.perspective.candidates import OVERHEAD_M, Candidates, Walk, turns_towards
 from taskgist.world import Stage
 from tests.perspective.random_rooms import random_case
 from tools.rooms import COARSE, Person, Room
@@ -83,7 +83,7 @@ def test_nobody_turns_to_what_is_overhead(share: float, angle_rad: float) -> Non
 # walking ------------------------------------------------------------------------------------------------------
 
 
-def chest_off_rad(stage: Stage, here: Standpoint, target: Array) -> float:
+def chest_off_rad(stage: Stage, here: Viewpoint, target: Array) -> float:
     """Angle about the vertical between where the chest faces and where a target is from the base."""
     base = stage.body_position(here.agent.root_body)
     forward = stage.shoulder(here.agent.arms[0]).matrix[:, 0]
@@ -95,17 +95,17 @@ def chest_off_rad(stage: Stage, here: Standpoint, target: Array) -> float:
 @pytest.mark.parametrize("profile", ["human", "jido"])
 def test_who_walks_faces_what_it_wants(yaw: float, profile: str) -> None:
     joints = (("torso_turn", 20.0), ("torso_lean", 10.0)) if profile == "human" else ()
-    here = Standpoint(
+    here = Viewpoint(
         Room((), (Person("P1", (0.1, 0.2), yaw, "standing", joints, profile=profile),)).stage(), "P1", COARSE
     )
     rng, count = np.random.default_rng(1), 0
     for target in (np.array((0.1 - math.cos(yaw), 0.2 - math.sin(yaw), 1.0)), *map(np.array, TARGETS)):
-        for stances in here.stances(4, target):
-            for index in rng.choice(len(stances), min(6, len(stances)), replace=False).tolist():
-                stance = stances[index]
-                shown = here.stage.show(stance.state)
+        for candidates in here.candidates.of_level(4, target):
+            for index in rng.choice(len(candidates), min(6, len(candidates)), replace=False).tolist():
+                candidate = candidates[index]
+                shown = here.stage.show(candidate.state)
                 if math.dist(shown.body_position(here.agent.root_body)[:2], target[:2]) <= OVERHEAD_M:
-                    assert stance.amount.turned_rad == 0.0
+                    assert candidate.amount.turned_rad == 0.0
                     continue
                 assert chest_off_rad(shown, here, target) == pytest.approx(0.0, abs=1e-9)
                 count += 1
@@ -116,12 +116,12 @@ def walks(seed: int) -> Iterator[tuple[Walk, Walk]]:
     """Of everybody in a room who can walk, twice: for asking in between, and one after the other."""
     case = random_case(seed)
     for agent in case.scene.agents:
-        one, other = (Standpoint(case.stage(), agent, COARSE).walk for _ in range(2))
+        one, other = (Viewpoint(case.stage(), agent, COARSE).candidates.walk for _ in range(2))
         if one is not None and other is not None:
             yield one, other
 
 
-def assert_same(ours: Stances, theirs: Stances) -> None:
+def assert_same(ours: Candidates, theirs: Candidates) -> None:
     np.testing.assert_array_equal(ours.ends, theirs.ends)
     assert ours.table.joints == theirs.table.joints
     for name in ("rows", "base", "offsets_m", "turns", "spot", "bend"):
@@ -135,9 +135,9 @@ def test_two_targets_asked_in_turn_are_answered_as_one_after_the_other() -> None
         rng = np.random.default_rng(seed)
         for walk, plain in walks(seed):
             targets = [np.array(target) for target in TARGETS]
-            expected = [list(plain.stances(target)) for target in targets]
+            expected = [list(plain.candidates(target)) for target in targets]
             asked = [0, 1, 0, 2, 1, 0]
-            ways, found = [walk.stances(targets[of]) for of in asked], [list[Stances]() for _ in asked]
+            ways, found = [walk.candidates(targets[of]) for of in asked], [list[Candidates]() for _ in asked]
             open_ones = set(range(len(asked)))
             while open_ones:
                 who = int(rng.choice(sorted(open_ones)))
@@ -157,14 +157,14 @@ def test_two_targets_asked_in_turn_are_answered_as_one_after_the_other() -> None
 
 
 def test_the_turns_differ_between_targets() -> None:
-    walk = Standpoint(Room((), (Person("P1", (0.0, 0.0)),)).stage(), "P1", COARSE).walk
+    walk = Viewpoint(Room((), (Person("P1", (0.0, 0.0)),)).stage(), "P1", COARSE).candidates.walk
     assert walk is not None
-    one, other = (next(walk.stances(np.array(target))) for target in TARGETS[:2])
+    one, other = (next(walk.candidates(np.array(target))) for target in TARGETS[:2])
     assert not np.array_equal(one.table.turns, other.table.turns)
 
 
 def test_asking_again_for_the_same_target_makes_nothing_new() -> None:
-    walk = Standpoint(Room((), (Person("P1", (0.0, 0.0)),)).stage(), "P1", COARSE).walk
+    walk = Viewpoint(Room((), (Person("P1", (0.0, 0.0)),)).stage(), "P1", COARSE).candidates.walk
     assert walk is not None
-    first, again = (list(walk.stances(np.array(TARGETS[0]))) for _ in range(2))
+    first, again = (list(walk.candidates(np.array(TARGETS[0]))) for _ in range(2))
     assert [id(each) for each in first] == [id(each) for each in again]

@@ -9,7 +9,7 @@ import pytest
 
 from taskgist.language.efforts import gerunds, listed, why
 from taskgist.perspective import ABILITIES, Ability
-from taskgist.perspective.scene_efforts import Perspectives
+from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.world import Hold, Stage, State
 from tools.rooms import COARSE, Person, Room, Thing, chair, random_room, table, wall
 
@@ -19,8 +19,8 @@ SITTER = Person("P1", (0, 0), 0.0, "sitting")
 
 def sentence(room: Room, ability: Ability, name: str = "cup", untracked: tuple[str, ...] = ()) -> str:
     stage = room.stage()
-    asked = Perspectives(Stage(stage.scene, State(stage.state.qpos, untracked=frozenset(untracked))), COARSE)
-    return why(asked.standpoint("P1"), asked.effort("P1", name, ability))
+    asked = SceneEfforts(Stage(stage.scene, State(stage.state.qpos, untracked=frozenset(untracked))), COARSE)
+    return why(asked.effort("P1", name, ability))
 
 
 def at(x: float, y: float, z: float) -> Thing:
@@ -64,34 +64,34 @@ def test_unknown() -> None:
 def test_held() -> None:
     stage = Room((chair(0.0), CUP), (SITTER,)).stage()
     state = stage.state.with_holding([Hold("P1", "left", "cup")])
-    asked = Perspectives(Stage(stage.scene, state), COARSE)
-    told = why(asked.standpoint("P1"), asked.effort("P1", "cup", "grasp"))
+    asked = SceneEfforts(Stage(stage.scene, state), COARSE)
+    told = why(asked.effort("P1", "cup", "grasp"))
     assert told == "P1 grasps the cup without effort: it is in P1's left hand"
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_every_answer_has_its_sentence_with_every_action(seed: int) -> None:
     stage = random_room(seed).stage()
-    asked = Perspectives(stage, COARSE)
+    asked = SceneEfforts(stage, COARSE)
     shown = stage.state
     for agent, name, ability in ((a, n, b) for a in stage.scene.agents for n in stage.scene.objects for b in ABILITIES):
-        effort, here = asked.effort(agent, name, ability), asked.standpoint(agent)
-        told = why(here, effort)
+        effort = asked.effort(agent, name, ability)
+        told = why(effort)
         assert agent in told
         assert name in told
         assert "\n" not in told
         if effort.level in (1, 2, 3, 4):
-            assert len(gerunds(here, effort)) == len(effort.actions)
-            assert all(part in told for part in gerunds(here, effort))
+            assert len(gerunds(effort)) == len(effort.actions)
+            assert all(part in told for part in gerunds(effort))
     assert stage.state is shown
 
 
 def test_amounts_are_those_of_the_attained_state() -> None:
     room = Room((chair(0.0), at(0.9, 0.0, 1.0)), (SITTER,))
-    asked = Perspectives(room.stage(), COARSE)
+    asked = SceneEfforts(room.stage(), COARSE)
     effort = asked.effort("P1", "cup", "reach")
     assert effort.amount is not None
-    assert f"leaning forward {math.degrees(effort.amount.torso_rad):.0f}°" in gerunds(asked.standpoint("P1"), effort)
+    assert f"leaning forward {math.degrees(effort.amount.torso_rad):.0f}°" in gerunds(effort)
 
 
 def test_enumerations() -> None:

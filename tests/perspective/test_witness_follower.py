@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import scene_efforts as everyone
-from taskgist.perspective.scene_efforts import Follower, all_efforts
+from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.world import Stage, State
 from tests.perspective.random_rooms import Case, random_case
 from tools.rooms import COARSE, Person, Room, Thing
@@ -41,47 +41,77 @@ def frames(case: Case) -> Iterator[State]:
 @pytest.mark.parametrize("seed", range(500, 505))
 def test_following_finds_what_a_fresh_look_finds(seed: int) -> None:
     case = random_case(seed, image_px=(48, 36))
-    follower = Follower(case.scene, COARSE)
+    follower = SceneEfforts(Stage(case.scene), COARSE)
     for state in frames(case):
-        followed, fresh = follower.update(state), all_efforts(Stage(case.scene, state), COARSE)
-        assert dict(followed) == fresh
+        follower.update(state)
+        followed, fresh = follower.all(), SceneEfforts(Stage(case.scene, state), COARSE).all()
+        assert followed == fresh
         assert all(followed[question].evidence == effort.evidence for question, effort in fresh.items())
         assert follower.asked_count <= len(fresh)
 
 
 def test_efforts_stay_what_they_are_whatever_comes_later() -> None:
     case = random_case(502, image_px=(48, 36))
-    follower = Follower(case.scene, COARSE)
-    first = follower.update(case.state)
-    told = {question: dict(effort.evidence) for question, effort in follower.update(case.state).items()}
+    follower = SceneEfforts(Stage(case.scene, case.state), COARSE)
+    first = follower.all()
+    follower.update(case.state)
+    told = {question: effort.evidence for question, effort in follower.all().items()}
     for state in frames(case):
         follower.update(state)
-    fresh = all_efforts(Stage(case.scene, case.state), COARSE)
+        follower.all()
+    fresh = SceneEfforts(Stage(case.scene, case.state), COARSE).all()
     assert {question: effort.evidence for question, effort in first.items()} == told
     assert {question: effort.evidence for question, effort in fresh.items()} == told
 
 
 def test_what_interrupts_a_frame_does_no_harm(monkeypatch: pytest.MonkeyPatch) -> None:
     case = random_case(503, image_px=(48, 36))
-    follower, states = Follower(case.scene, COARSE), list(frames(case))
-    follower.update(states[0])
+    states = list(frames(case))
+    follower = SceneEfforts(Stage(case.scene, states[0]), COARSE)
+    follower.all()
 
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
         patched.setattr(everyone, "effort_from", interrupted)
+        follower.update(states[2])
+        with pytest.raises(KeyboardInterrupt):
+            follower.all()
+    follower.update(states[3])
+    assert follower.all() == SceneEfforts(Stage(case.scene, states[3]), COARSE).all()
+
+
+@pytest.mark.parametrize("calls", range(2))
+def test_what_interrupts_going_on_to_a_frame_does_no_harm(calls: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    case = random_case(503, image_px=(48, 36))
+    states, left = list(frames(case)), [calls]
+    follower = SceneEfforts(Stage(case.scene, states[0]), COARSE)
+    follower.all()
+    show = Stage.show
+
+    def interrupted(stage: Stage, state: State) -> Stage:
+        left[0] -= 1
+        if left[0] < 0:
+            raise KeyboardInterrupt
+        return show(stage, state)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Stage, "show", interrupted)
         with pytest.raises(KeyboardInterrupt):
             follower.update(states[2])
-    assert dict(follower.update(states[3])) == all_efforts(Stage(case.scene, states[3]), COARSE)
+    assert follower.all() == SceneEfforts(Stage(case.scene, states[2]), COARSE).all()
+    follower.update(states[3])
+    assert follower.all() == SceneEfforts(Stage(case.scene, states[3]), COARSE).all()
 
 
 def test_a_frame_in_which_nothing_moves_asks_nothing() -> None:
     case = random_case(501, image_px=(48, 36), untracked=False)
-    follower = Follower(case.scene, COARSE)
-    first = follower.update(case.state)
+    follower = SceneEfforts(Stage(case.scene, case.state), COARSE)
+    first = follower.all()
     assert follower.asked_count == len(first)
-    assert follower.update(case.state) == first
+    follower.update(case.state)
+    assert follower.all() == first
     assert follower.asked_count == 0
 
 
@@ -89,9 +119,42 @@ def test_what_happens_far_away_is_not_asked_again() -> None:
     cups = tuple(Thing(f"cup {n}", (0.03, 0.05), (8.0 * n + 0.5, 0.1, 1.1), "cylinder") for n in range(2))
     people = (Person("P1", (0.0, 0.0), math.pi / 2), Person("P2", (8.0, 0.0), math.pi / 2))
     scene = Room(cups, people, (48, 36)).scene()
-    follower = Follower(scene, COARSE)
-    follower.update(scene.initial)
+    follower = SceneEfforts(Stage(scene), COARSE)
+    follower.all()
     place = scene.initial.qpos[scene.object_slice("cup 1")] + (0.02, 0, 0, 0, 0, 0, 0)
     state = scene.initial.replace(at=scene.object_slice("cup 1"), to=place)
-    assert follower.update(state) == all_efforts(Stage(scene, state), COARSE)
+    follower.update(state)
+    assert follower.all() == SceneEfforts(Stage(scene, state), COARSE).all()
     assert follower.asked_count < 12
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_thing_that_comes_near_to_what_is_grasped_is_noticed(axis: int) -> None:
+    """A board is moved towards a cup from one side, in steps, until it touches it."""
+    board = Thing("board", (0.15, 0.15, 0.15), (3.0, 3.0, 1.1))
+    cup = Thing("cup", (0.03, 0.05), (0.5, 0.1, 1.1), "cylinder")
+    scene = Room((cup, board), (Person("P1", (0.0, 0.0)),), (48, 36)).scene()
+    follower, found = SceneEfforts(Stage(scene), COARSE), set()
+    for away_m in (1.0, 0.6, 0.4, 0.3, 0.25, 0.22, 0.2, 0.19, 0.18, 0.3, 2.0):
+        place = np.array((0.5, 0.1, 1.1, 1.0, 0.0, 0.0, 0.0))
+        place[axis] += away_m
+        state = scene.initial.replace(at=scene.object_slice("board"), to=place)
+        follower.update(state)
+        assert follower.all() == SceneEfforts(Stage(scene, state), COARSE).all()
+        effort = follower.effort("P1", "cup", "grasp")
+        found.add((effort.level, effort.evidence.attained))
+        assert effort.evidence == SceneEfforts(Stage(scene, state), COARSE).effort("P1", "cup", "grasp").evidence
+    assert len(found) > 1
+
+
+def test_efforts_by_some_actions_are_followed_too() -> None:
+    case = random_case(504, image_px=(48, 36))
+    follower, actions = SceneEfforts(Stage(case.scene, case.state), COARSE), ("Pan_Head", "Lean_Torso")
+    agent, compared = case.scene.agents[0], 0
+    for state in frames(case):
+        follower.update(state)
+        fresh = SceneEfforts(Stage(case.scene, state), COARSE)
+        for ability in ("see", "reach"):
+            assert follower.efforts_with(agent, ability, actions) == fresh.efforts_with(agent, ability, actions)
+            compared += 1
+    assert compared == 2 * (FRAMES + 1)

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from taskgist.perspective.grasp.grasps import Grasps, hand_centers, hand_frames
-from taskgist.perspective.grasp.sampling import sample_grasps
+from taskgist.perspective.grasp_sampling import Grasps, hand_centers, hand_frames, sample_grasps
 from taskgist.world import ArmIndices, Hand, Pose
 
 if TYPE_CHECKING:

@@ -28,7 +28,7 @@ def import_(
 ) -> None:
     """Turn tracked motion (CSV, NPZ tables) into a recording.
 
-    Fits human bodies to it. The mapping, a TOML file, says which columns are which points of whom; docs/import.md
+    Fits human bodies to it. The mapping, a TOML file, says which columns are which points of whom; docs/howto/import.md
     explains it.
 
     Example: taskgist import mapping.toml --data tables -o handover.mcap

@@ -29,7 +29,7 @@ from taskgist.maps.grid import Zone
 from taskgist.maps.places import Place, places_for, zone_where
 from taskgist.perspective.effort import EFFORT_NAMES, Ability
 from taskgist.perspective.queries import parse_question
-from taskgist.perspective.scene_efforts import Perspectives
+from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.world.stage import Stage
 
 
@@ -93,7 +93,7 @@ class _Asked:
     def question(cls, stage: Stage, text: str, agent: str | None) -> _Asked:
         if agent is not None:
             raise InputError("does not go with --where", field="--agent", value=agent, hint="say it in the question")
-        answered = zone_where(Perspectives(stage), parse_question(text, stage.scene.agents))
+        answered = zone_where(SceneEfforts(stage), parse_question(text, stage.scene.agents))
         return cls(text, answered.maps, answered.yes, answered.unknown)
 
 

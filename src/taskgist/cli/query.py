@@ -25,7 +25,7 @@ from taskgist.errors import InputError, UnknownNameError
 from taskgist.language.efforts import why
 from taskgist.perspective.effort import ABILITIES, Ability, Effort
 from taskgist.perspective.queries import objects_where, parse_question
-from taskgist.perspective.scene_efforts import Perspectives, able_by, becoming_able_by
+from taskgist.perspective.scene_efforts import SceneEfforts, able_by, becoming_able_by
 from taskgist.world.scene import Scene
 
 WIDTH = 28
@@ -58,7 +58,7 @@ def query(
     """
     asked = {"--agent": agent, "--ability": ability, "--object": object, "--actions": actions}
     stage = open_stage(where, at)
-    answers = _Answers(Perspectives(stage), explain=explain, as_json=as_json)
+    answers = _Answers(SceneEfforts(stage), explain=explain, as_json=as_json)
     with about(where, {"where": "--where"}):
         _check_scene(stage.scene)
         if question is not None:
@@ -77,14 +77,14 @@ def query(
 class _Answers:
     """Prints answers, as text or as one JSON document; each gives the exit code."""
 
-    perspectives: Perspectives
+    scene_efforts: SceneEfforts
     explain: bool
     as_json: bool
 
     def efforts(self, agents: tuple[str, ...], abilities: tuple[Ability, ...], name: str | None) -> int:
         """The least effort (Eq. 8): of one object action by action, of all as a table."""
         names = self._names(name)
-        found = [self.perspectives.effort(who, each, what) for who in agents for each in names for what in abilities]
+        found = [self.scene_efforts.effort(who, each, what) for who in agents for each in names for what in abilities]
         if self.as_json:
             print_json({"efforts": [self._document(effort) for effort in found]})
         elif name is None and not self.explain:
@@ -101,13 +101,13 @@ class _Answers:
         names = self._names(name)
         some, documents = False, {}
         for ability in abilities:
-            efforts = {each: self.perspectives.effort(agent, each, ability, actions) for each in names}
+            efforts = {each: self.scene_efforts.effort(agent, each, ability, actions) for each in names}
             chosen, new = able_by(efforts), becoming_able_by(efforts)
             some = some or bool(chosen.yes)
             documents[ability] = {
                 "becomes": list(new),
                 **{key: list(value) for key, value in dataclasses.asdict(chosen).items()},
-                "efforts": [self._document(effort, actions) for effort in efforts.values()],
+                "efforts": [self._document(effort) for effort in efforts.values()],
             }
             if not self.as_json:
                 console.print(Text(f"{agent} with {' + '.join(actions) or 'no action'}: {ability}", style="bold"))
@@ -119,11 +119,11 @@ class _Answers:
 
     def where(self, text: str) -> int:
         """A set question."""
-        scene = self.perspectives.stage.scene
+        scene = self.scene_efforts.stage.scene
         question = parse_question(text, scene.agents)
-        chosen = objects_where(self.perspectives, question)
+        chosen = objects_where(self.scene_efforts, question)
         efforts = {
-            name: [self.perspectives.effort(agent, name, ability) for agent, ability in question.abilities]
+            name: [self.scene_efforts.effort(agent, name, ability) for agent, ability in question.abilities]
             for name in scene.objects
         }
         if self.as_json:
@@ -135,21 +135,18 @@ class _Answers:
         return OK if chosen.yes else FAILED
 
     def _names(self, name: str | None) -> tuple[str, ...]:
-        return self.perspectives.stage.scene.objects if name is None else (name,)
+        return self.scene_efforts.stage.scene.objects if name is None else (name,)
 
-    def _document(self, effort: Effort, actions: tuple[str, ...] | None = None) -> dict[str, Any]:
-        told = {"why": self._why(effort, actions)} if self.explain else {}
+    def _document(self, effort: Effort) -> dict[str, Any]:
+        told = {"why": why(effort)} if self.explain else {}
         return {**effort.document, "object": effort.target, **told}
-
-    def _why(self, effort: Effort, actions: tuple[str, ...] | None = None) -> str:
-        return why(self.perspectives.standpoint(effort.agent, actions), effort)
 
     def _print(self, effort: Effort, actions: tuple[str, ...] | None = None) -> None:
         by = f"  {' + '.join(effort.actions)}" if effort.level else ""
         subject = effort.target if actions is not None else f"{effort.agent} {effort.ability:5} {effort.target}"
         console.print(f"  {subject:24} {_level(effort)}{by}")
         if self.explain:
-            console.print(f"      {self._why(effort, actions)}.")
+            console.print(f"      {why(effort)}.")
 
     def _print_table(self, efforts: list[Effort], abilities: tuple[Ability, ...]) -> None:
         levels = {(each.agent, each.target, each.ability): _level(each) for each in efforts}
@@ -167,7 +164,7 @@ class _Answers:
         for name, found in efforts.items():
             console.print(f"  {name:18}" + ", ".join(f"{e.agent} {e.ability}: {_level(e)}" for e in found))
             for effort in found if self.explain else ():
-                console.print(f"      {self._why(effort)}.")
+                console.print(f"      {why(effort)}.")
 
 
 def _level(effort: Effort) -> str:

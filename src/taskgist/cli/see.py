@@ -19,7 +19,8 @@ from taskgist.cli.common import (
     print_json,
 )
 from taskgist.errors import InputError
-from taskgist.perspective.image import Visibility, visibility
+from taskgist.perspective.effort import Visibility, evidence_document
+from taskgist.perspective.image import visibility
 
 
 @command
@@ -54,7 +55,7 @@ def see(
     see_picture(stage, agent, path, target=object)
     seen = {name: visibility(stage, agent, name) for name in scene.objects}
     if as_json:
-        objects = {name: ({"visibility": v.score, **v.evidence} if v else None) for name, v in seen.items()}
+        objects = {name: ({"visibility": v.score, **evidence_document(v)} if v else None) for name, v in seen.items()}
         print_json({"picture": str(path), "agent": agent, "time_s": stage.state.time_s, "objects": objects})
         return
     console.print(f"saved {path}")

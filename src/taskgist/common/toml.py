@@ -43,7 +43,7 @@ class Document:
 
     where: str | Path
     error: type[InputError] = SceneError
-    pages: str = "docs/scenes.md and docs/bodies.md"
+    pages: str = "docs/howto/scenes.md and docs/howto/bodies.md"
     largest: float = 1e6
 
 

@@ -92,7 +92,7 @@ def _parsed(file: Path) -> tuple[dict[str, Any], str]:
         reason = problem.strerror or str(problem)
         raise MappingError("cannot read the mapping", where=file, value=reason, hint="check the path") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
-        raise MappingError(f"not valid TOML: {problem}", where=file, hint="see docs/import.md") from None
+        raise MappingError(f"not valid TOML: {problem}", where=file, hint="see docs/howto/import.md") from None
 
 
 def _with_parameters(document: dict[str, Any], given: Mapping[str, str], file: Path) -> dict[str, Any]:
@@ -272,7 +272,7 @@ def _missing(section: TomlTable) -> tuple[float, ...] | None:
     return tuple(float(item) for item in values)
 
 
-# --- Reads a mapping file: every section once, in the order of ``docs/import.md``.
+# --- Reads a mapping file: every section once, in the order of ``docs/howto/import.md``.
 
 _SECTIONS = ("about", "time", "sources", "people", "objects", "supports", "signals", "label")
 
@@ -298,7 +298,7 @@ def load_mapping(
     file = Path(path)
     base = file.parent if data_dir is None else Path(data_dir)
     document, text = read_document(file, parameters or {})
-    top = TomlTable(document, Document(file, MappingError, "docs/import.md", largest=math.inf))
+    top = TomlTable(document, Document(file, MappingError, "docs/howto/import.md", largest=math.inf))
     top.only(_SECTIONS)
     sources = {name: read_source(name, section) for name, section in top.tables_by_name("sources").items()}
     about = top.table("about")

@@ -37,7 +37,7 @@ PARTS: dict[str, frozenset[str]] = {
 """Parts that a mapping may declare unknown, with the points that fall with them."""
 
 LANDMARKS: frozenset[str] = frozenset().union(*PARTS.values())
-"""Every name of a point; ``docs/import.md`` says where on the body each lies."""
+"""Every name of a point; ``docs/howto/import.md`` says where on the body each lies."""
 
 DIRECTIONS: dict[str, dict[str, str]] = {
     "head": {"forward": "face", "up": "head_up"},

@@ -4,21 +4,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
-from taskgist.perspective.actions import LEAN, MOVE, NO_ACTION, PAN, SIT, STAND, TILT, TURN
-from taskgist.perspective.effort import NO_KNOWN_LEVEL, Effort
-from taskgist.perspective.viewpoint import Standpoint
+from taskgist.perspective.effort import (
+    LEAN,
+    MOVE,
+    NO_ACTION,
+    NO_KNOWN_LEVEL,
+    PAN,
+    SIT,
+    STAND,
+    TILT,
+    TURN,
+    Effort,
+    Occlusion,
+    Reason,
+    Visibility,
+)
 
 VERBS: Mapping[str, str] = {"see": "sees", "reach": "reaches", "grasp": "grasps"}
 STRETCH = "Stretch_Out_Arm("
 
 
-def why(here: Standpoint, effort: Effort) -> str:
+def why(effort: Effort) -> str:
     """Explain an effort.
 
     Args:
-        here: The standpoint from which the effort was found.
         effort: The effort.
 
     Returns:
@@ -31,16 +41,17 @@ def why(here: Standpoint, effort: Effort) -> str:
         return f"{effort.agent} cannot {effort.ability} the {effort.target}: {_hindrance(effort)}"
     if effort.actions == (NO_ACTION,):
         return f"{_claim(effort)} without effort: {_now(effort)}"
-    return f"{_claim(effort)} by {listed(gerunds(here, effort))}; {_with_less(effort)}"
+    return f"{_claim(effort)} by {listed(gerunds(effort))}; {_with_less(effort)}"
 
 
-def gerunds(here: Standpoint, effort: Effort) -> list[str]:
+def gerunds(effort: Effort) -> list[str]:
     """What an agent does, action by action, with amounts: "standing up", "leaning forward 29°"."""
+    turns = effort.turns_rad
     telling: Mapping[str, Callable[[], str]] = {
-        PAN: lambda: f"turning the head {_degrees(_turned(here, effort, PAN))}",
-        TILT: lambda: f"tilting the head {_degrees(_turned(here, effort, TILT))}",
-        TURN: lambda: f"turning the torso {_degrees(_turned(here, effort, TURN))}",
-        LEAN: lambda: _leaning(_turned(here, effort, LEAN)),
+        PAN: lambda: f"turning the head {_degrees(turns[PAN])}",
+        TILT: lambda: f"tilting the head {_degrees(turns[TILT])}",
+        TURN: lambda: f"turning the torso {_degrees(turns[TURN])}",
+        LEAN: lambda: f"leaning {'forward' if turns[LEAN] > 0 else 'back'} {_degrees(turns[LEAN])}",
         STAND: lambda: "standing up",
         SIT: lambda: "sitting down",
         MOVE: lambda: _moving(effort),
@@ -59,55 +70,43 @@ def _claim(effort: Effort) -> str:
 
 def _now(effort: Effort) -> str:
     """What already is so at level 0."""
-    evidence: Mapping[str, Any] = effort.evidence
-    if effort.ability != "see":
-        return f"it is in {effort.agent}'s {evidence['arm']} hand"
-    seen, alone = evidence["visible_px"], evidence["unoccluded_px"]
-    shown = "all" if seen == alone else f"{seen}"
-    return f"it is in the gaze cone, and {shown} of its {alone} pixels are visible"
+    found = effort.evidence.attained
+    assert found is not None, "an effort of level 0 has found something"
+    if not isinstance(found, Visibility):
+        return f"it is in {effort.agent}'s {found.arm} hand"
+    shown = "all" if found.visible_px == found.unoccluded_px else f"{found.visible_px}"
+    return f"it is in the gaze cone, and {shown} of its {found.unoccluded_px} pixels are visible"
 
 
 def _with_less(effort: Effort) -> str:
     """Why nothing less does."""
-    return f"{effort.agent} does not hold it" if effort.reason == "not held" else f"with less: {effort.reason}"
+    told = effort.evidence.told
+    not_held = told is not None and told.reason is Reason.NOT_HELD
+    return f"{effort.agent} does not hold it" if not_held else f"with less: {effort.reason}"
 
 
 def _hindrance(effort: Effort) -> str:
     """What stands in the way of the nearest miss, and of going elsewhere."""
-    found = _covered(effort) or effort.reason
-    tried: Sequence[str] = effort.evidence["not_with_less"]  # type: ignore[assignment]
-    elsewhere = tried[-1]
-    if len(tried) != NO_KNOWN_LEVEL or elsewhere == "cannot move about":
+    found, elsewhere = _covered(effort) or effort.reason, effort.evidence.misses[-1]
+    if elsewhere.reason is Reason.NO_WALKING:
         return found
-    if elsewhere == effort.reason:
+    if elsewhere.text == effort.reason:
         return f"{found}, from every place that {effort.agent} can get to"
-    return f"{found}; elsewhere: {elsewhere}"
+    return f"{found}; elsewhere: {elsewhere.text}"
 
 
 def _covered(effort: Effort) -> str | None:
     """What covers the object in the image of the nearest miss, where being hidden is the reason."""
-    miss: Mapping[str, Any] = effort.evidence["miss"]  # type: ignore[assignment]
-    if "occluders" not in miss:
+    hindrance = effort.evidence.told and effort.evidence.told.hindrance
+    if not isinstance(hindrance, Occlusion):
         return None
-    by = [f"the {owner}" for owner, _ in miss["occluders"]]
-    return f"{listed(by)} {'hides' if len(by) == 1 else 'hide'} all of its {miss['unoccluded_px']} pixels"
-
-
-def _turned(here: Standpoint, effort: Effort, action: str) -> float:
-    """How far the joint of a virtual action turns, signed, radians."""
-    profile = here.agent.profile
-    axis = {PAN: profile.pan, TILT: profile.tilt, TURN: profile.turn, LEAN: profile.lean}[action]
-    assert axis is not None, "an agent without a joint has no action that moves it"
-    return effort.joints_rad[axis.joint] - float(here.state.qpos[here.agent.joints[axis.joint]])
+    by = [f"the {owner}" for owner, _ in hindrance.occluders]
+    return f"{listed(by)} {'hides' if len(by) == 1 else 'hide'} all of its {hindrance.unoccluded_px} pixels"
 
 
 def _degrees(angle_rad: float) -> str:
     degrees = math.degrees(abs(angle_rad))
     return f"{degrees:.0f}°" if degrees >= 0.5 else "less than 1°"
-
-
-def _leaning(angle_rad: float) -> str:
-    return f"leaning {'forward' if angle_rad > 0 else 'back'} {_degrees(angle_rad)}"
 
 
 def _moving(effort: Effort) -> str:

@@ -1,7 +1,7 @@
 """Ability maps (Mightability): which places of its workspace an agent sees or reaches, and with what effort.
 
 A map asks of every cell of a grid what the search asks of an object, as if there were only the point at the cell's
-centre: from all the stances of each effort level (``Standpoint.stances``), with the head aimed or an arm stretched out,
+centre: from all candidates of each effort level (``CandidateSource``), with the head aimed or an arm stretched out,
 where joint limits and collisions allow it. Where a point differs from an object, and where steps are taken:
 
 - *See*: the point lies in the gaze cone and in the field of view, and the straight line from the eye to it meets
@@ -29,10 +29,10 @@ from taskgist.maps.footing import Trials, Workspace, winners, workspace_of
 from taskgist.maps.grid import Cells, Grid, Zone
 from taskgist.maps.reach import CellsToReach
 from taskgist.maps.see import CellsToSee
-from taskgist.perspective.effort import NO_KNOWN_LEVEL, Ability, untracked_parts
+from taskgist.perspective.effort import NO_KNOWN_LEVEL, Ability
 from taskgist.perspective.reach import PARTS as HAND_PARTS
 from taskgist.perspective.see import PARTS as EYE_PARTS
-from taskgist.perspective.viewpoint import Standpoint
+from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.stage import Stage
 
@@ -95,7 +95,7 @@ class Asking(Protocol):
         """Trials of a level, 0 to 4; None if there are none."""
 
 
-TRIALS: Mapping[str, tuple[Callable[[Standpoint, Cells], Asking], tuple[tuple[str, ...], ...]]] = {
+TRIALS: Mapping[str, tuple[Callable[[Viewpoint, Cells], Asking], tuple[tuple[str, ...], ...]]] = {
     "see": (CellsToSee, EYE_PARTS),
     "reach": (CellsToReach, HAND_PARTS),
 }
@@ -103,7 +103,7 @@ TRIALS: Mapping[str, tuple[Callable[[Standpoint, Cells], Asking], tuple[tuple[st
 
 
 def ability_map(
-    stage: Stage | Standpoint,
+    stage: Stage | Viewpoint,
     agent: str | None = None,
     ability: Ability = "reach",
     *,
@@ -113,18 +113,18 @@ def ability_map(
     """Map where an agent sees or reaches what, and with what effort.
 
     Args:
-        stage: The scene in a state, or the agent's standpoint, for whoever asks more than one thing.
-        agent: Whose; left out with a standpoint.
+        stage: The scene in a state, or the agent's viewpoint, for whoever asks more than one thing.
+        agent: Whose; left out with a viewpoint.
         ability: ``see`` or ``reach``.
         grid: Where; the agent's own workspace if left out. Maps are combined only if they have one grid.
-        settings: All settings; a standpoint has its own.
+        settings: All settings; a viewpoint has its own.
 
     Raises:
         UnknownNameError: There is no such agent, or no such map.
     """
     if ability not in TRIALS:
         raise UnknownNameError("ability to map", ability, TRIALS)
-    here = stage if isinstance(stage, Standpoint) else Standpoint(stage, agent or "", settings)
+    here = stage if isinstance(stage, Viewpoint) else Viewpoint(stage, agent or "", settings)
     with here.stage.showing(here.state):
         where = grid or Grid.around(here.stage, here.agent.name, settings=here.settings.maps)
         space = workspace_of(here, where)
@@ -132,14 +132,14 @@ def ability_map(
         return AbilityMap(here.agent.name, ability, where, levels, space.solid, here.settings.digest)
 
 
-def _levels(here: Standpoint, ability: Ability, space: Workspace) -> Levels:
+def _levels(here: Viewpoint, ability: Ability, space: Workspace) -> Levels:
     """Level by level, only the cells that no lower level won; (cells,)."""
     make, parts = TRIALS[ability]
     index, levels = space.cells.index, np.full(space.solid.size, NO_KNOWN_LEVEL, dtype=np.int8)
     left = np.flatnonzero(~space.solid.ravel()[index])
     asking = make(here, space.cells)
     for level in range(NO_KNOWN_LEVEL):
-        if untracked_parts(here.state, here.agent.name, parts[level]):
+        if here.untracked(parts[level]):
             levels[index[left]] = UNKNOWN_LEVEL
             break
         trials = asking.trials(level)

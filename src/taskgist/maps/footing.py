@@ -1,11 +1,11 @@
 """Footing: the stances of an effort level from which a map is made, and in which of them nothing is in the way.
 
-They are the stances of the search (``Standpoint.stances``), all of them. At level 4 the search turns the chest to its
+They are the candidates of the search (``CandidateSource``), all of them. At level 4 the search turns the chest to its
 target; so does a map, to every cell by itself. Only what blocks is tested in steps there: with the chest turned to the
 next multiple of ``efforts.turn_step_rad`` from where the agent heads now, not exactly to the cell.
 
 A *way* is how the agent stands: a state. A *trial* is a way somewhere on the floor. Maps of both abilities ask for the
-same footing, so it is kept for as long as its standpoint.
+same footing, so it is kept for as long as its viewpoint.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled
 from taskgist.maps.grid import Cells, Grid, solid_cells
-from taskgist.perspective.viewpoint import Standpoint
+from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.world.geometry.transforms import Pose, yaw_of
 from taskgist.world.state import State
 
@@ -32,14 +32,14 @@ LEVEL = 0.999
 """Cosine of the slope of what counts as a level floor."""
 
 
-def clear_places(here: Standpoint, state: State, base_m: Array, places_m: Array) -> NDArray[np.bool_]:
+def clear_places(here: Viewpoint, state: State, base_m: Array, places_m: Array) -> NDArray[np.bool_]:
     """Whether an agent, standing as in a state, plainly collides with nothing at each place, whatever its heading.
 
     Turning about the vertical through its base, each of its shapes stays in a cylinder. The boxes around solid shapes
     must keep away from these. The level floor is left out: it is met alike at all places.
 
     Args:
-        here: The agent's standpoint.
+        here: The agent's viewpoint.
         state: How it stands.
         base_m: Where its base is in that state, metres, (2,).
         places_m: Where it would be instead, metres in the world, (n, 2).
@@ -62,7 +62,7 @@ def clear_places(here: Standpoint, state: State, base_m: Array, places_m: Array)
     return np.asarray((np.hypot(away[..., 0], away[..., 1]) >= widest).all(axis=1))
 
 
-def _extents(here: Standpoint, geoms: NDArray[np.intp]) -> tuple[Array, Array]:
+def _extents(here: Viewpoint, geoms: NDArray[np.intp]) -> tuple[Array, Array]:
     """How far shapes extend along the world's axes, as the stage shows them: middles and half sizes, metres, (n, 3)."""
     positions, matrices = here.stage.geoms(geoms)
     turns, bounds = matrices.reshape(-1, 3, 3), here.stage.scene.model.geom_aabb[geoms]
@@ -97,7 +97,7 @@ class Footing:
         """The frame in which all of a way is told."""
         return Pose(np.zeros(3), np.eye(3))
 
-    def test(self, here: Standpoint, asked: Mask) -> None:  # noqa: ARG002 - as those that turn
+    def test(self, here: Viewpoint, asked: Mask) -> None:  # noqa: ARG002 - as those that turn
         """Find out about some trials and steps, (n, steps)."""
         assert not asked.any(), "all is known"
 
@@ -106,7 +106,7 @@ class TurningFooting(Footing):
     """Trials that turn: leans of the torso, each at every place of the floor.
 
     Args:
-        here: The agent's standpoint.
+        here: The agent's viewpoint.
         states: The ways, standing where the walk starts.
         target: What the chest points to in these, metres, at least (2,).
         offsets_m: Places of the floor, from where the walk starts, (places, 2).
@@ -114,7 +114,7 @@ class TurningFooting(Footing):
 
     turns = True
 
-    def __init__(self, here: Standpoint, states: Sequence[State], target: Array, offsets_m: Array) -> None:
+    def __init__(self, here: Viewpoint, states: Sequence[State], target: Array, offsets_m: Array) -> None:
         self._bases = [np.array(state.qpos[here.agent.base][:2]) for state in states]
         self._chests_rad = [math.atan2(*(target[:2] - base)[::-1]) for base in self._bases]
         places = [base + offsets_m for base in self._bases]
@@ -133,12 +133,12 @@ class TurningFooting(Footing):
         turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
         return Pose(np.array((*self._bases[way], 0.0)), turn)
 
-    def test(self, here: Standpoint, asked: Mask) -> None:
+    def test(self, here: Viewpoint, asked: Mask) -> None:
         """Place the agent's shapes, and ask what they push into."""
         for trial, step in np.argwhere(asked & (self.free == UNKNOWN)).tolist():
             self.free[trial, step] = FREE if self._is_free(here, trial, step) else BLOCKED
 
-    def _is_free(self, here: Standpoint, trial: int, step: int) -> bool:
+    def _is_free(self, here: Viewpoint, trial: int, step: int) -> bool:
         way = int(self.way[trial])
         positions, matrices = self._shapes_of(here, way)
         angle = self.facing[0] + step * self.facing[1]
@@ -149,7 +149,7 @@ class TurningFooting(Footing):
         here.stage.place(here.agent.core_geoms, positions @ turn.T + place, turned)
         return here.collisions.find() is None
 
-    def _shapes_of(self, here: Standpoint, way: int) -> tuple[Array, Array]:
+    def _shapes_of(self, here: Viewpoint, way: int) -> tuple[Array, Array]:
         """The shapes of head, torso and base in the frame of a way: metres, (n, 3), and (n, 3, 3)."""
         if way not in self._shapes:
             stage, frame = here.stage.show(self.states[way]), self.frame(way)
@@ -158,10 +158,10 @@ class TurningFooting(Footing):
         return self._shapes[way]
 
 
-_KEPT: WeakKeyDictionary[Standpoint, dict[int, Footing]] = WeakKeyDictionary()
+_KEPT: WeakKeyDictionary[Viewpoint, dict[int, Footing]] = WeakKeyDictionary()
 
 
-def footing_of(here: Standpoint, level: int) -> Footing:
+def footing_of(here: Viewpoint, level: int) -> Footing:
     """The footing of an effort level, 0 to 4."""
     kept = _KEPT.setdefault(here, {})
     if level not in kept:
@@ -169,20 +169,20 @@ def footing_of(here: Standpoint, level: int) -> Footing:
     return kept[level]
 
 
-def _standing(here: Standpoint, level: int) -> Footing:
+def _standing(here: Viewpoint, level: int) -> Footing:
     """What touches now is no obstacle to staying as one is."""
-    batches = here.stances(level, here.state.qpos[here.agent.base][:3])
+    batches = here.candidates.of_level(level, here.state.qpos[here.agent.base][:3])
     states = [batch[index].state for batch in batches for index in range(len(batch))]
     if level > 1:
-        states = [state for state in states if here.blocked(state) is None]
+        states = [state for state in states if here.collisions.blocking(state) is None]
     return Footing(states, np.arange(len(states)), np.zeros((len(states), 2)), np.zeros(2))
 
 
-def _turning(here: Standpoint) -> Footing:
+def _turning(here: Viewpoint) -> Footing:
     base = here.state.qpos[here.agent.base]
     heading = yaw_of(base[3:])
     target = base[:3] + AHEAD_M * np.array([math.cos(heading), math.sin(heading), 0.0])
-    batches = list(here.stances(4, target))
+    batches = list(here.candidates.of_level(4, target))
     if not batches:
         return Footing((), np.arange(0), np.zeros((0, 2)), np.zeros(2))
     offsets = np.unique(np.round(np.concatenate([batch.offsets_m for batch in batches]), 9), axis=0)
@@ -326,7 +326,7 @@ class Trials(Protocol):
         """Whether doubtful cells are won, (n,)."""
 
 
-def winners(here: Standpoint, trials: Trials, rows: Indices) -> Mask:
+def winners(here: Viewpoint, trials: Trials, rows: Indices) -> Mask:
     """Whether any of the trials wins each of some cells, (n,)."""
     won, doubtful = np.zeros((2, len(rows)), dtype=bool)
     left, most = np.arange(len(rows)), 0
@@ -428,7 +428,7 @@ def ball_around_cells(points: Array, rows: Indices, start: int, end: int) -> Bal
     return (lx + hx) / 2, (ly + hy) / 2, (lz + hz) / 2, radius + 1e-9
 
 
-# --- A workspace: the cells of a grid around an agent, and which of them are solid. All maps of a standpoint share it.
+# --- A workspace: the cells of a grid around an agent, and which of them are solid. All maps of a viewpoint share it.
 
 
 @dataclass(frozen=True, eq=False)
@@ -446,10 +446,10 @@ class Workspace:
     solid: NDArray[np.bool_]
 
 
-_LAST: WeakKeyDictionary[Standpoint, Workspace] = WeakKeyDictionary()
+_LAST: WeakKeyDictionary[Viewpoint, Workspace] = WeakKeyDictionary()
 
 
-def workspace_of(here: Standpoint, grid: Grid) -> Workspace:
+def workspace_of(here: Viewpoint, grid: Grid) -> Workspace:
     """The workspace of an agent as the stage shows it, which is as it stands; the last one is kept."""
     last = _LAST.get(here)
     if last is None or last.grid != grid:

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from taskgist.common.arrays import Array, Indices
 from taskgist.common.compiled import compiled
 from taskgist.maps.grid import LANES
-from taskgist.perspective.actions import PAN, TILT
-from taskgist.perspective.viewpoint import Standpoint
+from taskgist.perspective.effort import PAN, TILT
+from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.world.bodies.profile import Axis
 
 # --- Aiming a head at many points at once: the angles by which its joints turn the eye to each. Compiled.
@@ -319,7 +319,7 @@ class Head:
         return np.asarray(np.column_stack((axes, np.cos(limits), np.sin(limits)))[narrow])
 
 
-def head_of(here: Standpoint) -> Head:
+def head_of(here: Viewpoint) -> Head:
     """The head of an agent; the stage shows its state afterwards."""
     joints = (here.agent.profile.pan, here.agent.profile.tilt)
     ranges = [_range_rad(here, action, joint) for action, joint in zip((PAN, TILT), joints, strict=True)]
@@ -344,7 +344,7 @@ def head_of(here: Standpoint) -> Head:
     return _measured(_numbers(inner, axes, anchors, limits, now), inner, limits, middle)
 
 
-def _range_rad(here: Standpoint, action: str, joint: Axis | None) -> tuple[float, float]:
+def _range_rad(here: Viewpoint, action: str, joint: Axis | None) -> tuple[float, float]:
     """The angles that a joint may take: its present one is always allowed, and the only one if it may not move."""
     if joint is None:
         return 0.0, 0.0
@@ -352,7 +352,7 @@ def _range_rad(here: Standpoint, action: str, joint: Axis | None) -> tuple[float
     return (min(joint.range_rad[0], now), max(joint.range_rad[1], now)) if action in here.actions else (now, now)
 
 
-def shapes_of_head(here: Standpoint) -> NDArray[np.intp]:
+def shapes_of_head(here: Viewpoint) -> NDArray[np.intp]:
     """Shapes that the head's joints carry, and those of the body that the eye looks through, (n,)."""
     model, agent = here.stage.scene.model, here.agent
     joints = [_joint_id(here, axis) for axis in (agent.profile.pan, agent.profile.tilt) if axis]
@@ -363,7 +363,7 @@ def shapes_of_head(here: Standpoint) -> NDArray[np.intp]:
     return np.array([geom for geom in agent.geoms if int(model.geom_bodyid[geom]) in carried], dtype=np.intp)
 
 
-def _joint_id(here: Standpoint, axis: Axis | None) -> int:
+def _joint_id(here: Viewpoint, axis: Axis | None) -> int:
     """A joint's place in the model's order, −1 for none."""
     return int(here.stage.scene.model.joint(f"{here.agent.name}/{axis.joint}").id) if axis else -1
 

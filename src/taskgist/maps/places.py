@@ -22,7 +22,7 @@ from taskgist.maps.ability_map import TRIALS, AbilityMap, ability_map
 from taskgist.maps.grid import Grid, Zone
 from taskgist.perspective.effort import Ability
 from taskgist.perspective.queries import All, Condition, Not, Question
-from taskgist.perspective.scene_efforts import Perspectives
+from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.geometry.shapes import distances_outside_m
 from taskgist.world.stage import Stage
@@ -201,11 +201,11 @@ class Answered:
     maps: tuple[AbilityMap, ...]
 
 
-def zone_where(perspectives: Perspectives, question: Question, *, grid: Grid | None = None) -> Answered:
+def zone_where(efforts: SceneEfforts, question: Question, *, grid: Grid | None = None) -> Answered:
     """Answer a set question for places instead of objects.
 
     Args:
-        perspectives: Of one state.
+        efforts: Of one state.
         question: As for ``objects_where``.
         grid: Where; by default the workspaces of all agents that the question names, along the first one's heading.
 
@@ -216,12 +216,12 @@ def zone_where(perspectives: Perspectives, question: Question, *, grid: Grid | N
     agents = dict.fromkeys(agent for agent, _ in question.abilities)
     if not agents or any(ability not in TRIALS for _, ability in question.abilities):
         raise InputError("maps tell where agents see and reach", field="where", hint="ask about see and reach")
-    stage = perspectives.stage
+    stage = efforts.stage
     for agent in agents:
         stage.scene.agent(agent)
-    where = grid or Grid.around(stage, *agents, settings=perspectives.settings.maps)
+    where = grid or Grid.around(stage, *agents, settings=efforts.settings.maps)
     maps = {
-        (agent, ability): ability_map(perspectives.standpoint(agent), ability=ability, grid=where)
+        (agent, ability): ability_map(efforts.viewpoint(agent), ability=ability, grid=where)
         for agent, ability in question.abilities
     }
     solid = reduce(np.logical_or, (each.solid for each in maps.values()))

@@ -29,9 +29,9 @@ from taskgist.maps.footing import (
     tree_of,
 )
 from taskgist.maps.grid import LANES, Cells
-from taskgist.perspective.actions import stretch
+from taskgist.perspective.effort import stretch
 from taskgist.perspective.reach import ROUNDING
-from taskgist.perspective.viewpoint import Standpoint
+from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.world.bodies.profile import Arm
 
 # --- Sectors of arms: does any arm reach the centre of a cell? Compiled loops over cells (5.1.2).
@@ -198,7 +198,7 @@ class CellsToReach:
         cells: What is to be reached.
     """
 
-    def __init__(self, here: Standpoint, cells: Cells) -> None:
+    def __init__(self, here: Viewpoint, cells: Cells) -> None:
         self.here, self.cells = here, cells
         self.arms = [arm for arm in here.agent.arms if stretch(arm.profile.side) in here.actions]
 

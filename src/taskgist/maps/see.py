@@ -24,7 +24,7 @@ from taskgist.maps.footing import (
 from taskgist.maps.gaze import EYE_COLUMNS, PLACE, TURNED, Head, eye_positions, head_of, shapes_of_head
 from taskgist.maps.grid import Cells
 from taskgist.maps.sight import BOUNDS, COLUMNS, KIND, MATRIX, NONE, POSITION, RADIUS, SIZE, Eyes, Shadows, seen_cells
-from taskgist.perspective.viewpoint import Standpoint
+from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.world.geometry.rays import FORMULAS
 from taskgist.world.geometry.transforms import Pose
 from taskgist.world.stage import Stage
@@ -40,7 +40,7 @@ class CellsToSee:
         cells: What is to be seen.
     """
 
-    def __init__(self, here: Standpoint, cells: Cells) -> None:
+    def __init__(self, here: Viewpoint, cells: Cells) -> None:
         self.here, self.cells = here, cells
         self.head = head_of(here)
         eye = here.agent.profile.eye

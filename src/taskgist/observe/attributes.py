@@ -17,10 +17,9 @@ from taskgist.facts import vocabulary as v
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.values import UNKNOWN, Observation, Raw
 from taskgist.observe.observer import HandStatus, Observer
-from taskgist.perspective.effort import ABILITIES, Effort
-from taskgist.perspective.image import visibility_from
+from taskgist.perspective.effort import ABILITIES, Effort, evidence_document
 from taskgist.perspective.search import effort_from
-from taskgist.perspective.viewpoint import Standpoint
+from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.stage import Stage
 
@@ -42,12 +41,12 @@ def ability_observations(stage: Stage, agent: str, name: str, settings: Settings
         Observations by attribute: ``reach.effort``, ``reach.state``, ``reach.action``, ..., ``visibility.score``.
     """
     observations: dict[str, Observation[Raw]] = {}
-    here = Standpoint(stage, agent, settings)
+    here = Viewpoint(stage, agent, settings)
     for ability in ABILITIES:
         observations |= _effort_observations(effort_from(here, name, ability, explained=True), settings)
-    seen = visibility_from(here, name)
+    seen = here.visibility(name)
     observations["visibility.score"] = (
-        Observation(UNKNOWN) if seen is None else Observation(seen.score, _plain(seen.evidence))
+        Observation(UNKNOWN) if seen is None else Observation(seen.score, _plain(evidence_document(seen)))
     )
     return observations
 
@@ -55,7 +54,7 @@ def ability_observations(stage: Stage, agent: str, name: str, settings: Settings
 def _effort_observations(effort: Effort, settings: Settings) -> dict[str, Observation[Raw]]:
     ability = effort.ability
     names = ("effort", "state", "action")
-    evidence = _plain(effort.evidence)
+    evidence = _plain(effort.evidence_document)
     if effort.level is None:
         unknown: Observation[Raw] = Observation(UNKNOWN, evidence)
         return {f"{ability}.{name}": unknown for name in names}

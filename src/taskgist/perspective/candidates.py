@@ -1,14 +1,17 @@
-"""Stances of an effort level, all at once: the states that base, legs and torso may take, by increasing amount.
+"""Candidates of an effort level: the states that base, legs and torso may take, by increasing amount.
 
-States are made one by one, when asked for. Where a stance brings eye, head and shoulders is told without showing it:
-by what the torso does, and by where the base gets to.
+A candidate is a state that virtual actions lead to (Eq. 1-6); head and arms are as they were, for the abilities aim
+and stretch them themselves. All candidates of a level are held in one table: states are made one by one, when asked
+for. Where a candidate brings eye, head and shoulders is told without showing its state: by what the torso does, and by
+where the base gets to.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -16,12 +19,114 @@ from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.common.compiled import compiled
-from taskgist.perspective.actions import MOVE, PAN, TILT, Amount, Bend, Stance
-from taskgist.perspective.floor import Floor, Place, moved
+from taskgist.errors import UnknownNameError
+from taskgist.perspective.constraints import Floor, Place, moved
+from taskgist.perspective.effort import LEAN, MOVE, PAN, SIT, STAND, TILT, TURN, Amount, stretch
+from taskgist.settings import Efforts
 from taskgist.world.bodies.agent import Agent
+from taskgist.world.bodies.profile import Axis
 from taskgist.world.geometry.linkage import POSE, Linkage, carry_pose
 from taskgist.world.geometry.transforms import Pose
 from taskgist.world.stage import Stage
+from taskgist.world.state import State
+
+STILL_RAD = 1e-9
+"""Turns below this are rounding."""
+
+
+# --- Virtual actions, and the states that they lead to (Eq. 1-6).
+
+
+def actions_of(agent: Agent) -> tuple[str, ...]:
+    """The virtual actions that an agent's body has, in the order in which they are listed."""
+    p = agent.profile
+    has = {PAN: p.pan, TILT: p.tilt, TURN: p.turn, LEAN: p.lean, MOVE: p.moves}
+    both = "sitting" in p.legs.can and "standing" in p.legs.can
+    postures = (STAND, SIT) if both else ()
+    return (*(action for action, part in has.items() if part), *postures, *(stretch(side) for side in agent.sides))
+
+
+def checked_actions(agent: Agent, actions: Iterable[str] | None) -> frozenset[str]:
+    """The given actions, or all that the agent has.
+
+    Raises:
+        UnknownNameError: The agent has no such action.
+    """
+    known = actions_of(agent)
+    chosen = known if actions is None else tuple(actions)
+    for action in chosen:
+        if action not in known:
+            raise UnknownNameError("virtual action", action, known)
+    return frozenset(chosen)
+
+
+NO_AMOUNT = Amount()
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A state that virtual actions of base, legs and torso lead to; head and arms are as they were.
+
+    Attributes:
+        state: The state.
+        actions: What leads there, in order.
+        amount: How much of it.
+    """
+
+    state: State
+    actions: tuple[str, ...] = ()
+    amount: Amount = NO_AMOUNT
+
+
+# --- Turns and leans of the torso (Eq. 4).
+
+
+@dataclass(frozen=True)
+class TorsoPose:
+    """A turn and a lean of the torso.
+
+    Attributes:
+        changes: New angles in radians, by index into qpos; joints that stay are left out.
+        actions: The virtual actions.
+        by_rad: How far turn and lean are from the current ones, together.
+    """
+
+    changes: Mapping[int, float] = field(default_factory=dict)
+    actions: tuple[str, ...] = ()
+    by_rad: float = 0.0
+
+
+def torso_poses(agent: Agent, current: State, settings: Efforts, actions: frozenset[str]) -> list[TorsoPose]:
+    """Every turn with every lean of the torso, the torso as it is among them.
+
+    Args:
+        agent: The agent.
+        current: From which the amount counts.
+        settings: Steps of turn and lean.
+        actions: Virtual actions that may be used.
+    """
+    profile, joints = agent.profile, agent.joints
+    turns = _turned(TURN, profile.turn, joints, current, settings.turn_step_rad) if TURN in actions else [TorsoPose()]
+    leans = _turned(LEAN, profile.lean, joints, current, settings.lean_step_rad) if LEAN in actions else [TorsoPose()]
+    return [
+        TorsoPose({**turn.changes, **lean.changes}, turn.actions + lean.actions, turn.by_rad + lean.by_rad)
+        for turn, lean in itertools.product(turns, leans)
+    ]
+
+
+def _turned(
+    action: str, axis: Axis | None, joints: Mapping[str, int], current: State, step_rad: float
+) -> list[TorsoPose]:
+    """The current angle, which is always allowed, then all multiples of a step within the joint's range."""
+    if axis is None:
+        return [TorsoPose()]
+    index = joints[axis.joint]
+    now = float(current.qpos[index])
+    low, high = (limit / step_rad for limit in axis.range_rad)
+    angles = [count * step_rad for count in range(math.ceil(low - 1e-9), math.floor(high + 1e-9) + 1)]
+    others = [angle for angle in angles if abs(angle - now) > STILL_RAD]
+    return [TorsoPose(), *(TorsoPose({index: angle}, (action,), abs(angle - now)) for angle in others)]
+
 
 # --- The frames of an agent that abilities depend on: its eye, the joints of its head, and its shoulders.
 #
@@ -123,13 +228,15 @@ class Frames:
             self._usable[actions] = UsableHead.of(self.head, actions)
         return self._usable[actions]
 
-    def bent(self, angles: Sequence[Mapping[int, float]]) -> Array:
+    def moved(self, angles: Sequence[Mapping[int, float]]) -> Array:
         """Where new angles of the torso's joints by index into qpos, n of them, bring the frames: (n, f, 12)."""
         joints = self._linkage.joints.tolist()
         now = {index: float(self._qpos[index]) for index in joints}
         moves = [[new.get(index, now[index]) - now[index] for index in joints] for new in angles]
         return self._linkage.moved(np.array(moves).reshape(len(angles), len(joints)))
 
+
+# --- All candidates of a level in one table.
 
 Numbers = NDArray[np.int32]
 DIGITS = 6
@@ -139,69 +246,70 @@ OVERHEAD_M = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Bent:
+class TorsoPoses:
     """A posture of an agent, with all that its torso may do in it.
 
     Attributes:
         agent: Whose.
         start: The posture.
         frames: Where eye, head and shoulders are in it.
-        bends: What the torso may do.
+        poses: What the torso may do.
         rows: Where each of these brings the frames, (b, f, 12).
-        torso_rad: How much it is, (b,), rounded for comparing.
+        amounts_rad: How much it is, (b,), rounded for comparing.
     """
 
     agent: Agent
-    start: Stance
+    start: Candidate
     frames: Frames
-    bends: Sequence[Bend]
+    poses: Sequence[TorsoPose]
     rows: Array
-    torso_rad: Array
+    amounts_rad: Array
 
     @classmethod
-    def of(cls, agent: Agent, start: Stance, frames: Frames, bends: Sequence[Bend]) -> Bent:
-        """A posture and bends of the torso."""
-        amounts = np.round([bend.by_rad for bend in bends], DIGITS)
-        return cls(agent, start, frames, bends, frames.bent([bend.changes for bend in bends]), amounts)
+    def of(cls, agent: Agent, start: Candidate, frames: Frames, poses: Sequence[TorsoPose]) -> TorsoPoses:
+        """A posture and some turns and leans of the torso."""
+        amounts = np.round([pose.by_rad for pose in poses], DIGITS)
+        return cls(agent, start, frames, poses, frames.moved([pose.changes for pose in poses]), amounts)
 
 
 @dataclass(frozen=True, eq=False)
-class Spots:
+class Ways:
     """Where a base may go, in order of the way.
 
     Attributes:
         offsets_m: How far it moves, metres along the world's x and y, (p, 2).
-        ways_m: Lengths of the ways, (p,).
+        lengths_m: Lengths of the ways, (p,).
         rounded_m: The same, rounded for comparing.
     """
 
     offsets_m: Array
-    ways_m: Array
+    lengths_m: Array
     rounded_m: Array
 
     @classmethod
-    def of(cls, places: Sequence[Place]) -> Spots:
-        """Some places."""
+    def to(cls, places: Sequence[Place]) -> Ways:
+        """The ways to some places."""
         offsets = np.array([place.offset_m for place in places]).reshape(-1, 2)
-        ways = np.array([place.way_m for place in places])
-        return cls(offsets, ways, np.round(ways, DIGITS))
+        lengths = np.array([place.way_m for place in places])
+        return cls(offsets, lengths, np.round(lengths, DIGITS))
 
 
-HERE = Spots(np.zeros((1, 2)), np.zeros(1), np.zeros(1))
-AHEAD = np.zeros(1)
+NO_WAY = Ways(np.zeros((1, 2)), np.zeros(1), np.zeros(1))
+"""The base stays."""
+NO_TURN = np.zeros(1)
 
 
 class Table(NamedTuple):
-    """Stances as compiled functions take them.
+    """Candidates as compiled functions take them.
 
     Attributes:
-        rows: Where each bend brings the frames, (b, f, 12).
+        rows: Where each pose of the torso brings the frames, (b, f, 12).
         joints: How many joints of the head are among them.
         base: Where the base is before it moves, metres, (3,).
-        offsets_m: How far it moves to each spot, (p, 2).
+        offsets_m: How far it moves to each place, (p, 2).
         turns: Sine and cosine of the turn there, (p, 2).
-        spot: Which spot each stance has, (n,).
-        bend: Which bend, (n,).
+        spot: Index of each candidate's place, (n,).
+        bend: Index of its pose of the torso, (n,).
     """
 
     rows: Array
@@ -213,37 +321,38 @@ class Table(NamedTuple):
     bend: Numbers
 
 
-class Stances:
-    """Stances by increasing amount: every spot with every bend.
+class Candidates:
+    """Candidates by increasing amount: every place with every pose of the torso.
 
     Args:
-        bent: The posture, and what the torso may do.
-        spots: Where the base may go; it stays if left out.
+        torso: The posture, and what the torso may do in it.
+        ways: Where the base may go; it stays if left out.
         turned_rad: How far the whole agent turns on the spot, (p,).
 
     Attributes:
-        bent: As given.
+        torso: As given.
         table: For compiled functions.
-        ends: For each stance, which is the first one after it of another amount, (n,).
+        ends: For each candidate, which is the first one after it of another amount, (n,).
     """
 
-    def __init__(self, bent: Bent, spots: Spots = HERE, turned_rad: Array = AHEAD) -> None:
-        self.bent, self._spots, self._turned_rad = bent, spots, turned_rad
-        spot, bend, self.ends, sines = _ordered(spots.rounded_m, turned_rad, bent.torso_rad)
-        self.table = Table(bent.rows, len(bent.frames.head), bent.frames.base, spots.offsets_m, sines, spot, bend)
+    def __init__(self, torso: TorsoPoses, ways: Ways = NO_WAY, turned_rad: Array = NO_TURN) -> None:
+        self.torso, self._ways, self._turned_rad = torso, ways, turned_rad
+        place, pose, self.ends, sines = _ordered(ways.rounded_m, turned_rad, torso.amounts_rad)
+        frames = torso.frames
+        self.table = Table(torso.rows, len(frames.head), frames.base, ways.offsets_m, sines, place, pose)
 
     def __len__(self) -> int:
         return len(self.ends)
 
-    def __getitem__(self, index: int) -> Stance:
-        """The stance of that index."""
-        spot, bend = self.table.spot[index], self.bent.bends[self.table.bend[index]]
-        state, used = self.bent.start.state.replace(bend.changes), bend.actions
-        way_m, turned_rad = float(self._spots.ways_m[spot]), float(self._turned_rad[spot])
-        if self._spots is not HERE:
-            x, y = self._spots.offsets_m[spot].tolist()
-            state, used = moved(state, self.bent.agent, (x, y), turned_rad), (MOVE, *used)
-        return Stance(state, (*self.bent.start.actions, *used), Amount(way_m, abs(turned_rad), bend.by_rad))
+    def __getitem__(self, index: int) -> Candidate:
+        """The candidate of that index."""
+        place, pose = self.table.spot[index], self.torso.poses[self.table.bend[index]]
+        state, used = self.torso.start.state.replace(pose.changes), pose.actions
+        way_m, turned_rad = float(self._ways.lengths_m[place]), float(self._turned_rad[place])
+        if self._ways is not NO_WAY:
+            x, y = self._ways.offsets_m[place].tolist()
+            state, used = moved(state, self.torso.agent, (x, y), turned_rad), (MOVE, *used)
+        return Candidate(state, (*self.torso.start.actions, *used), Amount(way_m, abs(turned_rad), pose.by_rad))
 
     @property
     def offsets_m(self) -> Array:
@@ -251,12 +360,12 @@ class Stances:
         return self.table.offsets_m[self.table.spot]
 
     def frames(self, index: int) -> Array:
-        """Where a stance brings the frames, (f, 12)."""
+        """Where a candidate brings the frames, (f, 12)."""
         return _carried(self.table, index)
 
     def shoulder(self, index: int, arm: int) -> Pose:
-        """Where a stance brings a shoulder, in the frame of what carries it."""
-        row = self.frames(index)[self.bent.frames.first_shoulder + arm]
+        """Where a candidate brings a shoulder, in the frame of what carries it."""
+        row = self.frames(index)[self.torso.frames.first_shoulder + arm]
         return Pose(row[:3], row[3:].reshape(3, 3))
 
 
@@ -281,7 +390,7 @@ def turns_towards(target: Array, base: Array, facing_rad: float, offsets_m: Arra
 
 @compiled
 def carry(table: Table, index: int, frame: int, pose: Array) -> None:
-    """Write where a stance brings one frame, (12,)."""
+    """Write where a candidate brings one frame, (12,)."""
     spot, turns = table.spot[index], table.turns
     offset, row = table.offsets_m[spot], table.rows[table.bend[index], frame]
     carry_pose(row, table.base, offset, turns[spot, 0], turns[spot, 1], pose)
@@ -296,12 +405,12 @@ def _carried(table: Table, index: int) -> Array:
 
 
 def _ordered(ways: Array, turned_rad: Array, torso: Array) -> tuple[Numbers, Numbers, Numbers, Array]:
-    """Every spot with every bend, by way, turn and bend of the torso.
+    """Every place with every pose of the torso, by way, turn and pose.
 
-    Equal ones keep the order of spots, then of bends.
+    Equal ones keep the order of places, then of poses.
 
     Returns:
-        Spot and bend of each, where its equals end, all (n,); and sine and cosine of the turn at each spot, (p, 2).
+        Place and pose of each, where its equals end, all (n,); and sine and cosine of the turn at each place, (p, 2).
     """
     turns = np.rint(np.abs(turned_rad) * 10.0**DIGITS)
     by_amount, by_torso = np.lexsort((turns, ways)), np.argsort(torso, kind="stable")  # numpy has compiled its sorting
@@ -338,7 +447,7 @@ def _combined(
     return spot, bend, ends, sines
 
 
-# --- Walking: the stances of an agent that gets up, goes somewhere and turns there to what it wants (Move_To).
+# --- Walking: the candidates of an agent that gets up, goes somewhere and turns there to what it wants (Move_To).
 
 
 class Walk:
@@ -350,13 +459,13 @@ class Walk:
         floor: Where it can get to.
     """
 
-    def __init__(self, upright: Bent, facing_rad: float, floor: Floor) -> None:
+    def __init__(self, upright: TorsoPoses, facing_rad: float, floor: Floor) -> None:
         self._upright, self._facing_rad, self.floor = upright, facing_rad, floor
         self._base = np.array(upright.start.state.qpos[upright.agent.base])
-        self._spots: list[Spots] = []
-        self._last: tuple[bytes, list[Stances]] = b"", []
+        self._ways: list[Ways] = []
+        self._last: tuple[bytes, list[Candidates]] = b"", []
 
-    def stances(self, target: Array) -> Iterator[Stances]:
+    def candidates(self, target: Array) -> Iterator[Candidates]:
         """Batches of growing distance: most objects are near to where somebody can stand.
 
         Args:
@@ -365,18 +474,18 @@ class Walk:
         if self._last[0] != target.tobytes():
             self._last = target.tobytes(), []
         known = self._last[1]  # the three abilities ask for the same ones, one after the other
-        for index, spots in enumerate(self._floor_spots()):
+        for index, ways in enumerate(self._floor_ways()):
             if index == len(known):
-                turned_rad = turns_towards(target, self._base, self._facing_rad, spots.offsets_m)
-                known.append(Stances(self._upright, spots, turned_rad))
+                turned_rad = turns_towards(target, self._base, self._facing_rad, ways.offsets_m)
+                known.append(Candidates(self._upright, ways, turned_rad))
             yield known[index]
 
-    def _floor_spots(self) -> Iterator[Spots]:
+    def _floor_ways(self) -> Iterator[Ways]:
         """The floor in batches, for all targets the same."""
         for index, places in enumerate(self.floor.batches()):
-            if index == len(self._spots):
-                self._spots.append(Spots.of(places))
-            yield self._spots[index]
+            if index == len(self._ways):
+                self._ways.append(Ways.to(places))
+            yield self._ways[index]
 
     @property
     def places(self) -> tuple[Place, ...]:

@@ -1,21 +1,22 @@
-"""Effort: what it takes an agent to see, reach or grasp an object, as a value with its evidence (5.1.5, Fig. 6)."""
+"""Effort: what it takes an agent to see, reach or grasp an object, as a value with its evidence (5.1.5, Fig. 6).
+
+Everything here is a plain, frozen value, and this module needs neither numpy nor MuJoCo: efforts can be read, compared,
+told and stored wherever Python runs. How efforts are found is told in ``search``.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
-from functools import cached_property, partial
-from typing import Any, Literal, Protocol, get_args
+from enum import Enum
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from taskgist.perspective.actions import Amount
-from taskgist.perspective.candidates import Stances
-from taskgist.world.bodies.profile import Posture
-from taskgist.world.state import State
+if TYPE_CHECKING:
+    from taskgist.world.bodies.profile import Posture
 
 Ability = Literal["see", "reach", "grasp"]
 ABILITIES: tuple[Ability, ...] = get_args(Ability)
-Told = Callable[[], Mapping[str, object]]
 NO_KNOWN_LEVEL = 5
 """Level of what no known action achieves."""
 
@@ -33,6 +34,329 @@ EFFORT_NAMES: Mapping[Ability, tuple[str, ...]] = {
 }
 """Effort types by level, 0 to 5 (Fig. 6)."""
 
+# --- Virtual actions: what an agent might do, by the paper's names (Eq. 1-6), and how much of it.
+
+PAN, TILT = "Pan_Head", "Tilt_Head"
+TURN, LEAN = "Turn_Torso", "Lean_Torso"
+STAND, SIT = "Make_Standing", "Make_Sitting"
+MOVE = "Move_To"
+NO_ACTION = "No_Action_Required"
+"""What level 0 takes (5.1.5)."""
+NO_KNOWN_ACTION = "No_Possible_Known_Action"
+"""What level 5 takes."""
+
+
+def stretch(side: str) -> str:
+    """Name of stretching out the arm of a side (Eq. 3)."""
+    return f"Stretch_Out_Arm({side})"
+
+
+@dataclass(frozen=True, order=True)
+class Amount:
+    """How much of an effort: compared in this order, so that a step weighs more than any turn (5.1.6).
+
+    Attributes:
+        moved_m: Length of the way over the floor, metres.
+        turned_rad: Turn of the whole body on the spot, radians.
+        torso_rad: Turn and lean of the torso together, radians.
+        head_rad: Pan and tilt of the head together, radians.
+    """
+
+    moved_m: float = 0.0
+    turned_rad: float = 0.0
+    torso_rad: float = 0.0
+    head_rad: float = 0.0
+
+    @property
+    def key(self) -> tuple[float, float, float, float]:
+        """For comparing: rounded, so that equal amounts stay equal wherever the scene stands."""
+        return (round(self.moved_m, 6), round(self.turned_rad, 6), round(self.torso_rad, 6), round(self.head_rad, 6))
+
+
+# --- Evidence that an ability holds: what was found in the attained state.
+
+Vector = tuple[float, float, float]
+"""A point in metres, or a direction, in the world."""
+
+
+@dataclass(frozen=True)
+class Visibility:
+    """How much of an object is visible, from one state (5.1.1).
+
+    Attributes:
+        visible_px: Pixels of the object in the image of the whole field of view.
+        image_px: Pixels of that image.
+        unoccluded_px: Pixels that the object would have if nothing stood in the way.
+        gaze_px: Those of the visible pixels that lie in the gaze cone.
+        occluders: What covers the object's pixels, and how many of them, most first.
+        nearest_m: Distance from the eye to the nearest point seen, in metres; None where nothing is seen.
+        off_gaze_rad: Angle between the gaze and the object's middle.
+    """
+
+    visible_px: int
+    image_px: int
+    unoccluded_px: int
+    gaze_px: int
+    occluders: tuple[tuple[str, int], ...]
+    nearest_m: float | None
+    off_gaze_rad: float
+
+    @property
+    def score(self) -> float:
+        """ViS: pixels of the object / pixels of the image (5.1.1)."""
+        return self.visible_px / self.image_px
+
+    @property
+    def visible_share(self) -> float:
+        """Occlusion ratio: visible pixels / pixels if nothing stood in the way; 0 out of the field of view."""
+        return self.visible_px / self.unoccluded_px if self.unoccluded_px else 0.0
+
+    @property
+    def in_gaze_cone(self) -> bool:
+        """Whether something of the object is seen in the gaze cone."""
+        return self.gaze_px > 0
+
+
+@dataclass(frozen=True)
+class Held:
+    """The object is in the agent's hand: reached and grasped without effort.
+
+    ``arm`` is the hand's side.
+    """
+
+    arm: str
+
+
+@dataclass(frozen=True)
+class Reached:
+    """An arm reaches a point of the object.
+
+    Attributes:
+        arm: Its side.
+        point_m: The point that is nearest to the shoulder.
+        distance_m: How far it is from there.
+    """
+
+    arm: str
+    point_m: Vector
+    distance_m: float
+
+
+@dataclass(frozen=True)
+class Grasped:
+    """A hand closes on the object, free of collisions.
+
+    Attributes:
+        arm: Its side.
+        hand: Kind of the hand.
+        point_m: Half-way between the two points that it closes on.
+        distance_m: How far that is from the shoulder.
+        width_m: How far the two points are apart.
+        closing: Unit direction from the thumb's point to the fingers'.
+        approach: Unit direction in which the palm comes.
+    """
+
+    arm: str
+    hand: str
+    point_m: Vector
+    distance_m: float
+    width_m: float
+    closing: Vector
+    approach: Vector
+
+
+Attained = Visibility | Held | Reached | Grasped
+"""What shows that an ability holds."""
+
+# --- Evidence that an ability does not hold.
+
+
+@dataclass(frozen=True)
+class Occlusion:
+    """All pixels of the object show something else.
+
+    Attributes:
+        occluders: What hides it, and how many pixels, most first.
+        unoccluded_px: Pixels that the object would have alone.
+        eye_m: Where the eye is.
+        hits_m: One point at which each of the occluders is met.
+    """
+
+    occluders: tuple[tuple[str, int], ...]
+    unoccluded_px: int
+    eye_m: Vector
+    hits_m: tuple[tuple[str, Vector], ...]
+
+
+@dataclass(frozen=True)
+class OutOfReach:
+    """The arm that misses the object least: its side, and by how much it is too short, None outside of its sector."""
+
+    arm: str
+    beyond_m: float | None = None
+
+
+@dataclass(frozen=True)
+class Blocking:
+    """A contact that blocks.
+
+    Attributes:
+        part: The agent's own part.
+        other: What it meets: an object, a piece of furniture or another agent.
+        depth_m: How deep.
+    """
+
+    part: str
+    other: str
+    depth_m: float
+
+    def __str__(self) -> str:
+        return f"{self.part} against {self.other}, {self.depth_m:.2f} m deep"
+
+
+@dataclass(frozen=True)
+class BlockedApproaches:
+    """What is in the way of the grasps within reach, and of how many of them, most first."""
+
+    counts: tuple[tuple[str, int], ...]
+
+
+Hindrance = Occlusion | OutOfReach | Blocking | BlockedApproaches
+"""What shows that an ability does not hold."""
+
+
+class Reason(Enum):
+    """Why an ability does not hold."""
+
+    NO_HAND = "the agent has no hand that grasps"
+    NO_OPPOSITE_FACES = "the object has no two faces to close a hand on"
+    TOO_WIDE = "the hand does not open that wide"
+    TOO_NARROW = "not all fingers meet the object"
+    COLLISION = "head, torso or base would push into something"
+    NO_FREE_GRASP = "something is in the way of every grasp within reach"
+    FROM_BEHIND = "grasps within reach would come from behind"
+    OUT_OF_SECTOR = "the object is near enough, beside the sector of the arm"
+    TOO_FAR = "the object is farther away than the arm is long"
+    OCCLUDED = "something hides all of the object"
+    TOO_SMALL = "the object is smaller than a pixel"
+    BESIDE_GAZE = "the object is in view, beside the gaze cone"
+    OUT_OF_VIEW = "the object is out of the field of view"
+    BEYOND_NECK = "the head does not turn far enough"
+    NOT_HELD = "no hand of the agent holds the object"
+    NO_ARM = "no arm may be stretched out"
+    NO_SURFACE = "the object has no surface"
+    NO_TORSO = "the torso does not move"
+    NO_POSTURE = "there is no other posture to take"
+    NO_STANDING = "standing up before walking is blocked"
+    NO_WALKING = "the agent does not move about"
+    UNTRACKED = "what would decide was not tracked"
+
+
+TOLD_FIRST: tuple[frozenset[Reason], ...] = (
+    frozenset({Reason.NO_HAND, Reason.NO_OPPOSITE_FACES, Reason.TOO_WIDE, Reason.TOO_NARROW}),  # nothing helps
+    frozenset({Reason.COLLISION}),  # it would do but for that
+    frozenset({Reason.NO_FREE_GRASP}),
+    frozenset({Reason.FROM_BEHIND}),
+    frozenset({Reason.OUT_OF_SECTOR}),
+    frozenset({Reason.TOO_FAR}),
+    frozenset({Reason.OCCLUDED, Reason.TOO_SMALL, Reason.BESIDE_GAZE, Reason.OUT_OF_VIEW}),
+    frozenset({Reason.BEYOND_NECK}),
+    frozenset(
+        {
+            Reason.NOT_HELD,
+            Reason.NO_ARM,
+            Reason.NO_SURFACE,
+            Reason.NO_TORSO,
+            Reason.NO_POSTURE,
+            Reason.NO_STANDING,
+            Reason.NO_WALKING,
+        }
+    ),
+    frozenset({Reason.UNTRACKED}),
+)
+"""Of several reasons why an ability does not hold, the first is told; those in one set are compared by quantity."""
+_RANKS: Mapping[Reason, int] = {reason: rank for rank, reasons in enumerate(TOLD_FIRST) for reason in reasons}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """How far an ability is from holding: a value and its unit, metres or radians. Reasons of one rank share one."""
+
+    value: float
+    unit: Literal["m", "rad"]
+
+
+@dataclass(frozen=True)
+class Miss:
+    """Why an ability does not hold in a state, or by the candidates of an effort level.
+
+    Attributes:
+        reason: The kind.
+        text: For people.
+        quantity: How far the ability is, where that is a matter of degree.
+        hindrance: What shows it.
+    """
+
+    reason: Reason
+    text: str
+    quantity: Quantity | None = None
+    hindrance: Hindrance | None = None
+
+    @property
+    def order(self) -> tuple[int, float, str]:
+        """The least of several is worth telling: by reason, then by quantity; equal ones by their text."""
+        return (_RANKS[self.reason], self.quantity.value if self.quantity else 0.0, self.text)
+
+
+def nearest_miss(misses: Sequence[Miss]) -> Miss:
+    """The one of some misses, at least one, that is told."""
+    return min(misses, key=lambda miss: miss.order)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What shows an effort.
+
+    Attributes:
+        reason: A short sentence: why this level.
+        misses: Why not with less: one for each level that does not give the ability, from 0 on. Where the level is
+            unknown, the last one says what was not tracked.
+        told: The miss that ``reason`` tells; None where there was none.
+        attained: What was found in the attained state; None at level 5 and if unknown.
+    """
+
+    reason: str
+    misses: tuple[Miss, ...]
+    told: Miss | None
+    attained: Attained | None
+
+
+def evidence_document(evidence: Attained | Hindrance | None) -> dict[str, object]:
+    """What shows that an ability holds or not, as plain data, fit for JSON."""
+    match evidence:
+        case None:
+            return {}
+        case Visibility():
+            occluders = [[owner, count] for owner, count in evidence.occluders]
+            return {"score": evidence.score, **asdict(evidence), "occluders": occluders}
+        case Held():
+            return {"arm": evidence.arm, "held": True}
+        case Occlusion():
+            return {
+                "occluders": [[owner, count] for owner, count in evidence.occluders],
+                "unoccluded_px": evidence.unoccluded_px,
+                "eye_m": list(evidence.eye_m),
+                "hits_m": {owner: list(point) for owner, point in evidence.hits_m},
+            }
+        case Blocking():
+            return {"blocking": asdict(evidence)}
+        case BlockedApproaches():
+            return {"approaches": dict(evidence.counts)}
+        case OutOfReach():
+            return {name: value for name, value in asdict(evidence).items() if value is not None}
+        case Reached() | Grasped():
+            return {name: list(value) if isinstance(value, tuple) else value for name, value in vars(evidence).items()}
+
 
 @dataclass(frozen=True)
 class Effort:
@@ -49,7 +373,8 @@ class Effort:
         joints_rad: Angles in radians of the head's and the torso's joints in the attained state S, by name (an arm is
             stretched out without looking at its joints). At level 5 and if unknown, those of the current state.
         posture: Posture in that state; None if unknown.
-        told: Tells the evidence; asked at most once, and only if somebody wants to know.
+        turns_rad: By how much each of the actions turns its joint of head or torso, signed, radians.
+        find_evidence: Finds the evidence; asked at most once, and only if somebody wants to know.
     """
 
     ability: Ability
@@ -60,17 +385,18 @@ class Effort:
     amount: Amount | None
     joints_rad: Mapping[str, float] = field(hash=False)
     posture: Posture | None
-    told: Told = field(compare=False, repr=False)
+    turns_rad: Mapping[str, float] = field(hash=False)
+    find_evidence: Callable[[], Evidence] = field(compare=False, repr=False)
 
     @cached_property
-    def evidence(self) -> Mapping[str, object]:
-        """Plain data, fit for JSON: what was found in the attained state, and why not with less."""
-        return self.told()
+    def evidence(self) -> Evidence:
+        """What was found in the attained state, and why not with less."""
+        return self.find_evidence()
 
     @property
     def reason(self) -> str:
         """A short sentence: why this level."""
-        return str(self.evidence["reason"])
+        return self.evidence.reason
 
     @property
     def name(self) -> str | None:
@@ -78,116 +404,41 @@ class Effort:
         return None if self.level is None else EFFORT_NAMES[self.ability][self.level]
 
     @property
+    def evidence_document(self) -> dict[str, object]:
+        """The evidence as plain data, fit for JSON."""
+        evidence, told = self.evidence, self.evidence.told
+        amount = {} if self.amount is None else {"amount": asdict(self.amount)}
+        return {
+            "reason": evidence.reason,
+            "not_with_less": [miss.text for miss in evidence.misses],
+            "miss": evidence_document(told.hindrance if told else None),
+            **amount,
+            **evidence_document(evidence.attained),
+        }
+
+    @property
     def document(self) -> dict[str, object]:
         """All of it as plain data, fit for JSON."""
-        values = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "told"}
-        amount = None if self.amount is None else asdict(self.amount)
-        return values | {"amount": amount, "effort": self.name, "evidence": self.evidence, "reason": self.reason}
+        return {
+            "ability": self.ability,
+            "agent": self.agent,
+            "target": self.target,
+            "level": self.level,
+            "actions": self.actions,
+            "amount": None if self.amount is None else asdict(self.amount),
+            "joints_rad": self.joints_rad,
+            "posture": self.posture,
+            "effort": self.name,
+            "evidence": self.evidence_document,
+            "reason": self.reason,
+        }
 
     def __reduce__(self) -> tuple[object, ...]:
-        """To another process goes what is told, not who tells it."""
-        values = {each.name: getattr(self, each.name) for each in fields(self)}
-        return _effort, (values | {"told": dict(self.evidence)},)
+        """To another process goes the evidence, not who finds it."""
+        values = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "find_evidence"}
+        return _with_evidence, (values, self.evidence)
 
 
-def _effort(values: dict[str, Any]) -> Effort:
-    """An effort whose evidence was told."""
-    told = values.pop("told")
-    return Effort(**values, told=partial(dict, told))
-
-
-# --- What the judges of the three abilities share: how an ability is judged from stances, and what they answer.
-
-
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """How the ability holds from a stance.
-
-    Attributes:
-        angles_rad: Angles of the head, by index into qpos, in the attained state; the others are the stance's.
-        actions: Virtual actions after those of the stance, in order.
-        head_rad: How far the head turned, radians.
-        merit: Decides between equal amounts; less is better.
-        evidence: Gives what was found, as plain data; only asked of the outcome that is chosen.
-    """
-
-    angles_rad: Mapping[int, float] = field(default_factory=dict)
-    actions: tuple[str, ...] = ()
-    head_rad: float = 0.0
-    merit: float = 0.0
-    evidence: Callable[[], Mapping[str, object]] = dict
-
-
-@dataclass(frozen=True, order=True)
-class Miss:
-    """Why the ability does not hold in a state; the least ``shortfall`` of a level is the one worth telling.
-
-    Attributes:
-        shortfall: How far the ability is, for comparing misses of one ability.
-        why: For people.
-        evidence: Gives what shows it, as plain data; only asked of the miss that is told.
-    """
-
-    shortfall: float
-    why: str
-    evidence: Callable[[], Mapping[str, object]] = field(default=dict, compare=False)
-
-
-NO_ARM = Miss(math.inf, "no arm may be stretched out")
-
-
-Why = Callable[[], Miss]
-"""Tells why the ability does not hold; only asked if somebody wants to know."""
-
-
-class Among(Protocol):
-    """Stances, passed over quickly where the ability surely does not hold."""
-
-    def next(self, start: int, stop: int) -> int:
-        """The first stance from ``start`` on from which the ability may hold; ``stop`` if none before it does."""
-
-    def outcomes(self, index: int) -> Iterator[Outcome | Why]:
-        """How it holds from that stance, best first; or why it does not."""
-
-    def miss(self) -> Miss | None:
-        """Why it does not hold from those passed over: the nearest miss; None if there were none. Asked at last."""
-
-
-class Hopeless:
-    """An ability that no stance can give, for one and the same reason."""
-
-    def __init__(self, why: Miss) -> None:
-        self._why = why
-
-    def next(self, start: int, stop: int) -> int:  # noqa: ARG002 - as all of these
-        """None."""
-        return stop
-
-    def outcomes(self, index: int) -> Iterator[Outcome | Why]:  # noqa: ARG002 - as all of these
-        """Never."""
-        yield self.miss
-
-    def miss(self) -> Miss:
-        """The reason."""
-        return self._why
-
-
-class Judge(Protocol):
-    """Judges one ability towards one object. The stage may show anything before and after each call."""
-
-    def unknown(self, level: int) -> str | None:
-        """Why nothing can be said at an effort level, for want of tracking; None if something can."""
-
-    def without_effort(self) -> Outcome | Why:
-        """Level 0: whether the ability holds in the current state."""
-
-    def among(self, stances: Stances) -> Among:
-        """Look at stances."""
-
-
-def untracked_parts(state: State, agent: str, parts: tuple[str, ...]) -> str | None:
-    """Sentence about those parts of an agent that were not tracked; None if all were."""
-    if not state.untracked:
-        return None
-    lost = [part for part in parts if not state.known([f"{agent}/{part}"])]
-    return f"{agent}'s {' and '.join(lost)} not tracked" if lost else None
+def _with_evidence(values: dict[str, Any], evidence: Evidence) -> Effort:
+    """An effort whose evidence is known."""
+    return Effort(**values, find_evidence=lambda: evidence)

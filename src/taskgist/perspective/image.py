@@ -1,4 +1,7 @@
-"""Visibility: how much of an object an agent sees from its current state, and what stands in the way (5.1.1)."""
+"""What an eye sees: its whole image, the pixels of one object, and what stands in the way (5.1.1).
+
+``visibility`` tells how much of an object an agent sees from its current state, from the same pixels as ``view_of``.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,8 @@ from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.common.compiled import compiled
-from taskgist.perspective.viewpoint import Sought, Standpoint, Target
+from taskgist.perspective.effort import Visibility
+from taskgist.perspective.target import Sought, Target
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.bodies.profile import Eye
@@ -295,14 +299,6 @@ class Sight:
     visible: NDArray[np.bool_]
 
 
-def sight_now(here: Standpoint, target: Target) -> Sight:
-    """What an agent sees of an object from where it stands; looked at once."""
-    if target.name not in here.sights:
-        here.sights[target.name] = look(here.stage.show(here.state), here.agent, target)
-    sight: Sight = here.sights[target.name]
-    return sight
-
-
 def look(stage: Stage, agent: Agent, target: Target, *, cone_rad: float = math.pi) -> Sight:
     """Look at an object.
 
@@ -391,58 +387,6 @@ def _first(rows: Array, x: float, y: float, z: float) -> tuple[int, float]:
     return first, nearest
 
 
-@dataclass(frozen=True)
-class Visibility:
-    """How much of an object is visible, from one state.
-
-    Attributes:
-        visible_px: Pixels of the object in the image of the whole field of view.
-        image_px: Pixels of that image.
-        unoccluded_px: Pixels that the object would have if nothing stood in the way.
-        gaze_px: Those of the visible pixels that lie in the gaze cone.
-        occluders: What covers the object's pixels, and how many of them, most first.
-        nearest_m: Distance from the eye to the nearest point seen, in metres; None where nothing is seen.
-        off_gaze_rad: Angle between the gaze and the object's middle.
-    """
-
-    visible_px: int
-    image_px: int
-    unoccluded_px: int
-    gaze_px: int
-    occluders: tuple[tuple[str, int], ...]
-    nearest_m: float | None
-    off_gaze_rad: float
-
-    @property
-    def score(self) -> float:
-        """ViS: pixels of the object / pixels of the image (5.1.1)."""
-        return self.visible_px / self.image_px
-
-    @property
-    def visible_share(self) -> float:
-        """Occlusion ratio: visible pixels / pixels if nothing stood in the way; 0 out of the field of view."""
-        return self.visible_px / self.unoccluded_px if self.unoccluded_px else 0.0
-
-    @property
-    def in_gaze_cone(self) -> bool:
-        """Whether something of the object is seen in the gaze cone."""
-        return self.gaze_px > 0
-
-    @property
-    def evidence(self) -> dict[str, object]:
-        """Plain data, fit for JSON."""
-        return {
-            "score": self.score,
-            "visible_px": self.visible_px,
-            "image_px": self.image_px,
-            "unoccluded_px": self.unoccluded_px,
-            "gaze_px": self.gaze_px,
-            "occluders": [[owner, count] for owner, count in self.occluders],
-            "nearest_m": self.nearest_m,
-            "off_gaze_rad": self.off_gaze_rad,
-        }
-
-
 def visibility(
     stage: Stage,
     agent: str,
@@ -469,15 +413,6 @@ def visibility(
         return None
     target = Target(stage, name, settings)
     return measured(stage, body, target, look(stage, body, target))
-
-
-def visibility_from(here: Standpoint, name: str) -> Visibility | None:
-    """As ``visibility``, from a standpoint."""
-    here.stage.scene.object_body(name)
-    if not here.state.known([name, f"{here.agent.name}/head"]):
-        return None
-    target = here.target(name)
-    return measured(here.stage, here.agent, target, sight_now(here, target))
 
 
 def measured(stage: Stage, agent: Agent, target: Target, sight: Sight) -> Visibility:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.perspective.effort import NO_KNOWN_LEVEL, Ability
-from taskgist.perspective.scene_efforts import Chosen, Perspectives
+from taskgist.perspective.scene_efforts import Chosen, SceneEfforts
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.stage import Stage
 
@@ -25,7 +25,7 @@ class Question(ABC):
     """Something that an object fulfils or not, in one state."""
 
     @abstractmethod
-    def holds(self, perspectives: Perspectives, name: str) -> bool | None:
+    def holds(self, efforts: SceneEfforts, name: str) -> bool | None:
         """Whether an object fulfils it; None if that is unknown.
 
         Raises:
@@ -68,12 +68,12 @@ class Condition(Question):
             bounds = (self.min_level, self.max_level)
             raise InputError("no effort level lies there", field="levels", value=bounds, hint="levels are 0 to 5")
 
-    def holds(self, perspectives: Perspectives, name: str) -> bool | None:
+    def holds(self, efforts: SceneEfforts, name: str) -> bool | None:
         """Able with ``max_level``, and not with less than ``min_level``."""
-        within = perspectives.able(self.agent, name, self.ability, max_level=self.max_level)
+        within = efforts.able(self.agent, name, self.ability, max_level=self.max_level)
         if not self.min_level:
             return within
-        less = perspectives.able(self.agent, name, self.ability, max_level=self.min_level - 1)
+        less = efforts.able(self.agent, name, self.ability, max_level=self.min_level - 1)
         return _both(within, _negated(less))
 
     @property
@@ -88,11 +88,11 @@ class All(Question):
 
     parts: tuple[Question, ...]
 
-    def holds(self, perspectives: Perspectives, name: str) -> bool | None:
+    def holds(self, efforts: SceneEfforts, name: str) -> bool | None:
         """False as soon as one part is; unknown parts are outweighed by false ones."""
         answer: bool | None = True
         for part in self.parts:
-            answer = _both(answer, part.holds(perspectives, name))
+            answer = _both(answer, part.holds(efforts, name))
             if answer is False:
                 return False
         return answer
@@ -109,9 +109,9 @@ class Not(Question):
 
     part: Question
 
-    def holds(self, perspectives: Perspectives, name: str) -> bool | None:
+    def holds(self, efforts: SceneEfforts, name: str) -> bool | None:
         """The opposite; unknown stays unknown."""
-        return _negated(self.part.holds(perspectives, name))
+        return _negated(self.part.holds(efforts, name))
 
     @property
     def abilities(self) -> tuple[tuple[str, Ability], ...]:
@@ -120,24 +120,24 @@ class Not(Question):
 
 
 def objects_where(
-    stage: Stage | Perspectives, questions: Question | Iterable[Question], settings: Settings = DEFAULT
+    stage: Stage | SceneEfforts, questions: Question | Iterable[Question], settings: Settings = DEFAULT
 ) -> Chosen:
     """The objects that fulfil a question, or all of several.
 
     Args:
-        stage: The scene in a state; or its perspectives, for whoever asks several questions.
+        stage: The scene in a state; or its efforts, for whoever asks several questions.
         questions: Conditions, and what ``&``, ``|`` and ``~`` make of them.
-        settings: All settings; those of the perspectives where these are given.
+        settings: All settings; those of the efforts where these are given.
 
     Raises:
         UnknownNameError: There is no such agent or ability.
     """
-    perspectives = stage if isinstance(stage, Perspectives) else Perspectives(stage, settings)
+    efforts = stage if isinstance(stage, SceneEfforts) else SceneEfforts(stage, settings)
     question = questions if isinstance(questions, Question) else All(tuple(questions))
     for agent, _ in question.abilities:
-        perspectives.stage.scene.agent(agent)
-    names = perspectives.stage.scene.objects
-    return Chosen.by({name: question.holds(perspectives, name) for name in names})
+        efforts.stage.scene.agent(agent)
+    names = efforts.stage.scene.objects
+    return Chosen.by({name: question.holds(efforts, name) for name in names})
 
 
 def _both(first: bool | None, second: bool | None) -> bool | None:

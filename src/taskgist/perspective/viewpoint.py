@@ -1,13 +1,13 @@
-"""A standpoint: one agent in one state, and all that it might do from there (5.1.4).
+"""A viewpoint: one agent in one state, and the candidate states that it might take from there (5.1.4).
 
 What does not depend on the object is found once here: which contacts are usual, which torso angles, postures and
-places are within reach. Stances come level by level, from the least amount to the greatest; each level moves only its
-own joints:
+places are within reach. Candidates come level by level, from the least amount to the greatest; each level moves only
+its own joints:
 
 ====== =============================== ==========================================================================
-level  effort (Fig. 6)                 stances
+level  effort (Fig. 6)                 candidates
 ====== =============================== ==========================================================================
-0, 1   none; head, or arm              the current one
+0, 1   none; head, or arm              the current state
 2      and torso                       turns and leans of the torso
 3      whole body                      the other posture, with turns and leans of the torso
 4      displacement                    standing, on every place of the floor that can be got to, the chest turned to
@@ -21,115 +21,41 @@ and arms can keep it in place while the torso moves.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array
-from taskgist.perspective.actions import MOVE, SIT, STAND, TURN, Bend, Stance, bends_of, checked_actions, seat_height_m
-from taskgist.perspective.candidates import Bent, Frames, Stances, Walk
-from taskgist.perspective.collisions import Blocking, Collisions, Consulted, Region, held_by
-from taskgist.perspective.effort import Miss
-from taskgist.perspective.floor import NOTHING, Floor, Place
-from taskgist.settings import DEFAULT, Settings
+from taskgist.perspective.candidates import (
+    Candidate,
+    Candidates,
+    Frames,
+    TorsoPose,
+    TorsoPoses,
+    Walk,
+    checked_actions,
+    torso_poses,
+)
+from taskgist.perspective.constraints import NOTHING, Collisions, Floor, Place, held_by
+from taskgist.perspective.effort import MOVE, SIT, STAND, TURN, Attained, Miss, Reason, Visibility
+from taskgist.perspective.image import Sight, look, measured
+from taskgist.perspective.target import Recorder, Region, Target
+from taskgist.settings import DEFAULT, Efforts, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.bodies.profile import Posture
-from taskgist.world.contacts import object_points
 from taskgist.world.geometry.transforms import yaw_of
-from taskgist.world.holding import objects_near
-from taskgist.world.postures import posture_of, with_posture
+from taskgist.world.holding import holding_of, objects_near
+from taskgist.world.postures import posture_of, seat_position, with_posture
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
-# --- The object that an ability is asked about, as it is in one state: what its judges need of it, found once.
 
-SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
-
-
-class Sought(NamedTuple):
-    """An object that is looked for, as compiled functions take it.
-
-    Attributes:
-        shapes: Its seen shapes, (n,).
-        centers: Their centres, metres, (n, 3).
-        radii_m: Radii of balls about these that hold the shapes, (n,).
-        corners: Corners of the boxes around them, metres, (8 n, 3).
-        middle: Mean of the centres, (3,).
-    """
-
-    shapes: NDArray[np.intp]
-    centers: Array
-    radii_m: Array
-    corners: Array
-    middle: Array
-
-
-class Target:
-    """An object where it is. It may be asked while the stage shows other states of some agent: objects stay.
-
-    Args:
-        stage: The scene.
-        name: The object.
-        settings: Size of the cells.
-    """
-
-    def __init__(self, stage: Stage, name: str, settings: Settings) -> None:
-        self._stage, self.name, self._settings = stage, name, settings
-        self.shapes = stage.scene.seen_geoms(name)
-
-    @cached_property
-    def centers(self) -> Array:
-        """Centres of its seen shapes, metres, (n, 3)."""
-        return self._stage.geom_centers(self.shapes)
-
-    @cached_property
-    def radii_m(self) -> Array:
-        """Radii of balls about these that hold the shapes, (n,)."""
-        return np.asarray(self._stage.scene.model.geom_rbound[self.shapes])
-
-    @cached_property
-    def middle(self) -> Array:
-        """Mean of the centres, metres, (3,)."""
-        return np.asarray(self.centers.mean(axis=0))
-
-    @cached_property
-    def points(self) -> Array:
-        """Points of its cells, metres, (k, 3)."""
-        return object_points(self._stage, self.name, self._settings.reach.cell_m)
-
-    @cached_property
-    def corners(self) -> Array:
-        """Corners of the boxes around its seen shapes, metres, (8 n, 3)."""
-        bounds = self._stage.scene.model.geom_aabb[self.shapes]
-        local = bounds[:, None, :3] + SIGNS * bounds[:, None, 3:]
-        positions, matrices = self._stage.geoms(self.shapes)
-        turned = local @ matrices.reshape(-1, 3, 3).transpose(0, 2, 1)
-        return np.asarray((turned + positions[:, None]).reshape(-1, 3))
-
-    @cached_property
-    def sought(self) -> Sought:
-        """For those who look for it."""
-        return Sought(self.shapes, self.centers, self.radii_m, self.corners, self.middle)
-
-    @cached_property
-    def others(self) -> NDArray[np.intp]:
-        """All other seen shapes of the scene, (m,)."""
-        counted = self._stage.seen.copy()
-        counted[self.shapes] = False
-        return np.flatnonzero(counted)
-
-
-AROUND_M = 0.6
-"""How far around an agent a seat may be, at most: a thigh behind its feet."""
-NO_STANCE = {2: "the torso does not move", 3: "no other posture to take", 4: "cannot move about"}
-"""Why an effort level has nothing to try."""
-
-
-class Standpoint:
-    """An agent in the state that a stage shows.
+class Viewpoint:
+    """An agent in the state that a stage shows, with what its abilities towards all objects share.
 
     Things and agents that were not tracked stand where their fillers in the state put them.
 
@@ -142,10 +68,10 @@ class Standpoint:
         targets: Objects as they are now, by name, as far as others of this stage asked for them.
 
     Attributes:
+        posture: Standing or sitting; None if unknown.
         held: The side of the hand that holds each object that the agent holds.
-        sights: What the agent sees of objects in its state, by name, as far as it was asked.
-        consulted: Where all was looked or felt for since ``consult_anew``, but for the floor.
-        walked: Whether the floor was asked for since then.
+        recorder: Where all was looked or felt for since it was told to ``begin``.
+        collisions: What the agent would push into in other states.
 
     Raises:
         UnknownNameError: There is no such agent, or it has no such action.
@@ -165,20 +91,14 @@ class Standpoint:
         self.agent: Agent = stage.scene.agent(agent)
         self.state: State = stage.state
         self.actions = checked_actions(self.agent, actions)
+        self.known_floor = known_floor
         self._targets = {} if targets is None else targets
+        self._sights: dict[str, Sight] = {}
         near = objects_near(stage, self.agent, settings.contact)
         self.held: Mapping[str, str] = held_by(stage, self.agent, near, settings.contact)
-        self.collisions = Collisions(stage, self.agent, settings, self.held)
-        self.sights: dict[str, Any] = {}
-        self._frames: dict[tuple[str, ...], Frames] = {}
-        self._own = self._own_region(near)
-        self._known_floor = known_floor
-        self.consulted, self.walked = Consulted(self._own), False
+        self.recorder = Recorder(self._own_region(near))
+        self.collisions = Collisions(stage, self.agent, settings, self.held, self.recorder)
         self.posture: Posture | None = posture_of(stage, self.agent, settings.contact)
-
-    def consult_anew(self) -> None:
-        """Begin a new answer: ``consulted`` is the region in which it will have been found."""
-        self.consulted, self.walked = Consulted(self._own), False
 
     def _own_region(self, near: Iterable[str]) -> Region:
         """Where the agent is, and what it holds or might hold: with whose contacts others are compared."""
@@ -190,55 +110,10 @@ class Standpoint:
             region.add_balls(thing.centers, thing.radii_m + contact.container_m)
         return region
 
-    def _seat_region(self) -> Region:
-        """Where a seat is looked for."""
-        region = Region()
-        region.add_points(self.stage.show(self.state).geom_centers(self.agent.geoms), AROUND_M)
-        return region
-
-    def blocked(self, state: State) -> Blocking | None:
-        """What the agent would push into in a state; None if nothing. The stage shows that state afterwards."""
-        self.stage.show(state)
-        region = Region()
-        self.collisions.add_to(region)
-        self.consulted.add_body(region)
-        return self.collisions.find()
-
-    def stances(self, level: int, target: Array) -> Iterator[Stances]:
-        """Stances of an effort level, by increasing amount, in batches.
-
-        Args:
-            level: Effort level, 0 to 4.
-            target: Where the object is, metres, (3,): agents that walk turn to it.
-        """
-        if level <= 1:
-            yield self._here_alone
-        elif level == 2:
-            yield self._bent_here
-        elif level == 3:
-            self.consulted.add_body(self._seat_region())
-            if self.other_posture is not None:
-                yield self._bent_other
-        elif level == 4:
-            yield from self._displaced(target)
-
-    def no_stance(self, level: int) -> Miss:
-        """Why an effort level has no stances."""
-        if level == 4 and MOVE in self.actions and self.posture == "sitting" and self.other_posture is not None:
-            blocking = self.blocked(self.other_posture.state)
-            return Miss(math.inf, f"{STAND} is blocked: {blocking}", blocking.as_miss if blocking else dict)
-        return Miss(math.inf, NO_STANCE[level])
-
-    def target(self, name: str) -> Target:
-        """An object as it is now."""
-        if name not in self._targets:
-            self._targets[name] = Target(self.stage, name, self.settings)
-        return self._targets[name]
-
     @cached_property
-    def here(self) -> Stance:
-        """Where the agent is."""
-        return Stance(self.state)
+    def candidates(self) -> CandidateSource:
+        """The states that the agent might take."""
+        return CandidateSource(self)
 
     @cached_property
     def is_own(self) -> NDArray[np.bool_]:
@@ -247,67 +122,156 @@ class Standpoint:
         own[self.agent.geoms] = True
         return own
 
-    @property
-    def first_shoulder(self) -> int:
-        """Which of the agent's frames is the first arm's shoulder."""
-        return self._frames_of(self.here).first_shoulder
+    def target(self, name: str) -> Target:
+        """An object as it is now."""
+        if name not in self._targets:
+            self._targets[name] = Target(self.stage, name, self.settings)
+        return self._targets[name]
+
+    def untracked(self, parts: tuple[str, ...]) -> str | None:
+        """Sentence about those parts of the agent that were not tracked; None if all were."""
+        if not self.state.untracked:
+            return None
+        lost = [part for part in parts if not self.state.known([f"{self.agent.name}/{part}"])]
+        return f"{self.agent.name}'s {' and '.join(lost)} not tracked" if lost else None
+
+    def look(self, target: Target, state: State, *, cone_rad: float = math.pi) -> Sight:
+        """Look at an object in a state of the agent; the stage shows that state afterwards.
+
+        Args:
+            target: The object.
+            state: The state.
+            cone_rad: Half-angle of a cone about the gaze outside of which nothing is looked at.
+        """
+        return self._noted(target, look(self.stage.show(state), self.agent, target, cone_rad=cone_rad))
+
+    def sight(self, target: Target) -> Sight:
+        """What the agent sees of an object in its current state; looked at once."""
+        if target.name not in self._sights:
+            self._sights[target.name] = look(self.stage.show(self.state), self.agent, target)
+        return self._noted(target, self._sights[target.name])
+
+    def _noted(self, target: Target, sight: Sight) -> Sight:
+        self.recorder.target.add_balls(target.centers, target.radii_m)
+        self.recorder.eyes.add_points(sight.eye[None, :3])
+        return sight
+
+    def visibility(self, name: str) -> Visibility | None:
+        """How much of an object the agent sees from its current state.
+
+        Returns:
+            None where the object or the agent's head was not tracked: that is unknown, not invisible.
+
+        Raises:
+            UnknownNameError: There is no such object.
+        """
+        self.stage.scene.object_body(name)
+        if not self.state.known([name, f"{self.agent.name}/head"]):
+            return None
+        target = self.target(name)
+        return measured(self.stage, self.agent, target, self.sight(target))
+
+    def is_supported(self, target: Target) -> bool:
+        """Whether an object is known to rest on something, or to lie in something."""
+        contact = self.settings.contact
+        self.recorder.target.add_balls(target.centers, target.radii_m + contact.container_m)
+        holding = holding_of(self.stage.show(self.state), target.name, contact)
+        return holding is not None and bool(holding.support or holding.container)
+
+
+AROUND_M = 0.6
+"""How far around an agent a seat may be, at most: a thigh behind its feet."""
+NO_CANDIDATE: Mapping[int, Miss] = {
+    2: Miss(Reason.NO_TORSO, "the torso does not move"),
+    3: Miss(Reason.NO_POSTURE, "no other posture to take"),
+    4: Miss(Reason.NO_WALKING, "cannot move about"),
+}
+"""Why an effort level has nothing to try."""
+
+
+class CandidateSource:
+    """The states that an agent might take from its current one, by effort level.
+
+    Args:
+        here: The agent in its current state.
+    """
+
+    def __init__(self, here: Viewpoint) -> None:
+        self._here = here
+        self._frames: dict[tuple[str, ...], Frames] = {}
+
+    def of_level(self, level: int, target: Array) -> Iterator[Candidates]:
+        """Candidates of an effort level, by increasing amount, in batches.
+
+        Args:
+            level: Effort level, 0 to 4.
+            target: Where the object is, metres, (3,): agents that walk turn to it.
+        """
+        if level <= 1:
+            yield self._current
+        elif level == 2:
+            yield self._with_torso
+        elif level == 3:
+            self._here.recorder.add_body(self._seat_region())
+            if self.other_posture is not None:
+                yield self._in_other_posture
+        elif level == 4 and MOVE in self._here.actions:
+            if self.other_posture is not None and self._here.posture == "sitting":
+                self._here.recorder.add_body(self._here.collisions.filled(self.other_posture.state))
+            if self.walk is not None:
+                self._here.recorder.floor = True
+                yield from self.walk.candidates(target)
+
+    def why_none(self, level: int) -> Miss:
+        """Why an effort level has no candidates."""
+        here = self._here
+        if level == 4 and MOVE in here.actions and here.posture == "sitting" and self.other_posture is not None:
+            blocking = here.collisions.blocking(self.other_posture.state)
+            return Miss(Reason.NO_STANDING, f"{STAND} is blocked: {blocking}", hindrance=blocking)
+        return NO_CANDIDATE[level]
 
     @cached_property
-    def other_posture(self) -> Stance | None:
+    def current(self) -> Candidate:
+        """The current state."""
+        return Candidate(self._here.state)
+
+    @cached_property
+    def other_posture(self) -> Candidate | None:
         """The agent after standing up, or sitting down if there is a seat; None if it cannot. It may collide."""
-        if self.posture == "sitting" and STAND in self.actions:
-            return Stance(with_posture(self._shown(), self.agent, "standing"), (STAND,))
-        if self.posture == "standing" and SIT in self.actions:
-            seat = seat_height_m(self._shown(), self.agent, self.settings.efforts)
+        here = self._here
+        stage = here.stage.show(here.state)
+        if here.posture == "sitting" and STAND in here.actions:
+            return Candidate(with_posture(stage, here.agent, "standing"), (STAND,))
+        if here.posture == "standing" and SIT in here.actions:
+            seat = seat_height_m(stage, here.agent, here.settings.efforts)
             if seat is not None:
-                return Stance(with_posture(self._shown(), self.agent, "sitting", seat_height_m=seat), (SIT,))
+                return Candidate(with_posture(stage, here.agent, "sitting", seat_height_m=seat), (SIT,))
         return None
 
     @cached_property
-    def upright(self) -> Stance | None:
+    def upright(self) -> Candidate | None:
         """The agent standing, free of collisions, ready to walk; None if it cannot be."""
-        if self.posture == "standing":
-            return self.here
+        if self._here.posture == "standing":
+            return self.current
         standing = self.other_posture
-        return standing if standing is not None and self.blocked(standing.state) is None else None
-
-    @cached_property
-    def _here_alone(self) -> Stances:
-        return Stances(self._bent(self.here, [Bend()]))
-
-    @cached_property
-    def _bent_here(self) -> Stances:
-        bends = [bend for bend in self._bends(self.actions) if bend.actions]
-        return Stances(self._bent(self.here, bends))
-
-    @cached_property
-    def _bent_other(self) -> Stances:
-        assert self.other_posture is not None
-        return Stances(self._bent(self.other_posture, self._bends(self.actions)))
-
-    def _displaced(self, target: Array) -> Iterator[Stances]:
-        if MOVE not in self.actions:
-            return
-        if self.other_posture is not None and self.posture == "sitting":
-            self.consulted.add_body(self._filled(self.other_posture))
-        if self.walk is not None:
-            self.walked = True
-            yield from self.walk.stances(target)
+        free = standing is not None and self._here.collisions.blocking(standing.state) is None
+        return standing if free else None
 
     @cached_property
     def walk(self) -> Walk | None:
         """Where the agent can go; None if it cannot walk."""
-        if MOVE not in self.actions or self.upright is None:
+        here = self._here
+        if MOVE not in here.actions or self.upright is None:
             return None
-        agent, state, axis = self.agent, self.upright.state, self.agent.profile.turn
-        bent = self._bent(self.upright, self._bends(self.actions - {TURN}))
-        self.stage.show(state)
-        floor = Floor(state, agent, self.settings.efforts, self.collisions.footprint(), self._known_floor)
-        turned_rad = float(self.state.qpos[agent.joints[axis.joint]]) if axis else 0.0
-        return Walk(bent, yaw_of(state.qpos[agent.base][3:]) + turned_rad, floor)
+        agent, state, axis = here.agent, self.upright.state, here.agent.profile.turn
+        torso = self._torso(self.upright, self._poses(here.actions - {TURN}))
+        here.stage.show(state)
+        floor = Floor(state, agent, here.settings.efforts, here.collisions.footprint(), here.known_floor)
+        turned_rad = float(here.state.qpos[agent.joints[axis.joint]]) if axis else 0.0
+        return Walk(torso, yaw_of(state.qpos[agent.base][3:]) + turned_rad, floor)
 
     @property
-    def floor_places(self) -> tuple[Place, ...]:
+    def places(self) -> tuple[Place, ...]:
         """All places that the agent can get to; none if it cannot walk."""
         return () if self.walk is None else self.walk.places
 
@@ -316,26 +280,106 @@ class Standpoint:
         if self.__dict__.get("walk") is None or self.upright is None:
             return {}
         assert self.walk is not None
-        return self.walk.floor.known_after(self._filled(self.upright).bounds, moved)
+        return self.walk.floor.known_after(self._here.collisions.filled(self.upright.state).bounds, moved)
 
-    def _filled(self, stance: Stance) -> Region:
-        """What the agent's head, torso and base fill in a stance."""
-        region = Region()
-        self.stage.show(stance.state)
-        self.collisions.add_to(region)
+    def _seat_region(self) -> Region:
+        """Where a seat is looked for."""
+        region, here = Region(), self._here
+        region.add_points(here.stage.show(here.state).geom_centers(here.agent.geoms), AROUND_M)
         return region
 
-    def _bends(self, actions: frozenset[str]) -> list[Bend]:
-        return bends_of(self.agent, self.state, self.settings.efforts, actions)
+    @cached_property
+    def _current(self) -> Candidates:
+        return Candidates(self._torso(self.current, [TorsoPose()]))
 
-    def _bent(self, start: Stance, bends: Sequence[Bend]) -> Bent:
-        return Bent.of(self.agent, start, self._frames_of(start), bends)
+    @cached_property
+    def _with_torso(self) -> Candidates:
+        return Candidates(self._torso(self.current, [pose for pose in self._poses(self._here.actions) if pose.actions]))
 
-    def _frames_of(self, stance: Stance) -> Frames:
-        key = stance.actions
-        if key not in self._frames:
-            self._frames[key] = Frames(self.stage.show(stance.state), self.agent)
-        return self._frames[key]
+    @cached_property
+    def _in_other_posture(self) -> Candidates:
+        assert self.other_posture is not None
+        return Candidates(self._torso(self.other_posture, self._poses(self._here.actions)))
 
-    def _shown(self) -> Stage:
-        return self.stage.show(self.state)
+    def _poses(self, actions: frozenset[str]) -> list[TorsoPose]:
+        return torso_poses(self._here.agent, self._here.state, self._here.settings.efforts, actions)
+
+    def _torso(self, start: Candidate, poses: Sequence[TorsoPose]) -> TorsoPoses:
+        here, posture = self._here, start.actions
+        if posture not in self._frames:
+            self._frames[posture] = Frames(here.stage.show(start.state), here.agent)
+        return TorsoPoses.of(here.agent, start, self._frames[posture], poses)
+
+
+DOWN = (0.0, 0.0, -1.0)
+HEADROOM_M = 0.05
+"""How far above the highest seat the search begins."""
+
+
+def seat_height_m(stage: Stage, agent: Agent, settings: Efforts) -> float | None:
+    """Height of what the agent would sit down onto, metres; None if nothing there has a seat's height.
+
+    Args:
+        stage: The scene in the agent's state. Agents are looked through, and nobody sits on one.
+        agent: The agent.
+        settings: Heights of seats.
+    """
+    lowest, highest = settings.seat_height_m
+    scene = stage.scene
+    things = [geom for geom, owner in enumerate(scene.owners) if owner not in scene.agents]
+    above = (*seat_position(stage, agent), highest + HEADROOM_M)
+    geoms, distances = stage.cast(above, [DOWN], only=things)
+    height = highest + HEADROOM_M - float(distances[0])
+    return height if geoms[0] >= 0 and lowest <= height <= highest else None
+
+
+# --- What the judges of the three abilities share: how candidates are screened, and what comes of it.
+
+
+@dataclass(frozen=True, eq=False)
+class Hit:
+    """How the ability holds from a candidate.
+
+    Attributes:
+        angles_rad: Angles of the head, by index into qpos, in the attained state; the others are the candidate's.
+        actions: Virtual actions after those of the candidate, in order.
+        head_rad: How far the head turned, radians.
+        cost: Decides between equal amounts: the least is taken. Less of what is seen, or farther from the shoulder.
+        find_evidence: Finds what shows it; only asked of the hit that is chosen.
+    """
+
+    find_evidence: Callable[[], Attained]
+    angles_rad: Mapping[int, float] = field(default_factory=dict)
+    actions: tuple[str, ...] = ()
+    head_rad: float = 0.0
+    cost: float = 0.0
+
+
+FindMiss = Callable[[], Miss]
+"""Finds why the ability does not hold; only asked if somebody wants to know."""
+
+
+class Screening(Protocol):
+    """Candidates of one batch, passed over quickly where the ability surely does not hold."""
+
+    def next(self, start: int, stop: int) -> int:
+        """The first candidate from ``start`` on from which the ability may hold; ``stop`` if none before it does."""
+
+    def results(self, index: int) -> Iterator[Hit | FindMiss]:
+        """How it holds from that candidate, best first; or why it does not."""
+
+    def miss(self) -> Miss | None:
+        """Why it does not hold from those passed over: the nearest miss; None if there were none. Asked at last."""
+
+
+class Judge(Protocol):
+    """Judges one ability towards one object. The stage may show anything before and after each call."""
+
+    def unknown(self, level: int) -> str | None:
+        """Why nothing can be said at an effort level, for want of tracking; None if something can."""
+
+    def without_effort(self) -> Hit | FindMiss:
+        """Level 0: whether the ability holds in the current state."""
+
+    def screen(self, candidates: Candidates) -> Screening:
+        """Look through candidates."""

@@ -168,7 +168,7 @@ def _damage_reported(path: Path) -> Iterator[None]:
 def _check_ours(found: _Found, path: Path) -> None:
     if "recording" not in found.metadata:
         topics = ", ".join(sorted(found.topics.values())) or "none"
-        hint = "taskgist reads recordings that it has written; import other motion as tables (docs/import.md)"
+        hint = "taskgist reads recordings that it has written; import other motion as tables (docs/howto/import.md)"
         problem = "an MCAP file, but not a recording of taskgist"
         raise RecordingError(problem, where=path, value=f"topics: {topics}", hint=hint)
     version = found.metadata["recording"].get("format")

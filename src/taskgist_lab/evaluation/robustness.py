@@ -211,7 +211,7 @@ class Comparison(Result):
     """Why, by name."""
 
 
-POPPER = "not compared; docs/evaluation.md says why"
+POPPER = "not compared; docs/research/evaluation.md says why"
 
 
 def compared(

@@ -13,6 +13,7 @@ from typer.testing import CliRunner, Result
 from taskgist_lab.cli.evaluate import EXPERIMENTS, HELD_OUT_SEED, evaluate
 from taskgist_lab.evaluation.pool import write_pool
 from tests.lab.evaluation.pools import study_pool
+from tests.schemas import hold_to_schema
 
 app = typer.Typer(rich_markup_mode=None, add_completion=False, pretty_exceptions_enable=False)
 app.command("evaluate")(evaluate)
@@ -39,6 +40,7 @@ def document(pool: Path, *words: object) -> dict[str, Any]:
     outcome = on(pool, *words, "--json")
     assert (outcome.exit_code, outcome.stderr) == (0, "")
     found: dict[str, Any] = json.loads(outcome.stdout)
+    hold_to_schema("evaluate", found)
     return found
 
 

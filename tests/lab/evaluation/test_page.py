@@ -12,7 +12,7 @@ from tests.lab.evaluation.pools import study_pool
 from tools.evaluation_page import about, tables
 from tools.markdown import filled
 
-PAGE = Path(__file__).parents[3] / "docs" / "evaluation.md"
+PAGE = Path(__file__).parents[3] / "docs" / "research" / "evaluation.md"
 MARK = re.compile(r"^<!-- (?!end)(.+) -->$", re.MULTILINE)
 
 

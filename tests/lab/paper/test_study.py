@@ -52,7 +52,7 @@ def test_processes_change_nothing_but_the_times() -> None:
     assert [each.explanation for each in apart["hide"]] == [each.explanation for each in judged()["hide"][:2]]
 
 
-PAGE = Path(__file__).parents[3] / "docs" / "study.md"
+PAGE = Path(__file__).parents[3] / "docs" / "research" / "study.md"
 MEASURED_ELSEWHERE = {"table 3"}
 """What of the page holds times of the computer on which it was made."""
 

@@ -1,1 +1,0 @@
-"""Grasps: sampled on shapes, kept by form, judged by collisions."""

@@ -1,0 +1,242 @@
+"""The object that an ability is asked about, as it is in one state, and where it was looked or felt for.
+
+An answer of perspective keeps to the regions in which it was found: what moves elsewhere does not change it. They are
+noted where things are looked at and collisions are tested, for all abilities alike.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from taskgist.common.arrays import Array
+from taskgist.common.compiled import compiled
+from taskgist.perspective.effort import Vector
+from taskgist.settings import Settings
+from taskgist.world.contacts import object_points
+from taskgist.world.stage import Stage
+
+
+def vector(values: Array) -> Vector:
+    """A point or a direction, (3,), as plain numbers for evidence."""
+    x, y, z = values.tolist()
+    return (x, y, z)
+
+
+SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+
+
+class Sought(NamedTuple):
+    """An object that is looked for, as compiled functions take it.
+
+    Attributes:
+        shapes: Its seen shapes, (n,).
+        centers: Their centres, metres, (n, 3).
+        radii_m: Radii of balls about these that hold the shapes, (n,).
+        corners: Corners of the boxes around them, metres, (8 n, 3).
+        middle: Mean of the centres, (3,).
+    """
+
+    shapes: NDArray[np.intp]
+    centers: Array
+    radii_m: Array
+    corners: Array
+    middle: Array
+
+
+class Target:
+    """An object where it is. It may be asked while the stage shows other states of some agent: objects stay.
+
+    Args:
+        stage: The scene.
+        name: The object.
+        settings: Size of the cells.
+    """
+
+    def __init__(self, stage: Stage, name: str, settings: Settings) -> None:
+        self._stage, self.name, self._settings = stage, name, settings
+        self.shapes = stage.scene.seen_geoms(name)
+
+    @cached_property
+    def centers(self) -> Array:
+        """Centres of its seen shapes, metres, (n, 3)."""
+        return self._stage.geom_centers(self.shapes)
+
+    @cached_property
+    def radii_m(self) -> Array:
+        """Radii of balls about these that hold the shapes, (n,)."""
+        return np.asarray(self._stage.scene.model.geom_rbound[self.shapes])
+
+    @cached_property
+    def middle(self) -> Array:
+        """Mean of the centres, metres, (3,)."""
+        return np.asarray(self.centers.mean(axis=0))
+
+    @cached_property
+    def points(self) -> Array:
+        """Points of its cells, metres, (k, 3)."""
+        return object_points(self._stage, self.name, self._settings.reach.cell_m)
+
+    @cached_property
+    def corners(self) -> Array:
+        """Corners of the boxes around its seen shapes, metres, (8 n, 3)."""
+        bounds = self._stage.scene.model.geom_aabb[self.shapes]
+        local = bounds[:, None, :3] + SIGNS * bounds[:, None, 3:]
+        positions, matrices = self._stage.geoms(self.shapes)
+        turned = local @ matrices.reshape(-1, 3, 3).transpose(0, 2, 1)
+        return np.asarray((turned + positions[:, None]).reshape(-1, 3))
+
+    @cached_property
+    def sought(self) -> Sought:
+        """For those who look for it."""
+        return Sought(self.shapes, self.centers, self.radii_m, self.corners, self.middle)
+
+    @cached_property
+    def others(self) -> NDArray[np.intp]:
+        """All other seen shapes of the scene, (m,)."""
+        counted = self._stage.seen.copy()
+        counted[self.shapes] = False
+        return np.flatnonzero(counted)
+
+
+# --- Regions: boxes along the world's axes, in which something was looked at or felt for.
+
+BODIES = 8
+"""How many places of an agent are kept apart; further ones are taken together."""
+NOWHERE: Array = np.array(((np.inf,) * 3, (-np.inf,) * 3))
+SLACK = 1e-9
+"""For rounding: rather asked once too often."""
+
+
+class Region:
+    """A box that grows, along the world's axes; empty at first.
+
+    ``bounds`` are its lowest and highest corners in metres, (2, 3).
+    """
+
+    def __init__(self) -> None:
+        self.bounds: Array = NOWHERE.copy()
+
+    def add_balls(self, centers: Array, radii_m: Array) -> None:
+        """Let it hold balls: centres in metres, (n, 3), and radii, (n,)."""
+        _add_balls(self.bounds, centers, radii_m)
+
+    def add_points(self, points: Array, margin_m: float = 0.0) -> None:
+        """Let it hold points, metres, (n, 3), and what is within a margin of them."""
+        _add_balls(self.bounds, points, np.full(len(points), margin_m))
+
+    def add(self, other: Region) -> None:
+        """Let it hold another region."""
+        np.minimum(self.bounds[0], other.bounds[0], out=self.bounds[0])
+        np.maximum(self.bounds[1], other.bounds[1], out=self.bounds[1])
+
+    def grow(self, by_m: ArrayLike) -> None:
+        """Let it reach farther on all sides."""
+        self.bounds[0] -= by_m
+        self.bounds[1] += by_m
+
+
+class Recorder:
+    """Where all was looked or felt for, to find an answer.
+
+    Args:
+        own: Where the agent is, and what is near to it.
+
+    Attributes:
+        target: Where the object is, and what is near to it.
+        eyes: From where it was looked at: all lines from there to the object were.
+        floor: Whether the places mattered that the agent can get to.
+    """
+
+    def __init__(self, own: Region) -> None:
+        self._own = own
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget all for a new answer."""
+        self.target, self.eyes, self.floor = Region(), Region(), False
+        self._bodies = [self._own]
+
+    def add_body(self, region: Region) -> None:
+        """Note where the agent might have been, and what is near to it there."""
+        if len(self._bodies) == BODIES:
+            region.add(self._bodies.pop())
+        self._bodies.append(region)
+
+    @property
+    def bounds(self) -> Array:
+        """Lowest and highest corners of object, eyes and bodies, metres, (2 + BODIES, 2, 3); empty ones at last."""
+        regions = [self.target, self.eyes, *self._bodies]
+        return np.stack([region.bounds for region in regions] + [NOWHERE] * (2 + BODIES - len(regions)))
+
+
+@compiled
+def _add_balls(bounds: Array, centers: Array, radii_m: Array) -> None:
+    for i in range(len(centers)):
+        for axis in range(3):
+            bounds[0, axis] = min(bounds[0, axis], centers[i, axis] - radii_m[i])
+            bounds[1, axis] = max(bounds[1, axis], centers[i, axis] + radii_m[i])
+
+
+@compiled
+def touched(regions: Array, boxes: Array) -> NDArray[np.bool_]:
+    """Whether each region, (n, 2, 3), touches any of some boxes, (k, 2, 3); (n,)."""
+    found = np.zeros(len(regions), dtype=np.bool_)
+    for i in range(len(regions)):
+        for k in range(len(boxes)):
+            found[i] |= not _apart(regions[i], boxes[k])
+    return found
+
+
+@compiled
+def crossed(recorded: Array, boxes: Array) -> NDArray[np.bool_]:
+    """Whether the regions of each answer, (n, 2 + BODIES, 2, 3), touches any of some boxes, (k, 2, 3); (n,)."""
+    found = np.zeros(len(recorded), dtype=np.bool_)
+    for i in range(len(recorded)):
+        target, eyes, bodies = recorded[i, 0], recorded[i, 1], recorded[i, 2:]
+        start = target if _empty(eyes) else eyes
+        for k in range(len(boxes)):
+            found[i] |= not _empty(target) and _between(start, target, boxes[k])
+            for body in range(len(bodies)):
+                if found[i] or _empty(bodies[body]):
+                    break
+                found[i] = not _apart(bodies[body], boxes[k])
+    return found
+
+
+@compiled
+def _empty(box: Array) -> bool:
+    return bool(box[0, 0] > box[1, 0])
+
+
+@compiled
+def _apart(one: Array, other: Array) -> bool:
+    """Whether two boxes, (2, 3), do not touch."""
+    apart = False
+    for axis in range(3):
+        apart |= one[0, axis] > other[1, axis] or other[0, axis] > one[1, axis]
+    return apart
+
+
+@compiled
+def _between(start: Array, end: Array, box: Array) -> bool:
+    """Whether a box touches the convex hull of two others, all (2, 3): a box on the way from one to the other.
+
+    Each face of those moves evenly with the share of the way, which bounds the shares at which they may touch.
+    """
+    least, most = 0.0, 1.0
+    for axis in range(3):
+        for side, bound in ((0, box[1, axis]), (1, box[0, axis])):
+            sign = 1.0 - 2.0 * side  # the lower face must not be above the box, nor the upper one below it
+            at, by = sign * (start[side, axis] - bound), sign * (end[side, axis] - start[side, axis])
+            if by == 0.0:
+                if at > 0.0:
+                    return False
+            elif by > 0.0:
+                most = min(most, -at / by)
+            else:
+                least = max(least, -at / by)
+    return least <= most + SLACK
