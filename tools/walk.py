@@ -2,7 +2,7 @@
 
     python -m tools.walk learn demo.mcap -k /tmp/knowledge.db
     python -m tools.walk --json query room.toml --object cup
-    python -m tools.walk --page                # measure the examples below, put the figures into docs/architecture.md
+    python -m tools.walk --page          # measure the examples below, put the figures into docs/how/architecture.md
 
 Counts the files, and the functions in them, that *run* while the command works; compiled functions count where Python
 calls them. What runs while a module is imported (module and class bodies, decorators) does not count: how many of our
