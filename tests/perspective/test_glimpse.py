@@ -18,8 +18,11 @@ from taskgist.errors import UnknownNameError
 from taskgist.perspective import Standpoint, effort_from, visibility, visibility_from
 from taskgist.perspective.candidates import Stances, UsableHead
 from taskgist.perspective.effort import Among
-from taskgist.perspective.image import from_eye, in_shadow, lens_of, look
-from taskgist.perspective.see import See, aimed, next_glimpse, turned_heads
+from taskgist.perspective.gaze import aimed, turned_heads
+from taskgist.perspective.glimpse import next_glimpse
+from taskgist.perspective.image import lens_of, look
+from taskgist.perspective.occlusion import from_eye, in_shadow
+from taskgist.perspective.see import See
 from taskgist.world import Scene, Stage, State
 from taskgist.world.geometry.rays import NO_GEOM
 from tests.perspective.random_rooms import OCTAHEDRON, WEDGE, random_case

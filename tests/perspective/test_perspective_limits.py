@@ -26,8 +26,8 @@ from taskgist.perspective.actions import Stance
 from taskgist.perspective.candidates import Stances
 from taskgist.perspective.effort import Miss, Outcome, Why
 from taskgist.perspective.floor import Floor, Place, moved
+from taskgist.perspective.gaze import aimed
 from taskgist.perspective.search import Found, least
-from taskgist.perspective.see import aimed
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage
 from tools.rooms import COARSE, Person, Room, Thing, chair, table, wall

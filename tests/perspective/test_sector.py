@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from taskgist.perspective import Standpoint
 from taskgist.perspective.candidates import Stances
 from taskgist.perspective.effort import Miss, Outcome
-from taskgist.perspective.reach import Cloud, Reach, ReachAmong, grasps_in_reach
+from taskgist.perspective.reach import Cloud, Reach, ReachAmong
+from taskgist.perspective.sector import grasps_in_reach
 from taskgist.world import Arm, ArmIndices, Pose
 from tests.perspective.random_rooms import random_case
 from tools.rooms import COARSE, Person, Room, Thing, chair

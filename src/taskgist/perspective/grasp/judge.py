@@ -21,7 +21,8 @@ from taskgist.perspective.candidates import Stances
 from taskgist.perspective.effort import Among, Hopeless, Miss, Outcome, Why
 from taskgist.perspective.grasp.grasps import Grasps, Hands
 from taskgist.perspective.grasp.sampling import TOUCH_M, grasps_in_object
-from taskgist.perspective.reach import DIGITS, ByHand, Cloud, ReachAmong, grasps_in_reach
+from taskgist.perspective.reach import ByHand, Cloud, ReachAmong
+from taskgist.perspective.sector import DIGITS, grasps_in_reach
 from taskgist.perspective.viewpoint import Standpoint, Target
 from taskgist.world.bodies.agent import Agent, ArmIndices
 from taskgist.world.bodies.hands import Hand
