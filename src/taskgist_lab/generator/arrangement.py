@@ -82,7 +82,7 @@ class Arrangement:
     """A room in the making.
 
     Attributes:
-        rng: Source of everything that is drawn.
+        rng: Source of everything that is chosen.
         table: The table that people are at.
         performer: Who will act.
         target: For whom.
