@@ -1,4 +1,4 @@
-"""Pictures of evaluations: learning curves, tables of truth, robustness, peers."""
+"""Pictures of the lab: contact sheets, learning curves, the hypothesis tree, demonstrations from all sides."""
 
 from __future__ import annotations
 
@@ -60,6 +60,8 @@ def contact_sheet(recordings: Sequence[Recording], titles: Sequence[str], path: 
         draw_outside(axes, stage, camera, recording.label, name)
     return save_figure(figure, path)
 
+
+# --- Evaluations: learning curves, tables of truth, robustness, peers.
 
 INK, SOFT = "#222222", "#9a9a9a"
 COLOURS = ("#1f5fa8", "#b5651d", "#3a7d44", "#7a4a9e", "#c23b50", "#4f9da6")

@@ -1,4 +1,4 @@
-"""How many demonstrations it takes to reach the intuitive understanding of Table 4 (8.2)."""
+"""Experiments: how many demonstrations it takes (Table 4), and whether what is learned holds in others."""
 
 from __future__ import annotations
 
@@ -149,6 +149,8 @@ def scores_of(true: NDArray[np.float64], own: int) -> NDArray[np.float64]:
 def _means(shares: NDArray[np.float64]) -> tuple[float, ...]:
     return tuple(rounded(each) for each in shares.mean(axis=0))
 
+
+# --- How many demonstrations it takes to reach the intuitive understanding of Table 4 (8.2).
 
 ALL = "all"
 """Column that asks for all three cells of a row."""

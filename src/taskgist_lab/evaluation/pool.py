@@ -1,4 +1,4 @@
-"""A pool: judged demonstrations of all tasks, from which experiments take theirs."""
+"""A pool: judged demonstrations of all tasks, made, kept on disk, and handed to the experiments."""
 
 from __future__ import annotations
 

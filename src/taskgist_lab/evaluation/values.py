@@ -1,4 +1,4 @@
-"""A sample: what one demonstration was judged to be, kept without its evidence."""
+"""Samples and results as values: what a demonstration was judged to be, numbers with their spread, and plain data."""
 
 from __future__ import annotations
 

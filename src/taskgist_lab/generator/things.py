@@ -1,4 +1,4 @@
-"""Small things of random rooms: what is on tables, in random sizes and colours."""
+"""Small things of random rooms: what is on tables, in random sizes and colours, and the meshes of some."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Table 2: consistency of the object's final status over the demonstrations of *show*; and the wide band (7.3)."""
+"""Tables 2, 3 and 4 of the paper, with ours in the same cells."""
 
 from __future__ import annotations
 
@@ -34,6 +34,8 @@ from taskgist_lab.paper.published import (
 )
 
 TASK, NODE = "show", "placement.status.2"
+# --- Table 2: consistency of the object's final status over the demonstrations of *show*; and the wide band (7.3).
+
 HALF_A_DIGIT = Fraction(1, 200_000)
 """The paper rounds to five decimals."""
 TABLE_2_PRINTED: tuple[Mapping[str, str], ...] = tuple(
