@@ -61,7 +61,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "learning": set(),
     "store": {"sqlalchemy"},
     "world": {"numpy", "numba", "mujoco", "mink", "coacd", "tomli_w"},
-    "moving": {"numpy", "scipy"},
+    "moving": {"numpy"},
     "perspective": {"numpy"},
     "maps": {"numpy"},
     "observe": {"numpy"},

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline
 
 from taskgist.moving.motion import AMPLITUDE_RAD, FREQUENCIES_HZ, Motion, minimum_jerk, sway, through
 
@@ -48,6 +49,16 @@ def test_the_curve_through_knots_on_a_line_is_that_line() -> None:
     places = np.array([0.0, 0.3, 0.35, 1.0])
     wanted = np.linspace(0.0, 1.0, 11)
     assert through(places[:, None] * (2.0, -1.0), places, wanted) == pytest.approx(wanted[:, None] * (2.0, -1.0))
+
+
+@pytest.mark.parametrize("count", [2, 3, 6])
+def test_the_curve_is_the_natural_spline(count: int) -> None:
+    """Scipy's differs by rounding, which is enough to let a thing that is thrown come to rest elsewhere."""
+    rng = np.random.default_rng(count)
+    knots, places = rng.normal(size=(count, 4)), np.r_[0.0, np.sort(rng.uniform(0.1, 0.9, count - 2)), 1.0]
+    wanted = np.linspace(0.0, 1.0, 101)
+    witness = CubicSpline(places, knots, bc_type="natural")(wanted)
+    assert through(knots, places, wanted) == pytest.approx(witness, abs=1e-9)
 
 
 def test_curves_have_no_corners() -> None:

@@ -82,10 +82,16 @@ def assert_same(scene: Scene, states: Sequence[State], every: int = 1, settings:
 
 
 def assert_confirmed_stands(scene: Scene, states: Sequence[State]) -> None:
-    """Live, at every frame: what has been confirmed of each fact is the beginning of what all frames will say."""
+    """Live, at every frame: what has been confirmed of each fact is the beginning of what all frames will say.
+
+    And whatever was asked too early spoils no later answer.
+    """
     whole, growing = intervals(Observer(scene, States(states))), Observer(scene)
     for state in states:
         growing.append(state)
+        said(growing, state.time_s)
         for fact, found in intervals(growing).items():
             confirmed = [(value, start_s) for value, start_s, _ in found]
             assert confirmed == [(value, start_s) for value, start_s, _ in whole[fact][: len(confirmed)]], fact
+    growing.finish()
+    assert intervals(growing) == whole

@@ -16,7 +16,7 @@ from taskgist.observe import HandStatus, Interval, Placement, velocity
 from taskgist.settings import DEFAULT, Contact, Settings, Timing
 from taskgist.world import Hold, Holding, Scene, Stage, State, hand_known, holding_of, posture_of, rests_on
 from taskgist.world.geometry.transforms import Pose
-from taskgist.world.holding import near_holds
+from taskgist.world.holding import possible_holds
 
 H = TypeVar("H", bound=Hashable)
 T = TypeVar("T")
@@ -166,7 +166,7 @@ def hands_of(stage: Stage, settings: Contact) -> Hands:
         if hand_known(stage, agent, arm)
     }
     objects = {name: stage.body(scene.object_body(name)) for name in scene.objects if state.known([name])}
-    return Hands(state, near_holds(stage, settings), palms, objects)
+    return Hands(state, possible_holds(stage, settings), palms, objects)
 
 
 class HoldingWatch:

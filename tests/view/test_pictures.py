@@ -121,7 +121,7 @@ def test_before_and_after(tmp_path: Path) -> None:
     shown, subject = recording("show_a"), label("show_a")
     stage = Stage(shown.scene)
     states = (shown.at(subject.start_s), shown.at(subject.end_s))
-    path = before_after_picture(stage, states, subject.target_agent, subject.target_object, tmp_path / "both.png")
+    path = before_after_picture(stage, states, subject, tmp_path / "both.png")
     assert marked_pixels(path) > 200
     assert stage.state is states[1]
     assert matplotlib.image.imread(path).shape[:2] == (860, 1200)

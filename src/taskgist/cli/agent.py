@@ -18,8 +18,6 @@ from taskgist.world.bodies.profile import DERIVED_M, Axis
 from taskgist.world.body_check import BODY, BodyCheck, check_body
 from taskgist.world.stage import Stage
 
-# --- What ``taskgist agent check`` says of a body, as data and as text.
-
 
 def found_in(result: BodyCheck) -> dict[str, object]:
     """Everything that was found of a profile, as plain data."""

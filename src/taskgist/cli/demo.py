@@ -83,6 +83,4 @@ def _picture(recording: Recording, path: Path) -> Path:
     title = f"{label.task}: {label.performing_agent} → {label.target_agent}, {label.target_object} ({recording.name})"
     from taskgist.view.scene import before_after_picture  # with matplotlib, which only pictures should wait for
 
-    return before_after_picture(
-        Stage(recording.scene), states, label.target_agent, label.target_object, path, title=title
-    )
+    return before_after_picture(Stage(recording.scene), states, label, path, title=title)

@@ -22,8 +22,6 @@ from taskgist.learning.explanation import Context
 from taskgist.learning.understanding import Judgement, Understanding, questions_of
 from taskgist.settings import BANDS, DEFAULT
 
-# --- How an understanding is printed: clause, tree, meaning, questions; and the same as JSON.
-
 STYLES = {
     Verdict.RELEVANT: "green",
     Verdict.IRRELEVANT: "dim",

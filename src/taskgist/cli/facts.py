@@ -18,7 +18,7 @@ from taskgist.learning.explanation import Explanation, explain
 from taskgist.observe.attributes import snapshot
 from taskgist.observe.observer import Observer
 from taskgist.pipeline.explain import episode_of
-from taskgist.pipeline.facts_over_time import Timeline, timeline
+from taskgist.pipeline.timelines import Timeline, timeline
 from taskgist.recording.mcap import read
 from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT

@@ -90,7 +90,7 @@ def _one(number: int) -> object:
     return _work(number)
 
 
-# --- Progress of long work.
+# Progress of long work.
 
 Progress = Callable[[str, float], None]
 """Called with what is being done and how far it is, from 0 to 1."""

@@ -9,7 +9,7 @@ from taskgist.facts.tree import HypothesisTree, Leaf, Nature, Relation, Subtree
 from taskgist.facts.values import UNKNOWN, ScoreAttribute, SidedAttribute, SymbolAttribute, Unknown, Value
 from taskgist.settings import Settings
 
-# --- Comparisons (level 2): how an attribute differs between the start (¹) and the end (²) of a demonstration.
+# Comparisons (level 2): how an attribute differs between the start (¹) and the end (²) of a demonstration.
 
 
 def compare_efforts(initial: str, final: str, _settings: Settings) -> Value:
@@ -75,7 +75,7 @@ def compare_motions(initial: str, final: str, _settings: Settings) -> Value:
     return classes[initial, final]
 
 
-# --- Natures (level 1): what a change means for the target agent.
+# Natures (level 1): what a change means for the target agent.
 #
 # Each takes the class of level 2 and the final symbol of level 3; both are known when a nature is asked for, but for
 # the hands, whose class may be known where the status of a hand is not.

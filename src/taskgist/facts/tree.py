@@ -43,7 +43,7 @@ from taskgist.errors import FactsError, UnknownNameError
 from taskgist.facts.values import NOT_OBSERVED, UNKNOWN, Attribute, Observation, Raw, Unknown, Value
 from taskgist.settings import DEFAULT, Settings
 
-# --- One subtree of the hypothesis tree: an attribute, its comparison and its nature, declared as data (Fig. 3).
+# One subtree: an attribute, its comparison and its nature, declared as data (Fig. 3).
 
 Instant: TypeAlias = Literal[1, 2]
 """1: the initial world state (WI); 2: the final one (WF)."""
@@ -222,7 +222,7 @@ def _plain(raw: Raw) -> Json:
     return None if isinstance(raw, Unknown) else freeze(raw)
 
 
-# --- An episode: what was observed at both ends of one demonstration, for one target agent and object.
+# An episode: what was observed at both ends of one demonstration, for one target agent and object.
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,7 @@ NOT_OBSERVED: Final[Observation[Unknown]] = Observation(UNKNOWN)
 """An attribute of which nothing is known."""
 
 
-# --- Attributes (level 3): what is observed at one instant, and how it becomes a symbol (5.1-5.3).
+# Attributes (level 3): what is observed at one instant, and how it becomes a symbol (5.1-5.3).
 
 NEGLIGIBLE = "≈ 0"
 """Symbol of a visibility score too small to count (Eq. 38: "≈ 0")."""

@@ -8,7 +8,7 @@ from taskgist.facts import vocabulary as v
 from taskgist.facts.tree import Instant, Node
 from taskgist.facts.values import NEGLIGIBLE
 
-# --- Phrases of changes: comparisons (level 2) and natures (level 1) in plain English.
+# Phrases of changes: comparisons (level 2) and natures (level 1) in plain English.
 
 ABILITIES = {"reach": "reaching the object", "grasp": "grasping the object", "see": "seeing the object"}
 
@@ -73,7 +73,7 @@ CHANGES: dict[str, dict[str, str]] = {
 """What each value of a node of level 1 or 2 says; "it" is the target agent."""
 
 
-# --- Phrases of states (level 3) in plain English, at the start and at the end.
+# Phrases of states (level 3) in plain English, at the start and at the end.
 
 Phrase = Callable[[str, Instant], str]
 """Says the value of a node at the start (1) or the end (2)."""

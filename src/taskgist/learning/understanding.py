@@ -39,7 +39,7 @@ from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Explanation
 from taskgist.settings import DEFAULT, Learning
 
-# --- Answers: what a person said about a predicate that the demonstrations left open (6.4).
+# Answers: what a person said about a predicate that the demonstrations left open (6.4).
 #
 # Answers are kept as evidence with author and time, and none is ever thrown away: who changes their mind gives a
 # later answer, and withdrawing is such a statement, too. So the answers of two knowledge files merge by union.
@@ -211,6 +211,9 @@ def _judge(node: Node, experience: Experience, rule: Rule, answer: Answer | None
         value=value,
         kept=above and verdict is Verdict.RELEVANT,
     )
+
+
+# Questions: what the demonstrations neither agree nor contradict about enough (6.4 iii).
 
 
 @dataclass(frozen=True)

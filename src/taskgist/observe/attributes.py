@@ -1,8 +1,8 @@
 """All attributes of the tree at one instant: the seam between geometry and symbols (level 3).
 
-``snapshot`` gathers what is confirmed over time, what ``perspective`` finds in the state, and what a user's own
-predicates observe. A predicate's function is called as ``observe(stage, agent, object)`` with the stage in
-that state, and returns a value of its attribute, a truth value, an ``Observation``, or ``UNKNOWN``.
+``snapshot`` gathers what is confirmed over time, what ``perspective`` finds in the state (5.1), and what a user's own
+predicates observe. A predicate's function is called as ``observe(stage, agent, object)`` with the stage in that state,
+and returns a value of its attribute, a truth value, an ``Observation``, or ``UNKNOWN``.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.stage import Stage
 
-# --- Abilities and visibility as attributes: what perspective finds, in the words of the tree (5.1).
-
+Snapshot = dict[str, Observation[Raw]]
+"""What was observed at one instant, by attribute."""
 LADDERS = {"see": v.SEE_EFFORTS, "reach": v.REACH_EFFORTS, "grasp": v.REACH_EFFORTS}
 
 
-def ability_observations(stage: Stage, agent: str, name: str, settings: Settings) -> dict[str, Observation[Raw]]:
+def ability_observations(stage: Stage, agent: str, name: str, settings: Settings) -> Snapshot:
     """Effort, state and action of each ability, and the visibility score, in the state that the stage shows.
 
     Args:
@@ -40,7 +40,7 @@ def ability_observations(stage: Stage, agent: str, name: str, settings: Settings
     Returns:
         Observations by attribute: ``reach.effort``, ``reach.state``, ``reach.action``, ..., ``visibility.score``.
     """
-    observations: dict[str, Observation[Raw]] = {}
+    observations: Snapshot = {}
     here = Viewpoint(stage, agent, settings)
     for ability in ABILITIES:
         observations |= _effort_observations(effort_from(here, name, ability, explained=True), settings)
@@ -51,7 +51,7 @@ def ability_observations(stage: Stage, agent: str, name: str, settings: Settings
     return observations
 
 
-def _effort_observations(effort: Effort, settings: Settings) -> dict[str, Observation[Raw]]:
+def _effort_observations(effort: Effort, settings: Settings) -> Snapshot:
     ability = effort.ability
     names = ("effort", "state", "action")
     evidence = _plain(effort.evidence_document)
@@ -74,9 +74,6 @@ def state_symbol(effort: Effort, settings: Settings) -> str:
     bins = {joint: round(angle / bin_rad) for joint, angle in sorted(effort.joints_rad.items())}
     bent = [f"{joint} {round(math.degrees(count * bin_rad)):+d}°" for joint, count in bins.items() if count]
     return ", ".join([effort.posture or "posture unknown", *bent])
-
-
-Snapshot = dict[str, Observation[Raw]]
 
 
 def snapshot(

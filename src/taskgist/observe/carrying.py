@@ -14,7 +14,7 @@ from taskgist.common.arrays import Array
 from taskgist.observe.frames import KEPT_STATES, FrameSequence, Hysteresis, speed_m_s
 from taskgist.settings import Contact
 from taskgist.world.contacts import RestingMemory
-from taskgist.world.holding import Holding, hand_known, holding_of, near_holds
+from taskgist.world.holding import Holding, hand_known, holding_of, possible_holds
 from taskgist.world.stage import Stage
 from taskgist.world.state import Hold, State
 
@@ -31,7 +31,7 @@ class Carrying:
     def __init__(self, stage: Stage, frames: FrameSequence, settings: Contact) -> None:
         self._stage, self._frames, self._settings = stage, frames, settings
         self._resting = RestingMemory(stage.scene, settings)
-        self._near, self._slip_m_s = cache(self._near_in), cache(self._slip_of)
+        self._possible, self._slip_m_s = cache(self._possible_in), cache(self._slip_of)
         self._moves_along = cache(lambda hold: Hysteresis(partial(self._goes_on, hold)))
         self._decided = lru_cache(KEPT_STATES)(self._decided_in)
         self._holding = cache(self._holding_in)
@@ -55,18 +55,18 @@ class Carrying:
 
     def _decided_in(self, index: int) -> State:
         """The state in a frame, and in it those near hands that move along with what they are near to."""
-        moving_along = [hold for hold in self._near(index) if self._moves_along(hold).at(index)]
+        moving_along = [hold for hold in self._possible(index) if self._moves_along(hold).at(index)]
         return self._frames.state(index).with_holding(moving_along)
 
     def _goes_on(self, hold: Hold, index: int, before: bool) -> bool:
         """Whether a hand moves along with an object, if it did so before; of an unknown slip, near is all there is."""
-        if hold not in self._near(index):
+        if hold not in self._possible(index):
             return False
         slip_m_s, limit = self._slip_m_s(hold, index), self._settings
         return slip_m_s is None or slip_m_s < (limit.slip_stop_m_s if before else limit.slip_start_m_s)
 
-    def _near_in(self, index: int) -> frozenset[Hold]:
-        return near_holds(self._stage.show(self._frames.state(index)), self._settings)
+    def _possible_in(self, index: int) -> frozenset[Hold]:
+        return possible_holds(self._stage.show(self._frames.state(index)), self._settings)
 
     def _slip_of(self, hold: Hold, index: int) -> float | None:
         """Speed of a palm in an object's frame around one frame, metres per second; None where it is unknown."""

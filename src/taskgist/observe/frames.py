@@ -219,7 +219,7 @@ class Confirmed(Generic[V]):
         last = here
         while last >= 0:
             first = self._beginning(last)
-            if self._lasts(first, self._ending(first, last) if last == here else last):
+            if self._lasts(first, self._ending(first, last)):
                 return last
             last = first - 1
         return None

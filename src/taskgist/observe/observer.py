@@ -9,7 +9,7 @@ state after another, and can be asked at any moment; what was confirmed by then 
     observer = Observer(scene)
     for state in tracker:
         observer.append(state)
-        observer.placement("cup").at(state.time_s), observer.placement("cup").provisional
+        placement = observer.placement("cup").at(state.time_s)
 """
 
 from __future__ import annotations

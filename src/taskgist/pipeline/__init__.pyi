@@ -6,8 +6,8 @@ from .explain import explain_all as explain_all
 from .explain import explain_recording as explain_recording
 from .explain import label_of as label_of
 from .explain import learn as learn
-from .facts_over_time import Timeline as Timeline
-from .facts_over_time import attribute_nodes as attribute_nodes
-from .facts_over_time import timeline as timeline
 from .shipped import shipped_recordings as shipped_recordings
 from .shipped import shipped_study as shipped_study
+from .timelines import Timeline as Timeline
+from .timelines import attribute_nodes as attribute_nodes
+from .timelines import timeline as timeline

@@ -1,4 +1,4 @@
-"""Pictures of what an agent sees, with the target object marked."""
+"""Pictures of a scene: what an agent sees, and the room from outside with everybody's name; the target is marked."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
 EYE_WIDTH_PX = 640
-OVERVIEW_PX = (640, 400)
-OVERVIEW_FOV_RAD = (math.radians(55), math.radians(36))
+OUTSIDE_WIDTH_PX = 640
+"""Width of the picture from outside beside one through an eye."""
 
 
 def see_picture(
@@ -55,20 +55,18 @@ def see_picture(
 def before_after_picture(
     stage: Stage,
     states: tuple[State, State],
-    agent: str,
-    target: str,
+    label: Label,
     path: Path,
     *,
     settings: Settings = DEFAULT,
     title: str = "",
 ) -> Path:
-    """Save a demonstration's start and end: the room from the side, and what the target agent sees.
+    """Save a demonstration's start and end: the room from outside, and what the target agent sees.
 
     Args:
         stage: The scene; shows the last state afterwards.
         states: Start and end.
-        agent: The target agent.
-        target: The target object.
+        label: Who performs, for whom, with what.
         path: The PNG file to write.
         settings: For the visibility scores in the titles.
         title: Title of the whole picture.
@@ -76,10 +74,11 @@ def before_after_picture(
     figure = Figure(figsize=(12, 8.6), layout="constrained")
     figure.suptitle(title, fontsize=13)
     grid = figure.subplots(2, 2, gridspec_kw={"height_ratios": [1, 1.25]})
-    camera = overview_camera(stage, states)
+    agent, target = label.target_agent, label.target_object
+    camera = camera_outside(stage, states, target, width_px=OUTSIDE_WIDTH_PX)
     for column, (name, state) in enumerate(zip(("start", "end"), states, strict=True)):
         stage.show(state)
-        draw_overview(grid[0, column], stage, camera, target, f"{name}, {state.time_s:.2f} s")
+        draw_outside(grid[0, column], stage, camera, label, f"{name}, {state.time_s:.2f} s")
         draw_eye(grid[1, column], stage, agent, target, settings, f"what {agent} sees at the {name}")
     return save_figure(figure, path)
 
@@ -104,40 +103,6 @@ def draw_eye(axes: Axes, stage: Stage, agent: str, target: str | None, settings:
     _draw_gaze(axes, eye.fov_rad, eye.gaze_cone_rad, EYE_WIDTH_PX, height)
     if target:
         _mark(axes, np.isin(image.geoms, marked), target)
-
-
-def draw_overview(
-    axes: Axes, stage: Stage, camera: tuple[NDArray[np.float64], NDArray[np.float64]], target: str, title: str
-) -> None:
-    """Draw the room from the side, the target object in the colour of attention."""
-    marked = [int(geom) for geom in stage.scene.object_geoms(target)]
-    image = render(stage, looking(*camera), pinhole(OVERVIEW_FOV_RAD, *OVERVIEW_PX), highlight=marked)
-    axes.imshow(np.clip(image.rgb, 0, 1))
-    axes.set_title(title, fontsize=10)
-    axes.set_axis_off()
-
-
-def overview_camera(stage: Stage, states: tuple[State, ...]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A place from which all agents and objects are in the picture, and the point to look at; metres."""
-    scene = stage.scene
-    points = [state.qpos[scene.base_slice(agent)][:3] for state in states for agent in scene.agents]
-    points += [state.qpos[scene.object_slice(name)][:3] for state in states for name in scene.objects]
-    cloud = np.array(points)
-    middle = (cloud.min(axis=0) + cloud.max(axis=0)) / 2
-    middle[2] = 0.9
-    across = _across(cloud[: len(scene.agents)])
-    width = float(np.ptp(cloud[:, :2] @ across[:2])) + 0.9
-    away = np.array([across[1], -across[0], 0.0])
-    distance = max(3.4, width / (2 * math.tan(OVERVIEW_FOV_RAD[0] / 2)) + 0.6)
-    return middle + away * distance + 0.35 * distance * across + np.array([0, 0, 0.85]), middle
-
-
-def _across(agents: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit direction from the first agent to the last, along which a picture is wide."""
-    line = agents[-1] - agents[0] if len(agents) > 1 else np.array([1.0, 0.0, 0.0])
-    line[2] = 0.0
-    length = float(np.linalg.norm(line))
-    return line / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
 
 
 def _score_text(stage: Stage, agent: str, target: str | None, settings: Settings) -> str:
@@ -179,7 +144,7 @@ def _mark(axes: Axes, mask: NDArray[np.bool_], name: str) -> None:
     )
 
 
-# --- Scenes from outside: a camera that shows all people and things of a demonstration, with everybody's name.
+# --- From outside: a camera that shows all people and things of a demonstration, with everybody's name.
 
 FOV_RAD = (math.radians(40), math.radians(28))
 STEEPNESS = 0.42

@@ -1,7 +1,8 @@
-"""Holding: decided once, here. Hand status, placement and effort 0 all read it.
+"""Who holds an object in one state: decided here for hand status, placement and effort 0 alike.
 
 A hand holds an object when it is close to it and the object rests on nothing ("the object is not on a support and the
-hand is close to the object", 8.5). Nothing that rests on a support is held.
+hand is close to the object", 8.5). Nothing that rests on a support is held. Where states follow each other,
+``observe/carrying.py`` tells hands that hold from those that only pass, and writes it into the states.
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ def objects_near(stage: Stage, agent: Agent, settings: Contact) -> tuple[str, ..
     return tuple(name for name in stage.scene.objects if name in near)
 
 
-def near_holds(stage: Stage, settings: Contact) -> frozenset[Hold]:
+def possible_holds(stage: Stage, settings: Contact) -> frozenset[Hold]:
     """Which tracked hands of all agents are close enough to which tracked objects, to hold them."""
     scene, near = stage.scene, set[Hold]()
     for name in scene.agents:

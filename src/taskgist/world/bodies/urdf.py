@@ -24,6 +24,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.errors import SceneError
+from taskgist.world.geometry.transforms import matrix_from_wxyz, normalized, wxyz_from_rotation_vector
 
 # --- COLLADA meshes (``.dae``), which robot descriptions use and MuJoCo does not read, as binary STL.
 #
@@ -90,16 +91,11 @@ def _transform(node: ET.Element) -> Array:
         elif part.tag == "scale":
             step[:3, :3] = np.diag(_floats(part))
         elif part.tag == "rotate":
-            step[:3, :3] = _rotation(*_floats(part))
+            *axis, angle_deg = _floats(part)
+            turn = wxyz_from_rotation_vector(np.radians(angle_deg) * normalized(axis))
+            step[:3, :3] = matrix_from_wxyz(turn)
         result = result @ step
     return result
-
-
-def _rotation(x: float, y: float, z: float, degrees: float) -> Array:
-    """Rodrigues' formula, (3, 3)."""
-    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) / np.linalg.norm((x, y, z))
-    angle = np.radians(degrees)
-    return np.asarray(np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k)
 
 
 def _triangles(geometry: ET.Element) -> Array:

@@ -1,6 +1,6 @@
 """The timeline of a recording: every attribute of one agent and object, as intervals of equal value.
 
-What was watched over time (posture, hands, placement, motion) is exact to the frame; abilities, predicates and
+What is confirmed over time (posture, hands, placement, motion) is exact to the frame; abilities, predicates and
 visibility are sampled.
 """
 
@@ -73,9 +73,9 @@ def timeline(
     stage = Stage(recording.scene)
     first, last = float(recording.times_s[0]), float(recording.times_s[-1])
     times = [*np.arange(first, last, every_s).tolist(), last]
-    watched: Samples = {}
+    exact: Samples = {}
     for number, time_s in enumerate(recording.times_s.tolist(), start=1):
-        _collect(watched, time_s, symbols(whole, status_observations(observer, agent, name, time_s), settings))
+        _collect(exact, time_s, symbols(whole, status_observations(observer, agent, name, time_s), settings))
         progress("watching", number / len(recording))
     samples: Samples = {}
     for number, time_s in enumerate(times, start=1):
@@ -83,7 +83,7 @@ def timeline(
         observed = snapshot(stage, observer, agent=agent, name=name, settings=settings, predicates=predicates)
         _collect(samples, time_s, symbols(whole, observed, settings))
         progress("taking perspective", number / len(times))
-    return Timeline(agent, name, every_s, {key: _intervals(row, last) for key, row in (samples | watched).items()})
+    return Timeline(agent, name, every_s, {key: _intervals(row, last) for key, row in (samples | exact).items()})
 
 
 def _collect(samples: Samples, time_s: float, found: Mapping[str, str | None]) -> None:
