@@ -108,6 +108,13 @@ def test_names_in_python_that_pages_give_exist(page: Path) -> None:
             assert pkgutil.resolve_name(name) is not None, name
 
 
+def test_the_quick_tests_exist() -> None:
+    (listed,) = re.findall(r"^QUICK := \$\(addprefix tests/, (.*?)\)$", text_of("Makefile"), re.DOTALL | re.MULTILINE)
+    paths = listed.replace("\\", " ").split()
+    assert len(paths) > 5
+    assert [path for path in paths if not (ROOT / "tests" / path).exists()] == []
+
+
 def test_one_version_everywhere() -> None:
     project = tomllib.loads(text_of("pyproject.toml"))["project"]["version"]
     assert re.findall(r"^version: (.*)$", text_of("CITATION.cff"), re.MULTILINE) == [project]

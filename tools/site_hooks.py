@@ -116,7 +116,12 @@ def _absolute(node: ast.ImportFrom, package: str) -> str:
 def room_page(package: str, job: str, names: Iterable[str]) -> str:
     """The docstrings of a room."""
     head = f"# {package}\n\n{job[:1].upper()}{job[1:]}.\n"
-    return "\n".join([head, *(f"::: {name}\n" for name in names)])
+    return "\n".join([head, *map(docstrings, names)])
+
+
+def docstrings(name: str) -> str:
+    """Where the docstrings of a name are put, under its last part: users import it from its room."""
+    return f"::: {name}\n    options: {{ heading: {name.rpartition('.')[2]} }}\n"
 
 
 def face_page(documented: set[str]) -> str:
@@ -130,11 +135,11 @@ def face_page(documented: set[str]) -> str:
         "    options: { members: false, show_root_heading: false, heading_level: 2 }",
         "",
     ]
-    for name, full in names.items():
-        shown = full in documented or full.rpartition(".")[0] in documented
-        lines += [f"- [`taskgist.{name}`][{full}]" if shown else f"::: {full}\n"]
-    lines += ["", "| from | what it is for |", "| --- | --- |"]
+    shown = {name: full for name, full in names.items() if documented & {full, full.rpartition(".")[0]}}
+    lines += [" · ".join(f"[`{name}`][{full}]" for name, full in sorted(shown.items())), ""]
+    lines += ["| from | what it is for |", "| --- | --- |"]
     lines += [f"| [`taskgist.{name}`]({name}.md) | {job} |" for name, job in open_rooms().items()]
+    lines += ["", *(docstrings(full) for name, full in names.items() if name not in shown)]
     return "\n".join(lines) + "\n"
 
 
