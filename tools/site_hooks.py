@@ -123,7 +123,13 @@ def face_page(documented: set[str]) -> str:
     """What ``import taskgist`` gives: each name with a link to its room, or its docstring if no room shows it; the rooms."""
     stub = SOURCE / ENGINE / "__init__.pyi"
     names = defined_in(stub, ENGINE) if stub.exists() else {}
-    lines = ["# taskgist", "", f"::: {ENGINE}", "    options: { members: false, show_root_heading: false, heading_level: 2 }", ""]
+    lines = [
+        "# taskgist",
+        "",
+        f"::: {ENGINE}",
+        "    options: { members: false, show_root_heading: false, heading_level: 2 }",
+        "",
+    ]
     for name, full in names.items():
         shown = full in documented or full.rpartition(".")[0] in documented
         lines += [f"- [`taskgist.{name}`][{full}]" if shown else f"::: {full}\n"]

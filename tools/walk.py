@@ -2,7 +2,7 @@
 
     python -m tools.walk learn demo.mcap -k /tmp/knowledge.db
     python -m tools.walk --json query room.toml --object cup
-    python -m tools.walk --page                # measure the examples below, put the figures into docs/architecture.md
+    python -m tools.walk --page                # measure the examples below, put them into docs/how/architecture.md
 
 Counts the files, and the functions in them, that *run* while the command works; compiled functions count where Python
 calls them. What runs while a module is imported (module and class bodies, decorators) does not count: how many of our
@@ -29,7 +29,7 @@ from tools.markdown import filled, header, row
 
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src"
-PAGE = next((ROOT / "docs").rglob("architecture.md"))
+PAGE = ROOT / "docs/how/architecture.md"
 RECORDINGS = SOURCE / "taskgist/data/recordings/study/show"
 LEARN = "learn FOLDER/show_a.mcap"
 QUERY = "query FOLDER/show_a.mcap --agent P2 --object cup"
