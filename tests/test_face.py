@@ -28,7 +28,7 @@ FACE = {
     *("Settings", "TaskgistError"),
 }
 SUBMODULES = {"taskgist.language.efforts", "taskgist.perspective.queries", "taskgist.perspective.scene_efforts"}
-"""What examples and pages may import from besides the face and the rooms: they are documented in docs/howto/queries.md."""
+"""What examples and pages may import from besides the face and the rooms; docs/howto/queries.md describes it."""
 USERS = [*sorted((ROOT / "examples").glob("*.py")), ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 

@@ -120,7 +120,7 @@ def room_page(package: str, job: str, names: Iterable[str]) -> str:
 
 
 def face_page(documented: set[str]) -> str:
-    """What ``import taskgist`` gives: each name with a link to its room, or its docstring if no room shows it; the rooms."""
+    """What ``import taskgist`` gives: each name with a link to its room, or else its docstring; and the rooms."""
     stub = SOURCE / ENGINE / "__init__.pyi"
     names = defined_in(stub, ENGINE) if stub.exists() else {}
     lines = [
