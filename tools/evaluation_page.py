@@ -32,7 +32,7 @@ from taskgist_lab.view import picture_of
 from tools.markdown import filled
 
 PAGE, PICTURES = Path("docs/research/evaluation.md"), Path("docs/pictures")
-SEED, DRAWS, COUNT, STUDY_COUNT = 1000, 200, 150, 30
+SEED, RUNS, COUNT, STUDY_COUNT = 1000, 200, 150, 30
 
 
 def main() -> None:
@@ -41,13 +41,13 @@ def main() -> None:
     wanted = Wanted("generator", wishes.seed, wishes.demonstrations, tuple(CONDITIONS))
     pool = kept_pool(wishes.pool, wanted, processes=wishes.processes, progress=told)
     coded = Coded.of(pool)
-    needs = demonstrations_needed(coded, draws=wishes.draws, seed=wishes.seed)
-    found = transfer(coded, draws=wishes.draws, seed=wishes.seed)
-    rules = robustness(coded, draws=wishes.draws, seed=wishes.seed, progress=told)
-    peers = compared(coded, draws=wishes.draws, seed=wishes.seed, peers=makers(wishes.seed), progress=told)
+    needs = demonstrations_needed(coded, runs=wishes.runs, seed=wishes.seed)
+    found = transfer(coded, runs=wishes.runs, seed=wishes.seed)
+    rules = robustness(coded, runs=wishes.runs, seed=wishes.seed, progress=told)
+    peers = compared(coded, runs=wishes.runs, seed=wishes.seed, peers=makers(wishes.seed), progress=told)
     for name, result in {"needed": needs, "transfer": found, "robustness": rules, "peers": peers}.items():
         picture_of(result, PICTURES / f"evaluation_{name}.png")
-    parts = {"pool": about(pool, wishes.draws), **dict(tables(needs, found, rules, peers)), "study": study(wishes)}
+    parts = {"pool": about(pool, wishes.runs), **dict(tables(needs, found, rules, peers)), "study": study(wishes)}
     lines = {name: text.splitlines() for name, text in parts.items()}
     PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), lines), encoding="utf-8")
 
@@ -59,7 +59,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--study-pool", type=Path, default=None, help="the same of the paper's study, displaced")
     parser.add_argument("--demonstrations", type=int, default=COUNT, help="of each task")
     parser.add_argument("--seed", type=int, default=SEED)
-    parser.add_argument("--draws", type=int, default=DRAWS)
+    parser.add_argument("--runs", type=int, default=RUNS)
     parser.add_argument("--processes", type=int, default=None)
     return parser.parse_args()
 
@@ -73,11 +73,11 @@ def study(wishes: argparse.Namespace) -> str:
     """Demonstrations needed of the paper's own study, displaced: where they are made, and the table."""
     wanted = Wanted("study", wishes.seed, STUDY_COUNT, (CLEAN,))
     pool = kept_pool(wishes.study_pool, wanted, processes=wishes.processes, progress=told)
-    needs = demonstrations_needed(Coded.of(pool), draws=wishes.draws, seed=wishes.seed)
-    return f"{about(pool, wishes.draws, 'needed')}\n{markdown(needed_sheet(needs))}"
+    needs = demonstrations_needed(Coded.of(pool), runs=wishes.runs, seed=wishes.seed)
+    return f"{about(pool, wishes.runs, 'needed')}\n{markdown(needed_sheet(needs))}"
 
 
-def about(pool: Pool, draws: int, experiments: str = "needed transfer robustness peers") -> str:
+def about(pool: Pool, runs: int, experiments: str = "needed transfer robustness peers") -> str:
     """What was measured on, and the command that measures it again."""
     clean = [each.task for each in pool.samples if each.condition == CLEAN]
     counts = ", ".join(f"{clean.count(task)} of *{task}*" for task in pool.tasks)
@@ -86,8 +86,8 @@ def about(pool: Pool, draws: int, experiments: str = "needed transfer robustness
     missed = len([each for each in pool.failures if not each.condition])
     return (
         f"Measured on {SOURCES[pool.source].text}, seed {pool.seed}: {counts} ({missed} more could not be played); "
-        f"{draws} draws; settings {pool.context.settings_digest}, tree {pool.context.tree_version}:\n\n"
-        f"    taskgist evaluate {experiments} --source {pool.source} -n {count} --seed {pool.seed} --draws {draws}\n"
+        f"{runs} runs; settings {pool.context.settings_digest}, tree {pool.context.tree_version}:\n\n"
+        f"    taskgist evaluate {experiments} --source {pool.source} -n {count} --seed {pool.seed} --runs {runs}\n"
     )
 
 

@@ -56,10 +56,10 @@ def meanings(judged: JudgedStudy) -> Iterator[str]:
         yield f"- {meaning(understanding_of(task, of_task))}"
 
 
-def clauses(section: Section, draws: Section) -> Iterator[str]:
+def clauses(section: Section, displacements: Section) -> Iterator[str]:
     """Each clause: what the paper prints, what is learned, and how well it bears displacement."""
-    survival = {result.name: result for result in draws.results}
-    for task, drawn in ((task, draws.details.get(task)) for task in tasks(section)):
+    survival = {result.name: result for result in displacements.results}
+    for task, displaced in ((task, displacements.details.get(task)) for task in tasks(section)):
         own = [each for each in section.results if each.name.startswith(f"{task}:") and each.where != "Eq. 36"]
         yield f"**{task}** ({own[0].where})"
         yield ""
@@ -67,7 +67,10 @@ def clauses(section: Section, draws: Section) -> Iterator[str]:
         for result in own:
             printed = f"`{result.paper}`" if result.paper else "-"
             yield row(
-                printed, f"`{result.ours}`", share_words(survival[result.name], drawn) or "not measured", mark(result)
+                printed,
+                f"`{result.ours}`",
+                share_words(survival[result.name], displaced) or "not measured",
+                mark(result),
             )
         yield ""
 
@@ -75,18 +78,18 @@ def clauses(section: Section, draws: Section) -> Iterator[str]:
 def displacement(section: Section) -> Iterator[str]:
     """The whole clauses, what is lost where something is, and how the goal is met."""
     if not section.details:
-        yield "Not measured yet: `taskgist paper --draws 200`."
+        yield "Not measured yet: `taskgist paper --displacements 200`."
         return
     yield from header(
-        "task", "draws", "whole clause", "least predicate", "lost, and what is learned instead", "not played"
+        "task", "displacements", "whole clause", "least predicate", "lost, and what is learned instead", "not played"
     )
-    for task, drawn in section.details.items():
-        counts = mapping(drawn)
-        draws, whole = (float(str(counts[key])) for key in ("draws", "whole_clause"))
+    for task, displaced in section.details.items():
+        counts = mapping(displaced)
+        displacements, whole = (float(str(counts[key])) for key in ("draws", "whole_clause"))
         least = min(float(str(each)) for each in mapping(counts["survived"]).values())
         instead = (f"`{node}`: {often(found)}" for node, found in mapping(counts["instead"]).items())
         cells = ("; ".join(instead), often(counts["unplayed"]))
-        yield row(task, f"{draws:.0f}", f"{whole / draws:.1%}", f"{least / draws:.1%}", *cells)
+        yield row(task, f"{displacements:.0f}", f"{whole / displacements:.1%}", f"{least / displacements:.1%}", *cells)
     yield ""
     yield f"Of {len(section.results)} predicates: {counted(tally(section.results, Goal))}."
     yield ""

@@ -11,7 +11,7 @@ from PIL import Image
 
 from taskgist.pipeline import shipped_study
 from taskgist.recording import read
-from taskgist_lab.paper import Report, judge_study, report, shipped_draws, understanding_of
+from taskgist_lab.paper import Report, judge_study, report, shipped_displacements, understanding_of
 from taskgist_lab.view import demonstration_picture, task_picture, tree_picture
 from tools import paper_lines as lines
 from tools.markdown import filled
@@ -25,14 +25,14 @@ COLOURS = 256
 
 
 def main() -> None:
-    """Judge the study, draw the pictures, and rewrite the page."""
+    """Judge the study, displacement the pictures, and rewrite the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--no-pictures", action="store_true", help="only rewrite the page, which is much faster")
     options = parser.parse_args()
     judged = judge_study()
     if not options.no_pictures:
         draw_pictures(judged)
-    found = report(judged, shipped_draws())
+    found = report(judged, shipped_displacements())
     PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), parts(found, judged)), encoding="utf-8")
     print(f"{PAGE}: {' '.join(lines.verdicts(found))}")
 

@@ -1,4 +1,4 @@
-"""Pictures of evaluations: learning curves, tables of truth, robustness, peers."""
+"""Pictures of the lab: contact sheets, learning curves, the hypothesis tree, demonstrations from all sides."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from taskgist.world.state import State
 from taskgist_lab.evaluation.experiments import CLAUSE, SETTINGS, Needs, Table, Transfer
 from taskgist_lab.evaluation.robustness import Comparison, Robustness
 from taskgist_lab.evaluation.values import Result
-from taskgist_lab.paper.draws import Judged, understanding_of
+from taskgist_lab.paper.displacements import Judged, understanding_of
 from taskgist_lab.paper.published import COLUMNS
 
 # --- Contact sheets: many demonstrations at a glance, the end of each one seen from outside.
@@ -61,6 +61,8 @@ def contact_sheet(recordings: Sequence[Recording], titles: Sequence[str], path: 
     return save_figure(figure, path)
 
 
+# --- Evaluations: learning curves, tables of truth, robustness, peers.
+
 INK, SOFT = "#222222", "#9a9a9a"
 COLOURS = ("#1f5fa8", "#b5651d", "#3a7d44", "#7a4a9e", "#c23b50", "#4f9da6")
 LINES = ("-", "--", "-.")
@@ -82,7 +84,7 @@ def picture_of(result: Result, path: Path) -> Path:
 
 
 def draw_needs(needs: Needs) -> Figure:
-    """A panel for each task: share of draws that have each cell of Table 4, by demonstrations."""
+    """A panel for each task: share of runs that have each cell of Table 4, by demonstrations."""
     tasks = tuple(dict.fromkeys(row.task for row in needs.rows))
     figure = Figure(figsize=(10.5, 5.8), layout="constrained")
     panels = figure.subplots(2, -(-len(tasks) // 2), sharex=True, sharey=True, squeeze=False).ravel()
@@ -92,7 +94,7 @@ def draw_needs(needs: Needs) -> Figure:
         panel.set_axis_off()
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=5, frameon=False)
     figure.supxlabel("demonstrations")
-    figure.supylabel("share of draws")
+    figure.supylabel("share of runs")
     return figure
 
 
@@ -196,7 +198,7 @@ DRAWN: Mapping[type[Result], Callable[..., Figure]] = {
     Robustness: draw_robustness,
     Comparison: draw_comparison,
 }
-"""What draws each kind of result."""
+"""What pictures each kind of result."""
 
 
 # --- A picture of the hypothesis tree: what is kept, what was pruned, and after how many demonstrations.

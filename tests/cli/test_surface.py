@@ -25,13 +25,13 @@ SURFACE: dict[str, set[str]] = {
     "agent check": {"profile", "--out", "-o"},
     "see": {"where", "--agent", "--at", "--object", "--out", "-o"},
     "query": {"where", "--agent", "--ability", "--object", "--actions", "--where", "--why", "--at"},
-    "paper": {"--draws", "--save", "--out", "-o"},
+    "paper": {"--displacements", "--save", "--out", "-o"},
     "simulate": {
         *("task", "--count", "-n", "--seed", "-s", "--means", "--out", "-o"),
         *("--replace", "--processes", "--picture", "--list"),
     },
     "evaluate": {
-        *("experiments", "--pool", "--demonstrations", "-n", "--seed", "--draws"),
+        *("experiments", "--pool", "--demonstrations", "-n", "--seed", "--runs"),
         *("--source", "--processes", "--out", "-o"),
     },
     "map": {

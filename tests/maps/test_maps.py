@@ -13,9 +13,9 @@ import pytest
 
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.maps.ability_map import AbilityMap, ability_map
-from taskgist.maps.footing import footing_of
-from taskgist.maps.grid import Cells, Grid, Zone, solid_cells
-from taskgist.maps.see import CellsToSee
+from taskgist.maps.configurations import configurations
+from taskgist.maps.grid import Grid, Zone, solid_cells
+from taskgist.maps.see import shapes_of_head
 from taskgist.perspective import Ability, Viewpoint, effort_from
 from taskgist.settings import DEFAULT, Maps
 from taskgist.world import Stage, State
@@ -62,8 +62,8 @@ def test_fast_and_slow_agree_where_an_agent_has_very_many_ways_to_stand() -> Non
     beside_the_legs = Grid((0.0, 0.1, 0.35), 0.0, 0.05, (1, 1, 2))
     found = ability_map(here, ability="see", grid=beside_the_legs)
     assert found.levels.ravel().tolist() == [twin.level("see", point) for point in beside_the_legs.centers()]
-    asking = CellsToSee(here, Cells.of(beside_the_legs))
-    assert len(footing_of(here, 2).states) * len(asking.own) > 2**15
+    own = set(here.agent.geoms.tolist()) - set(shapes_of_head(here).tolist())
+    assert len(list(configurations(here, 2))) * len(own) > 2**15
 
 
 @cache

@@ -25,8 +25,8 @@ from taskgist.perspective import (
 from taskgist.perspective.candidates import Candidate, Candidates
 from taskgist.perspective.constraints import Floor, Place, moved
 from taskgist.perspective.effort import Held, Miss, Reason
+from taskgist.perspective.gaze import aimed
 from taskgist.perspective.search import Solution, least
-from taskgist.perspective.see import aimed
 from taskgist.perspective.viewpoint import FindMiss, Hit
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage

@@ -24,7 +24,7 @@ from taskgist.cli.common import (
 )
 from taskgist.common.files import replacing
 from taskgist.errors import InputError, UnknownNameError
-from taskgist.maps.ability_map import TRIALS, AbilityMap, ability_map, write_maps
+from taskgist.maps.ability_map import JUDGES, AbilityMap, ability_map, write_maps
 from taskgist.maps.grid import Zone
 from taskgist.maps.places import Place, places_for, zone_where
 from taskgist.perspective.effort import EFFORT_NAMES, Ability
@@ -161,8 +161,8 @@ def _named(agent: str | None) -> str:
 
 
 def _mapped(text: str) -> Ability:
-    if text not in TRIALS:
-        raise UnknownNameError("ability to map", text, TRIALS, where="--ability")
+    if text not in JUDGES:
+        raise UnknownNameError("ability to map", text, JUDGES, where="--ability")
     return "see" if text == "see" else "reach"
 
 

@@ -1,4 +1,4 @@
-"""A person's body over time: joint angles fitted to tracked landmarks, frame after frame."""
+"""A tracked person's body: its size, and its joint angles over time, fitted to landmarks frame after frame."""
 
 from __future__ import annotations
 

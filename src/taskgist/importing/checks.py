@@ -1,4 +1,4 @@
-"""What cannot be right in tracked motion: wrong units, wrong axes, a floor elsewhere, points that are copies."""
+"""What cannot be right in tracked motion: units, axes, a floor elsewhere, copied points, left and right mixed up."""
 
 from __future__ import annotations
 

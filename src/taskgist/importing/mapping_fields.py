@@ -1,4 +1,4 @@
-"""Axes and frames: from the source's axes and units to those of the room."""
+"""Fields that several tables of a mapping have: names of columns, units, axes and frames."""
 
 from __future__ import annotations
 
@@ -52,6 +52,8 @@ def is_column(value: object) -> bool:
         isinstance(value, int) and not isinstance(value, bool) and value >= 0
     )
 
+
+# --- Axes and frames: from the source's axes and units to those of the room.
 
 UNITS_M = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 

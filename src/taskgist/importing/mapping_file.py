@@ -1,4 +1,4 @@
-"""The [sources.NAME] tables: how numbers are found in files, and what they mean."""
+"""Reads a mapping file: from TOML that may extend other TOML to an ``ImportMapping``."""
 
 from __future__ import annotations
 

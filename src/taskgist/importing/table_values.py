@@ -1,9 +1,4 @@
-"""Against jitter: each sample gives way to a straight line through its neighbours.
-
-The line is fitted to the samples within half a window on either side, those nearby weighing most, and read where the
-sample was. So steady motion stays as it is, also at the ends, and what shakes about it goes. Samples on the other side
-of a gap have no say.
-"""
+"""What rows of numbers mean, whatever file they stand in: parts, times, orientations, names, tracks, smoothing."""
 
 from __future__ import annotations
 
@@ -201,6 +196,13 @@ class Track:
     wxyz: Array | None
     signs: Array
     where: str
+
+
+# --- Against jitter: each sample gives way to a straight line through its neighbours.
+#
+# The line is fitted to the samples within half a window on either side, those nearby weighing most, and read where the
+# sample was. So steady motion stays as it is, also at the ends, and what shakes about it goes. Samples beyond a gap
+# have no say.
 
 
 def smoothed(track: Track, window_s: float, *, max_gap_s: float) -> Track:

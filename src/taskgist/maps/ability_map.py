@@ -1,7 +1,7 @@
 """Ability maps (Mightability): which places of its workspace an agent sees or reaches, and with what effort.
 
 A map asks of every cell of a grid what the search asks of an object, as if there were only the point at the cell's
-centre: from all candidates of each effort level (``CandidateSource``), with the head aimed or an arm stretched out,
+centre: from all the stances of each effort level (``Viewpoint.stances``), with the head aimed or an arm stretched out,
 where joint limits and collisions allow it. Where a point differs from an object, and where steps are taken:
 
 - *See*: the point lies in the gaze cone and in the field of view, and the straight line from the eye to it meets
@@ -20,16 +20,19 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.common.arrays import Indices, Mask
 from taskgist.errors import InputError, UnknownNameError
-from taskgist.maps.footing import Trials, Workspace, winners, workspace_of
-from taskgist.maps.grid import Cells, Grid, Zone
+from taskgist.maps.configurations import Configuration, configurations
+from taskgist.maps.grid import Cells, Grid, Undecided, Zone, solid_cells
 from taskgist.maps.reach import CellsToReach
 from taskgist.maps.see import CellsToSee
 from taskgist.perspective.effort import NO_KNOWN_LEVEL, Ability
+from taskgist.perspective.occlusion import BOXED, CLEAR, HIDDEN
 from taskgist.perspective.reach import PARTS as HAND_PARTS
 from taskgist.perspective.see import PARTS as EYE_PARTS
 from taskgist.perspective.viewpoint import Viewpoint
@@ -88,18 +91,29 @@ class AbilityMap:
         return {int(level): int(count) for level, count in zip(levels, counts, strict=True)}
 
 
-class Asking(Protocol):
-    """What one ability asks of the cells of a workspace."""
+class CellJudge(Protocol):
+    """Judges one ability of an agent towards the cells of a workspace.
 
-    def trials(self, level: int) -> Trials | None:
-        """Trials of a level, 0 to 4; None if there are none."""
+    Attributes:
+        first_level: The least level that may give the ability.
+        found: Of all cells, what was found of those asked for: ``CLEAR``, ``BOXED`` or ``HIDDEN``, (cells,).
+    """
+
+    first_level: int
+    found: NDArray[np.uint8]
+
+    def find(self, configuration: Configuration, places: Indices, cells: Undecided) -> None:
+        """Note what a configuration gives at some of its places."""
+
+    def past_meshes(self, configuration: Configuration, rows: Indices) -> Mask:
+        """Whether cells are not hidden by meshes from where they were just looked at, (n,)."""
 
 
-TRIALS: Mapping[str, tuple[Callable[[Viewpoint, Cells], Asking], tuple[tuple[str, ...], ...]]] = {
+JUDGES: Mapping[str, tuple[Callable[[Viewpoint, Cells], CellJudge], tuple[tuple[str, ...], ...]]] = {
     "see": (CellsToSee, EYE_PARTS),
     "reach": (CellsToReach, HAND_PARTS),
 }
-"""Trials by ability, and the parts of an agent that must be tracked to judge each level."""
+"""Judges by ability, and the parts of an agent that must be tracked to judge each level."""
 
 
 def ability_map(
@@ -122,32 +136,95 @@ def ability_map(
     Raises:
         UnknownNameError: There is no such agent, or no such map.
     """
-    if ability not in TRIALS:
-        raise UnknownNameError("ability to map", ability, TRIALS)
+    if ability not in JUDGES:
+        raise UnknownNameError("ability to map", ability, JUDGES)
     here = stage if isinstance(stage, Viewpoint) else Viewpoint(stage, agent or "", settings)
     with here.stage.showing(here.state):
         where = grid or Grid.around(here.stage, here.agent.name, settings=here.settings.maps)
-        space = workspace_of(here, where)
-        levels = _levels(here, ability, space)
+        space = _workspace_of(here, where)
+        levels = _levels(here, space, ability)
         return AbilityMap(here.agent.name, ability, where, levels, space.solid, here.settings.digest)
 
 
-def _levels(here: Viewpoint, ability: Ability, space: Workspace) -> Levels:
+class Workspace:
+    """The cells of a grid around an agent, and how it may get at them. All maps of a viewpoint share it.
+
+    Args:
+        here: The agent's viewpoint, whose stage shows its state.
+        grid: The grid.
+
+    Attributes:
+        cells: The grid's cells, block by block.
+        solid: Whether each lies in something solid that is not the agent's own, the grid's shape.
+    """
+
+    def __init__(self, here: Viewpoint, grid: Grid) -> None:
+        self.grid, self.cells = grid, Cells.of(grid)
+        self.solid = solid_cells(here.stage, grid, but=here.agent.name)
+        self._configurations: dict[int, tuple[Configuration, ...]] = {}
+
+    def configurations(self, here: Viewpoint, level: int) -> tuple[Configuration, ...]:
+        """Those of an effort level, 0 to 4."""
+        if level not in self._configurations:
+            self._configurations[level] = tuple(configurations(here, level))
+        return self._configurations[level]
+
+
+_LAST: WeakKeyDictionary[Viewpoint, Workspace] = WeakKeyDictionary()
+
+
+def _workspace_of(here: Viewpoint, grid: Grid) -> Workspace:
+    """The workspace of a viewpoint; the last one is kept."""
+    last = _LAST.get(here)
+    if last is None or last.grid != grid:
+        last = _LAST[here] = Workspace(here, grid)
+    return last
+
+
+def _levels(here: Viewpoint, space: Workspace, ability: Ability) -> Levels:
     """Level by level, only the cells that no lower level won; (cells,)."""
-    make, parts = TRIALS[ability]
+    make, parts = JUDGES[ability]
     index, levels = space.cells.index, np.full(space.solid.size, NO_KNOWN_LEVEL, dtype=np.int8)
     left = np.flatnonzero(~space.solid.ravel()[index])
-    asking = make(here, space.cells)
+    judge = make(here, space.cells)
     for level in range(NO_KNOWN_LEVEL):
         if here.untracked(parts[level]):
             levels[index[left]] = UNKNOWN_LEVEL
             break
-        trials = asking.trials(level)
-        if trials is not None:
-            won = winners(here, trials, left)
-            levels[index[left[won]]] = level
-            left = left[~won]
+        if level >= judge.first_level and len(left):
+            able = _able(here, judge, space.configurations(here, level), space.cells, left)
+            levels[index[left[able]]] = level
+            left = left[~able]
     return levels
+
+
+def _able(
+    here: Viewpoint, judge: CellJudge, configurations: Sequence[Configuration], cells: Cells, rows: Indices
+) -> Mask:
+    """Whether any of some configurations is able to, of each of some cells, (n,)."""
+    judge.found[rows] = HIDDEN
+    undecided = cells.undecided(rows)
+    for configuration in configurations:  # first all that needs no test
+        judge.find(configuration, configuration.clear, undecided)
+    able = np.asarray(judge.found == CLEAR)
+    left, boxed = rows[~able[rows]], rows[judge.found[rows] == BOXED]
+    for configuration in configurations:
+        for places, asked in ((configuration.clear, boxed), (configuration.doubtful, left)):
+            asked = _perhaps(judge, configuration, places, cells, asked[~able[asked]])
+            for place in places:
+                there = _perhaps(judge, configuration, np.array([place]), cells, asked[~able[asked]])
+                there = there[judge.past_meshes(configuration, there)]
+                able[there[configuration.free(here, int(place), cells.points[there])]] = True
+    return np.asarray(able[rows])
+
+
+def _perhaps(judge: CellJudge, configuration: Configuration, places: Indices, cells: Cells, rows: Indices) -> Indices:
+    """Those of some cells that a configuration may see or reach at some places, but for meshes and collisions."""
+    if not len(rows) or not len(places):
+        return rows[:0]
+    judge.found[rows] = HIDDEN
+    judge.find(configuration, places, cells.undecided(rows))
+    return np.asarray(rows[judge.found[rows] != HIDDEN])
 
 
 # --- Ability maps on disk: one ``.npz`` file that numpy opens, with arrays, grid and names.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -107,9 +108,30 @@ class Grid:
 
 EDGE = 4
 """Cells along the edge of a block."""
-LANES = EDGE**3
-"""Cells of a block: compiled loops take a block at a time, with a lane for each of its cells."""
+BLOCK_CELLS = EDGE**3
+"""Cells of a block."""
 OUTSIDE = -1
+ROUNDING_M = 1e-9
+
+
+class Undecided(NamedTuple):
+    """Cells that are asked for, block by block, as compiled functions take them, which drop those that they decide.
+
+    Attributes:
+        points: Centres of all cells, metres in the world, (cells, 3).
+        rows: Which cells are asked for; those of each block stand together, (n,).
+        starts: Where the cells of each block begin, (blocks,).
+        counts: How many of these are undecided still: its first ones, (blocks,).
+        middles: Centres of balls around the cells of each block, metres, (blocks, 3).
+        radii_m: Radii of these, (blocks,).
+    """
+
+    points: Array
+    rows: Indices
+    starts: Indices
+    counts: Indices
+    middles: Array
+    radii_m: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,12 +158,15 @@ class Cells:
         parted = padded.reshape(first, EDGE, second, EDGE, third, EDGE).transpose(0, 2, 4, 1, 3, 5).ravel()
         rows = np.flatnonzero(parted != OUTSIDE)
         index = parted[rows]
-        return cls(grid.centers()[index], index, rows // LANES)
+        return cls(grid.centers()[index], index, rows // BLOCK_CELLS)
 
-    def starts(self, rows: Indices) -> Indices:
-        """Where the blocks of some rows begin among them, and where the last one ends, (blocks + 1,)."""
-        changes = np.flatnonzero(np.diff(self.block[rows])) + 1
-        return np.concatenate(([0], changes, [len(rows)]))
+    def undecided(self, rows: Indices) -> Undecided:
+        """Some cells, one or more, in ascending order, (n,)."""
+        starts = np.concatenate(([0], np.flatnonzero(np.diff(self.block[rows])) + 1))
+        counts, points = np.diff(starts, append=len(rows)), self.points[rows]
+        low, high = np.minimum.reduceat(points, starts), np.maximum.reduceat(points, starts)
+        radii_m = np.linalg.norm(high - low, axis=1) / 2 + ROUNDING_M
+        return Undecided(self.points, rows.copy(), starts, counts, (low + high) / 2, radii_m)
 
 
 # --- Which cells lie in something solid.

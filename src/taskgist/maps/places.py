@@ -18,7 +18,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.errors import InputError
-from taskgist.maps.ability_map import TRIALS, AbilityMap, ability_map
+from taskgist.maps.ability_map import JUDGES, AbilityMap, ability_map
 from taskgist.maps.grid import Grid, Zone
 from taskgist.perspective.effort import Ability
 from taskgist.perspective.queries import All, Condition, Not, Question
@@ -214,7 +214,7 @@ def zone_where(efforts: SceneEfforts, question: Question, *, grid: Grid | None =
         UnknownNameError: There is no such agent.
     """
     agents = dict.fromkeys(agent for agent, _ in question.abilities)
-    if not agents or any(ability not in TRIALS for _, ability in question.abilities):
+    if not agents or any(ability not in JUDGES for _, ability in question.abilities):
         raise InputError("maps tell where agents see and reach", field="where", hint="ask about see and reach")
     stage = efforts.stage
     for agent in agents:

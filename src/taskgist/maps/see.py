@@ -1,35 +1,164 @@
-"""Which cells an agent sees from many stances, its head aimed at each: the point-like twin of ``see`` (5.1.1)."""
+"""Which cells an agent sees, its head aimed at each from its configurations: the point-like twin of ``see``.
+
+A cell is seen if its centre lies in the gaze cone and in the field of view, and no seen shape is met on the straight
+line from the eye (5.1.1). Cells come in blocks: what the eye does not even turn to, and what cannot stand between, is
+plain of a whole block, as it is of an object.
+"""
 
 from __future__ import annotations
 
-import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.maps.footing import (
-    DOUBTFUL,
-    FIRST,
-    FREE,
-    UNKNOWN,
-    Footing,
-    Sweep,
-    Tree,
-    Trials,
-    footing_of,
-    step_of,
-    sweep_of,
-    tree_of,
-)
-from taskgist.maps.gaze import EYE_COLUMNS, PLACE, TURNED, Head, eye_positions, head_of, shapes_of_head
-from taskgist.maps.grid import Cells
-from taskgist.maps.sight import BOUNDS, COLUMNS, KIND, MATRIX, NONE, POSITION, RADIUS, SIZE, Eyes, Shadows, seen_cells
+from taskgist.common.compiled import compiled
+from taskgist.maps.configurations import Base, Configuration, straight_ahead, turn_towards
+from taskgist.maps.grid import BLOCK_CELLS, Cells, Undecided
+from taskgist.perspective.candidates import Neck
+from taskgist.perspective.gaze import TURN_COLUMNS, aim, off_gaze
+from taskgist.perspective.image import Lens, in_view, lens_of
+from taskgist.perspective.occlusion import CLEAR, HIDDEN, from_eye, hidden_point
+from taskgist.perspective.sector import ball_around
 from taskgist.perspective.viewpoint import Viewpoint
-from taskgist.world.geometry.rays import FORMULAS
-from taskgist.world.geometry.transforms import Pose
-from taskgist.world.stage import Stage
+from taskgist.world.geometry.linkage import POSE, carry_pose
+from taskgist.world.geometry.rays import Shapes, stand_between
 
-WORLD = Pose(np.zeros(3), np.eye(3))
+MARGIN = 2.0
+"""Heads that aim at two cells of a block differ by less than twice the ball around its cells seems wide."""
+
+
+class Looking(NamedTuple):
+    """How an agent looks, as compiled functions take it.
+
+    Attributes:
+        shapes: All shapes, the agent's as its configuration has them.
+        own: Indices of its own that may hide something: not those that the head carries.
+        others: Of all others.
+        frames: Its frames, (f, 12).
+        neck: The joints of its head that may be used.
+        lens: Of its eye.
+    """
+
+    shapes: Shapes
+    own: Indices
+    others: Indices
+    frames: Array
+    neck: Neck
+    lens: Lens
+
+
+@compiled
+def see_cells(looking: Looking, base: Base, cells: Undecided, found: NDArray[np.uint8], eyes: Array) -> None:
+    """Find out which cells are seen from a configuration, at some of its places; those are undecided no longer.
+
+    Args:
+        looking: How the agent looks.
+        base: Where it is brought.
+        cells: The cells.
+        found: Of all cells, lessened to ``CLEAR`` where one is seen, and to ``BOXED`` where only meshes may hide it.
+        eyes: Of all cells, filled where one is in view: where the eye is then, metres in the world, (cells, 3).
+    """
+    points, rows, starts, counts, middles, radii_m = cells
+    ahead, eye_ahead, eye = np.empty((BLOCK_CELLS, 3)), np.empty((BLOCK_CELLS, 3)), np.empty((BLOCK_CELLS, 3))
+    middle = np.empty(3)
+    for block in range(len(starts)):
+        start = starts[block]
+        for place in range(len(base.places)):
+            count = counts[block]
+            if count == 0:
+                break
+            straight_ahead(base.start, base.chest, base.places, base.turns, place, middles[block], middle)
+            asked = rows[start : start + count]
+            viewed = _view(looking, base, place, middle, radii_m[block], points, asked, ahead, eye_ahead, eye)
+            if viewed > 0:
+                own = _from_eyes(looking.shapes, looking.own, eye_ahead[:viewed], middle, radii_m[block])
+                others = _from_eyes(looking.shapes, looking.others, eye[:viewed], middles[block], radii_m[block])
+                counts[block] = _shade(
+                    looking.shapes.formless, own, others, points, asked, viewed, ahead, eye_ahead, eye, found, eyes
+                )
+
+
+@compiled
+def _view(
+    looking: Looking,
+    base: Base,
+    place: int,
+    middle: Array,
+    radius_m: float,
+    points: Array,
+    asked: Indices,
+    ahead: Array,
+    eye_ahead: Array,
+    eye: Array,
+) -> int:
+    """Bring the cells of a block that are in view to the front of ``asked``; how many there are.
+
+    Written is where these are in the configuration's frame, and the eye that looks there, in this frame and the world.
+    """
+    (joints, inwards, now, ranges), lens, frames = looking.neck, looking.lens, looking.frames
+    start, chest, places, turns = base
+    angles, pose, carried = np.empty((len(now), TURN_COLUMNS)), np.empty(POSE), np.empty(POSE)
+    aim(frames, joints, inwards, now, ranges, middle, angles, pose)
+    if off_gaze(pose, middle, MARGIN * radius_m) > lens.cone_rad:
+        return 0
+    across_tan, up_tan = lens.half_tan
+    offset = places[place] - start[:2]
+    viewed = 0
+    for lane in range(len(asked)):
+        row, at = asked[lane], ahead[viewed]
+        straight_ahead(start, chest, places, turns, place, points[row], at)
+        aim(frames, joints, inwards, now, ranges, at, angles, pose)
+        if in_view(pose, at, lens.cone_cos, across_tan, up_tan):
+            sine, cosine = turn_towards(chest, places, turns, place, points[row])
+            carry_pose(pose, start, offset, sine, cosine, carried)
+            for axis in range(3):
+                eye_ahead[viewed, axis], eye[viewed, axis] = pose[axis], carried[axis]
+            asked[lane], asked[viewed] = asked[viewed], row
+            viewed += 1
+    return viewed
+
+
+@compiled
+def _from_eyes(shapes: Shapes, candidates: Indices, eyes: Array, middle: Array, radius_m: float) -> tuple[Array, Array]:
+    """Those of some shapes that may stand between some eyes and points of a ball, from the middle of these eyes."""
+    eye, eyes_radius_m = ball_around(eyes)
+    radius = np.full(1, max(radius_m, eyes_radius_m))
+    near = stand_between(shapes, candidates, -1, eye, middle.reshape(1, 3), radius)
+    return from_eye(shapes, near, eye, True), eye
+
+
+@compiled
+def _shade(
+    formless: Mask,
+    own: tuple[Array, Array],
+    others: tuple[Array, Array],
+    points: Array,
+    asked: Indices,
+    viewed: int,
+    ahead: Array,
+    eye_ahead: Array,
+    eye: Array,
+    found: NDArray[np.uint8],
+    eyes: Array,
+) -> int:
+    """Note which of the cells in view are seen, and keep the others at the front of ``asked``; how many these are."""
+    (own_rows, own_eye), (other_rows, other_eye) = own, others
+    kept = 0
+    for lane in range(len(asked)):
+        row, hidden = asked[lane], HIDDEN
+        if lane < viewed:
+            hidden = hidden_point(own_rows, formless, own_eye, eye_ahead[lane], ahead[lane])
+            if hidden != HIDDEN:
+                hidden = max(hidden, hidden_point(other_rows, formless, other_eye, eye[lane], points[row]))
+            found[row] = min(found[row], hidden)
+            for axis in range(3):
+                eyes[row, axis] = eye[lane, axis]
+        if hidden != CLEAR:
+            asked[kept] = row
+            kept += 1
+    return kept
 
 
 class CellsToSee:
@@ -40,135 +169,52 @@ class CellsToSee:
         cells: What is to be seen.
     """
 
+    first_level = 0
+
     def __init__(self, here: Viewpoint, cells: Cells) -> None:
-        self.here, self.cells = here, cells
-        self.head = head_of(here)
-        eye = here.agent.profile.eye
-        self.view = np.array((math.cos(eye.gaze_cone_rad), *(math.tan(angle / 2) for angle in eye.fov_rad)))
-        seen = np.flatnonzero(here.stage.show(here.state).seen)
-        mine = np.isin(seen, here.agent.geoms)
-        self.own_geoms = np.setdiff1d(seen[mine], shapes_of_head(here))
-        self.own = shapes(here.stage, self.own_geoms, WORLD)
-        self.things = shapes(here.stage, seen[~mine], WORLD)
-        kinds = here.stage.scene.model.geom_type[seen]
-        self.meshes = np.setdiff1d(seen[~np.isin(kinds, FORMULAS)], shapes_of_head(here))
-        self.hider = np.full(len(cells.points), NONE, dtype=np.int32)
+        self._here, self._cells = here, cells
+        self.found = np.full(len(cells.points), HIDDEN, dtype=np.uint8)
+        self._eyes = np.empty((len(cells.points), 3))
+        stage, agent = here.stage.show(here.state), here.agent
+        seen = np.flatnonzero(stage.seen)
+        mine = np.isin(seen, agent.geoms)
+        self._own, self._others = np.setdiff1d(seen[mine], shapes_of_head(here)), seen[~mine]
+        self._lens = lens_of(agent.profile.eye)
 
-    def trials(self, level: int) -> Trials | None:
-        """The trials of a level, 0 to 4; None if there are none."""
-        footing = footing_of(self.here, level)
-        return SeeTrials(self, footing, self.head if level else self.head.stiff) if len(footing.way) else None
+    def find(self, configuration: Configuration, places: Indices, cells: Undecided) -> None:
+        """What a configuration sees at some of its places: see ``see_cells``."""
+        stage, base = self._here.stage.show(configuration.state), configuration.at(places)
+        looking = Looking(stage.shapes, self._own, self._others, configuration.frames, configuration.neck, self._lens)
+        see_cells(looking, base, cells, self.found, self._eyes)
 
+    def past_meshes(self, configuration: Configuration, rows: Indices) -> Mask:
+        """Whether rays from where cells were just looked at get past all meshes, which have no formula, (n,).
 
-class SeeTrials:
-    """The trials of one effort level for seeing cells."""
-
-    def __init__(self, asking: CellsToSee, footing: Footing, head: Head) -> None:
-        self.footing, self.cells = footing, asking.cells
-        self._asking, self._head = asking, head
-        self._cones = head.cones(asking.here.agent.profile.eye.gaze_cone_rad)
-        self._eyes, self._own = self._tables()
-        marks = np.column_stack((footing.places_m, self._eyes[:, 2]))
-        self._first = far_apart(marks, FIRST) if footing.turns else np.arange(len(marks))
-
-    def run(self, sweep: Sweep) -> None:
-        """See ``Trials``."""
-        self._run(sweep, self._eyes, self._first, self.footing.way)
-
-    def look_closely(self, rows: Indices) -> Mask:
-        """Ask for the meshes one by one, trial by trial: they have no formula."""
-        won = np.zeros(len(rows), dtype=bool)
-        for trial in range(len(self._eyes)):
-            left = np.flatnonzero(~won)
-            if not len(left):
-                break
-            one = slice(trial, trial + 1)
-            sweep = sweep_of(self, rows[left], np.abs(self.footing.free[one]))  # as free as may be
-            self._run(sweep, self._eyes[one], np.array([0]), self.footing.way[one])
-            left = left[sweep.found == DOUBTFUL]
-            left = left[self._past_meshes(rows[left], trial)]
-            won[left] = self._free(rows[left], trial)
-        return won
-
-    def _run(self, sweep: Sweep, eyes: Array, first: Indices, way: Indices) -> None:
-        asking, own = self._asking, self._own
-        seeing = Eyes(self._head.numbers, asking.view, self._cones, eyes, first, self._tree_of(eyes))
-        shadows = Shadows(way, own.reshape(-1, COLUMNS), own.shape[1], asking.things, asking.hider)
-        seen_cells(seeing, shadows, sweep, self.cells.starts(sweep.rows))
-
-    def _free(self, rows: Indices, trial: int) -> Mask:
-        """Whether nothing is in the way when the agent turns to each of some cells."""
-        ahead = self.cells.points[rows, :2] - self.footing.places_m[trial]
-        count = self.footing.free.shape[1]
-        steps = [step_of(self.footing.facing, count, x, y) for x, y in ahead.tolist()]
-        asked = np.zeros(self.footing.free.shape, dtype=bool)
-        asked[trial, steps] = self.footing.free[trial, steps] == UNKNOWN
-        self.footing.test(self._asking.here, asked)
-        return np.asarray(self.footing.free[trial, steps] == FREE)
-
-    def _past_meshes(self, rows: Indices, trial: int) -> Mask:
-        """Whether rays get past all meshes. An agent that turns has its own where it began."""
-        asking = self._asking
-        stage = asking.here.stage.show(self.footing.states[self.footing.way[trial]])
-        meshes = np.setdiff1d(asking.meshes, asking.here.agent.geoms) if self.footing.turns else asking.meshes
-        origins = eye_positions(asking.cells.points, rows, self._head.numbers, asking.view, self._eyes, trial)
-        ways = asking.cells.points[rows] - origins
-        lengths = np.linalg.norm(ways, axis=1)
-        passed = np.ones(len(rows), dtype=bool)
-        for row, (origin, way, length) in enumerate(zip(origins, ways, lengths, strict=True)):
-            geoms, distances = stage.cast(origin, way[None] / length, only=meshes)
-            passed[row] = geoms[0] < 0 or distances[0] >= length
+        An agent that turns has its own where it began: they are left out.
+        """
+        stage, own = (
+            self._here.stage.show(configuration.state),
+            self._own[:0] if configuration.base.turns else self._own,
+        )
+        shapes = np.concatenate((own, self._others))
+        meshes = shapes[stage.shapes.formless[shapes]]
+        passed = np.asarray(self.found[rows] == CLEAR)
+        for number in np.flatnonzero(~passed).tolist():
+            eye = self._eyes[rows[number]]
+            way = self._cells.points[rows[number]] - eye
+            away_m = np.linalg.norm(way)
+            geoms, distances_m = stage.cast(eye, way[None] / away_m, only=meshes)
+            passed[number] = geoms[0] < 0 or distances_m[0] >= away_m
         return passed
 
-    def _tables(self) -> tuple[Array, Array]:
-        """Eyes by trial, and own shapes by way."""
-        here, footing = self._asking.here, self.footing
-        by_way = np.zeros((len(footing.states), EYE_COLUMNS))
-        own = np.repeat(self._asking.own[None], len(footing.states), axis=0)
-        for way, state in enumerate(footing.states):
-            frame = footing.frame(way)
-            eye = here.stage.show(state.replace(self._head.middle)).eye(here.agent)
-            by_way[way, :3], by_way[way, 3:PLACE] = frame.to_local(eye.position), (frame.matrix.T @ eye.matrix).ravel()
-            _place(own[way], here.stage.show(state), self._asking.own_geoms, frame)
-        eyes = by_way[footing.way]
-        eyes[:, PLACE:TURNED], eyes[:, TURNED] = footing.places_m, footing.turns
-        return eyes, own
 
-    def _tree_of(self, eyes: Array) -> Tree:
-        """The tree of the boxes in which eyes stay."""
-        middle, half = (self._head.low_m + self._head.high_m) / 2, (self._head.high_m - self._head.low_m) / 2
-        matrices = eyes[:, 3:PLACE].reshape(-1, 3, 3)
-        center, around = eyes[:, :3] + matrices @ middle, np.abs(matrices) @ half
-        low, high = center - around, center + around
-        if self.footing.turns:
-            wide = np.hypot(*np.maximum(-low, high)[:, :2].T)[:, None]
-            low[:, :2], high[:, :2] = eyes[:, PLACE:TURNED] - wide, eyes[:, PLACE:TURNED] + wide
-        return tree_of(low, high)
-
-
-def far_apart(marks: Array, count: int) -> Indices:
-    """Indices of some points, (n, k), as many as asked for or all: each is the farthest from those before it."""
-    chosen = [0]
-    away = np.linalg.norm(marks - marks[0], axis=1)
-    while len(chosen) < min(count, len(marks)):
-        chosen.append(int(np.argmax(away)))
-        away = np.minimum(away, np.linalg.norm(marks - marks[chosen[-1]], axis=1))
-    return np.array(chosen)
-
-
-def shapes(stage: Stage, geoms: Indices, frame: Pose) -> Array:
-    """A table of some shapes where the stage shows them, in a frame; see ``shadow``."""
-    model = stage.scene.model
-    table = np.empty((len(geoms), COLUMNS))
-    table[:, KIND], table[:, SIZE:BOUNDS] = model.geom_type[geoms], model.geom_size[geoms]
-    table[:, BOUNDS:RADIUS] = model.geom_aabb[geoms]
-    table[:, RADIUS] = np.where(model.geom_rbound[geoms] == 0.0, np.inf, model.geom_rbound[geoms])
-    _place(table, stage, geoms, frame)
-    return table
-
-
-def _place(table: Array, stage: Stage, geoms: Indices, frame: Pose) -> None:
-    """Puts shapes of a table where the stage shows them."""
-    positions, matrices = stage.geoms(geoms)
-    table[:, POSITION:MATRIX] = frame.to_local(positions)
-    table[:, MATRIX:] = (frame.matrix.T @ matrices.reshape(-1, 3, 3)).reshape(-1, 9)
+def shapes_of_head(here: Viewpoint) -> Indices:
+    """Shapes that the head's joints carry, and those of the body that the eye looks through, (n,)."""
+    model, agent = here.stage.scene.model, here.agent
+    axes = (agent.profile.pan, agent.profile.tilt)
+    joints = [int(model.joint(f"{agent.name}/{axis.joint}").id) for axis in axes if axis]
+    carried = {agent.eye_exclude_body, *(int(model.jnt_bodyid[joint]) for joint in joints)}
+    for body in agent.bodies:  # a parent's index is always below its children's
+        if int(model.body_parentid[body]) in carried:
+            carried.add(int(body))
+    return np.array([geom for geom in agent.geoms if int(model.geom_bodyid[geom]) in carried], dtype=np.intp)

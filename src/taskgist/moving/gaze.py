@@ -1,4 +1,4 @@
-"""Gaze: where people turn their heads, and how.
+"""Gaze: where people turn their heads, and how; and what an onlooker looks at.
 
 A **subject** is something to look at, named as everything is: "P1" is a face, "cup" a thing, "P1/right_arm" a hand.
 Each fixation begins with a smooth turn of the head and then follows its subject; eyes do the rest, so heads stay within

@@ -1,4 +1,4 @@
-"""Motion: how a body gets from one posture to another.
+"""Motion: how a body gets from one posture to another, and sways at rest.
 
 People's arm movements follow a minimum-jerk profile: a bell-shaped speed along the path, at rest at both ends
 [Flash & Hogan 1985]. A ``Motion`` runs along a smooth curve through given postures with that profile.

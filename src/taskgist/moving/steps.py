@@ -1,4 +1,4 @@
-"""Steps of a script: wait, take, hold up, put down, withdraw. Each works out its part of an ``Acting``."""
+"""Steps of a script: wait, take, hold up, put down, hand over, withdraw. Each works out its part of an ``Acting``."""
 
 from __future__ import annotations
 

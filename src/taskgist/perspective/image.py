@@ -17,112 +17,16 @@ from numpy.typing import NDArray
 from taskgist.common.arrays import Array, Indices
 from taskgist.common.compiled import compiled
 from taskgist.perspective.effort import Visibility
+from taskgist.perspective.gaze import off_gaze
+from taskgist.perspective.occlusion import away_m, from_eye
 from taskgist.perspective.target import Sought, Target
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.bodies.profile import Eye
-from taskgist.world.geometry.rays import BOX, INF, NO_GEOM, Shapes, box, into_shape, stand_between, surface
+from taskgist.world.geometry.rays import INF, Shapes, stand_between
 from taskgist.world.stage import Stage
 
 # --- Shapes as one eye has them around it: a table for compiled functions, which pass one array on for nothing.
-
-HERE = -1.0
-"""Type of what stands for a mesh around the eye."""
-KIND, SIZE, START, MATRIX, SHAPE, COLUMNS = 0, 1, 4, 7, 16, 17
-"""Columns: type; half sizes; the eye in the shape's frame; how the shape is turned, row by row; its index."""
-GRAZE_M = 1e-9
-"""What hides a surface is nearer to the eye than the surface, by more than rounding."""
-
-
-@compiled
-def from_eye(shapes: Shapes, which: Indices, eye: Array, boxed: bool) -> Array:
-    """Shapes seen from an eye, (k, COLUMNS).
-
-    Args:
-        shapes: All shapes.
-        which: Indices of those that count.
-        eye: Where it is, metres, at least (3,).
-        boxed: Whether what has no formula counts as the box around it; it is left out otherwise.
-    """
-    rows, count = np.empty((len(which), COLUMNS)), 0
-    kinds, formless, sizes, bounds = shapes.kinds, shapes.formless, shapes.sizes, shapes.bounds
-    positions, matrices = shapes.positions, shapes.matrices
-    for shape in which:
-        if formless[shape] and not boxed:
-            continue
-        x, y, z = eye[0] - positions[shape, 0], eye[1] - positions[shape, 1], eye[2] - positions[shape, 2]
-        start = into_shape(matrices, shape, x, y, z)
-        for axis in range(3):
-            rows[count, SIZE + axis] = bounds[shape, 3 + axis] if formless[shape] else sizes[shape, axis]
-            rows[count, START + axis] = start[axis] - (bounds[shape, axis] if formless[shape] else 0.0)
-        rows[count, KIND] = BOX if formless[shape] else kinds[shape]
-        if formless[shape] and _inside(rows, count):
-            rows[count, KIND] = HERE
-        for entry in range(9):
-            rows[count, MATRIX + entry] = matrices[shape, entry]
-        rows[count, SHAPE] = shape
-        count += 1
-    return rows[:count]
-
-
-@compiled
-def _inside(rows: Array, k: int) -> bool:
-    """Whether the eye is inside of a shape's box."""
-    x, y, z = abs(rows[k, START]), abs(rows[k, START + 1]), abs(rows[k, START + 2])
-    return bool(x <= rows[k, SIZE] and y <= rows[k, SIZE + 1] and z <= rows[k, SIZE + 2])
-
-
-@compiled
-def in_shadow(rows: Array, corners: Array, eye: Array) -> int:
-    """A shape that alone hides all that lies between some corners, (n, 3), from the eye; −1 if no box does.
-
-    The shadow that a convex thing throws from an eye outside of it is convex, too.
-    """
-    for k in range(len(rows)):
-        x, y, z = rows[k, START], rows[k, START + 1], rows[k, START + 2]
-        sx, sy, sz = rows[k, SIZE] - GRAZE_M, rows[k, SIZE + 1] - GRAZE_M, rows[k, SIZE + 2] - GRAZE_M
-        hides = rows[k, KIND] == BOX and (abs(x) > sx or abs(y) > sy or abs(z) > sz)
-        for c in range(len(corners)):
-            if not hides:
-                break
-            dx, dy, dz = _turned(rows, k, corners[c, 0] - eye[0], corners[c, 1] - eye[1], corners[c, 2] - eye[2])
-            hides = box(sx, sy, sz, x, y, z, dx, dy, dz) <= 1.0
-        if hides:
-            return int(rows[k, SHAPE])
-    return NO_GEOM
-
-
-@compiled
-def away_m(rows: Array, k: int, x: float, y: float, z: float) -> float:
-    """How far along a unit direction from the eye a shape is, metres; infinite if it is not there."""
-    if rows[k, KIND] == HERE:
-        return 0.0
-    dx, dy, dz = _turned(rows, k, x, y, z)
-    px, py, pz = rows[k, START], rows[k, START + 1], rows[k, START + 2]
-    return surface(int(rows[k, KIND]), rows[k, SIZE], rows[k, SIZE + 1], rows[k, SIZE + 2], px, py, pz, dx, dy, dz)
-
-
-@compiled
-def _turned(rows: Array, k: int, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """A direction of the world in the frame of a shape."""
-    return (
-        x * rows[k, MATRIX] + y * rows[k, MATRIX + 3] + z * rows[k, MATRIX + 6],
-        x * rows[k, MATRIX + 1] + y * rows[k, MATRIX + 4] + z * rows[k, MATRIX + 7],
-        x * rows[k, MATRIX + 2] + y * rows[k, MATRIX + 5] + z * rows[k, MATRIX + 8],
-    )
-
-
-@compiled
-def off_gaze(eye: Array, center: Array, radius_m: float) -> float:
-    """Angle between the gaze of an eye, pose (12,), and a ball about a point (3,): 0 or less for what is ahead."""
-    x, y, z = center[0] - eye[0], center[1] - eye[1], center[2] - eye[2]
-    gx, gy, gz = eye[3], eye[6], eye[9]
-    distance = math.sqrt(x * x + y * y + z * z)
-    if distance <= radius_m:
-        return 0.0
-    ahead = x * gx + y * gy + z * gz
-    aside = math.sqrt((y * gz - z * gy) ** 2 + (z * gx - x * gz) ** 2 + (x * gy - y * gx) ** 2)
-    return math.atan2(aside, ahead) - math.asin(radius_m / distance)
 
 
 # --- An agent's whole field of view as a pinhole image: what each pixel shows (5.1.1).
@@ -197,6 +101,7 @@ class Lens(NamedTuple):
     Attributes:
         rays: Unit directions through the pixels' centres in the eye's frame, (height, width, 3).
         fov_rad: Field of view, across and up.
+        half_tan: Tangents of half of it.
         image_px: Width and height of the image.
         cone_rad: Half-angle of the gaze cone.
         cone_cos: Its cosine.
@@ -204,6 +109,7 @@ class Lens(NamedTuple):
 
     rays: Array
     fov_rad: tuple[float, float]
+    half_tan: tuple[float, float]
     image_px: tuple[int, int]
     cone_rad: float
     cone_cos: float
@@ -212,8 +118,28 @@ class Lens(NamedTuple):
 @lru_cache(maxsize=32)
 def lens_of(eye: Eye) -> Lens:
     """The lens of a profile's eye."""
-    cone_rad = eye.gaze_cone_rad
-    return Lens(pixel_rays(eye), eye.fov_rad, eye.image_px, cone_rad, math.cos(cone_rad))
+    across, up = eye.fov_rad
+    half_tan, cone_rad = (math.tan(across / 2), math.tan(up / 2)), eye.gaze_cone_rad
+    return Lens(pixel_rays(eye), eye.fov_rad, half_tan, eye.image_px, cone_rad, math.cos(cone_rad))
+
+
+@compiled
+def in_view(eye: Array, point: Array, cone_cos: float, across_tan: float, up_tan: float) -> bool:
+    """Whether a point, metres, (3,), lies in the gaze cone and in the image of an eye, pose (12,).
+
+    Args:
+        eye: The eye.
+        point: The point.
+        cone_cos: Cosine of the gaze cone's half-angle.
+        across_tan: Tangent of half the field of view across,
+        up_tan: and of half of it up.
+    """
+    dx, dy, dz = point[0] - eye[0], point[1] - eye[1], point[2] - eye[2]
+    ahead = dx * eye[3] + dy * eye[6] + dz * eye[9]
+    left = dx * eye[4] + dy * eye[7] + dz * eye[10]
+    up = dx * eye[5] + dy * eye[8] + dz * eye[11]
+    inside = abs(left) <= across_tan * ahead and abs(up) <= up_tan * ahead
+    return bool(inside and ahead > 0.0 and ahead >= cone_cos * math.sqrt(dx * dx + dy * dy + dz * dz))
 
 
 @compiled

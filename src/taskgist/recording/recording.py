@@ -1,4 +1,4 @@
-"""A recording: what perception delivered of a demonstration, and the operator's label."""
+"""A recording: what perception delivered of a demonstration, the operator's label, and where it comes from."""
 
 from __future__ import annotations
 

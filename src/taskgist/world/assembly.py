@@ -1,4 +1,4 @@
-"""Assembly: room, objects and agents become one MuJoCo model, with everybody in place."""
+"""Assembly: files are gathered, room, objects and agents become one MuJoCo model, and everybody is put in place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Is a profile fit to use? Every problem by name, what the body lacks, and the body itself on an empty floor."""
+"""Is a profile fit to use? Every problem by name, what is probably wrong, what the body lacks, and the body itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an object rests on, and what it lies in: geometry of one state (5.3.1)."""
+"""What an object rests on, and what it lies in: geometry of one state (5.3.1), remembered while nothing changes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A state: an immutable snapshot of where everything is."""
+"""States: immutable snapshots of where everything is, alone and in order of time."""
 
 from __future__ import annotations
 

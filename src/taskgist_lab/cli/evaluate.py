@@ -25,11 +25,11 @@ HELD_OUT_SEED = 1000
 Experiment = Callable[[Coded, int, int, Progress], Result]
 
 EXPERIMENTS: Mapping[str, Experiment] = {
-    "needed": lambda coded, draws, seed, _: demonstrations_needed(coded, draws=draws, seed=seed),
-    "transfer": lambda coded, draws, seed, _: transfer(coded, draws=draws, seed=seed),
-    "robustness": lambda coded, draws, seed, progress: robustness(coded, draws=draws, seed=seed, progress=progress),
-    "peers": lambda coded, draws, seed, progress: compared(
-        coded, draws=draws, seed=seed, peers=makers(seed), progress=progress
+    "needed": lambda coded, runs, seed, _: demonstrations_needed(coded, runs=runs, seed=seed),
+    "transfer": lambda coded, runs, seed, _: transfer(coded, runs=runs, seed=seed),
+    "robustness": lambda coded, runs, seed, progress: robustness(coded, runs=runs, seed=seed, progress=progress),
+    "peers": lambda coded, runs, seed, progress: compared(
+        coded, runs=runs, seed=seed, peers=makers(seed), progress=progress
     ),
 }
 """The experiments by name, in their order."""
@@ -49,7 +49,7 @@ def evaluate(
     seed: Annotated[
         int, typer.Option("--seed", help="Seed. The default one is held out: smaller ones were developed on.")
     ] = HELD_OUT_SEED,
-    draws: Annotated[int, typer.Option("--draws", help="Random orders in which each task is learned.")] = 200,
+    runs: Annotated[int, typer.Option("--runs", help="Random orders in which each task is learned.")] = 200,
     source: Annotated[
         str, typer.Option("--source", help=f"Where demonstrations come from: {', '.join(SOURCES)}.")
     ] = "generator",
@@ -77,7 +77,7 @@ def evaluate(
     Example: taskgist evaluate needed transfer --pool pool.json.gz -o pictures
     """
     chosen = _chosen(experiments)
-    _check(demonstrations, draws, processes, out)
+    _check(demonstrations, runs, processes, out)
     if pool is not None:
         check_target(pool, "--pool")
     conditions = tuple(CONDITIONS) if "robustness" in chosen else (CLEAN,)
@@ -85,11 +85,11 @@ def evaluate(
     with progress_bar(quiet=as_json) as progress:
         judged = kept_pool(pool, wanted, processes=processes, progress=progress)
         coded = Coded.of(judged)
-        results = {name: EXPERIMENTS[name](coded, draws, seed, progress) for name in chosen}
+        results = {name: EXPERIMENTS[name](coded, runs, seed, progress) for name in chosen}
     pictures = _pictures(results, out) if out else ()
     if as_json:
         found = {name: result.to_json() for name, result in results.items()}
-        print_json({"pool": _about(judged), "draws": draws, "pictures": [str(path) for path in pictures], **found})
+        print_json({"pool": _about(judged), "runs": runs, "pictures": [str(path) for path in pictures], **found})
         return
     _print_pool(judged)
     for result in results.values():
@@ -106,11 +106,11 @@ def _chosen(names: list[str] | None) -> tuple[str, ...]:
     return tuple(name for name in EXPERIMENTS if not names or name in names)
 
 
-def _check(demonstrations: int, draws: int, processes: int | None, out: Path | None) -> None:
+def _check(demonstrations: int, runs: int, processes: int | None, out: Path | None) -> None:
     if demonstrations < HELD_OUT_EVERY:
         hint = f"every {HELD_OUT_EVERY}rd is held out: give {HELD_OUT_EVERY} or more, better 30"
         raise InputError("too few", field="--demonstrations", value=demonstrations, hint=hint)
-    for name, value in (("--draws", draws), ("--processes", processes)):
+    for name, value in (("--runs", runs), ("--processes", processes)):
         if value is not None and value < 1:
             raise InputError("too few", field=name, value=value, hint="give 1 or more")
     if out is not None:

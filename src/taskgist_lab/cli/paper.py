@@ -28,34 +28,37 @@ from taskgist.common.frozen import Json
 from taskgist.common.workers import Progress
 from taskgist.errors import InputError, KnowledgeError
 from taskgist.pipeline.shipped import shipped_study
-from taskgist_lab.paper.draws import (
-    Draws,
+from taskgist_lab.paper.displacements import (
+    Displacements,
     Judged,
     digest_of,
     judge_study,
     measure,
     outdated,
-    read_draws,
-    shipped_draws,
+    read_displacements,
+    shipped_displacements,
     wilson,
-    write_draws,
+    write_displacements,
 )
 from taskgist_lab.paper.published import Goal, Result, Section, Verdict, tally
 from taskgist_lab.paper.results import Report, report
 
-MOST_DRAWS = 10_000
+MOST_DISPLACEMENTS = 10_000
 
 
 @command
 def paper(
-    draws: Annotated[
+    displacements: Annotated[
         int | None,
         typer.Option(
-            "--draws", min=1, max=MOST_DRAWS, help="Displace all demonstrations so often, now: it takes long."
+            "--displacements",
+            min=1,
+            max=MOST_DISPLACEMENTS,
+            help="Displace everything so often, now: it takes long.",
         ),
     ] = None,
     save: Annotated[
-        Path | None, typer.Option("--save", help="Keep these draws in a file, and go on from what it holds.")
+        Path | None, typer.Option("--save", help="Keep these displacements in a file, and go on from what it holds.")
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for pictures of scenes and trees; made if new.")
@@ -69,20 +72,22 @@ def paper(
     code is 1.
 
     How well the clauses bear that people and things are moved was measured beforehand, and is held to a goal of 95 %:
-    one that is clearly missed gives exit code 1, too. --draws 200 measures it anew, on all cores, which takes two of
-    them a quarter of an hour; with --save it can be stopped and taken up again.
+    one that is clearly missed gives exit code 1, too. --displacements 200 measures it anew, on all cores, which takes
+    two of them a quarter of an hour; with --save it can be stopped and taken up again.
 
     Example: taskgist paper
 
-    Example: taskgist paper --draws 200 --save draws.json.gz
+    Example: taskgist paper --displacements 200 --save displacements.json.gz
 
     Example: taskgist paper -o pictures --json
     """
-    _check(draws, save, out)
+    _check(displacements, save, out)
     with progress_bar(quiet=as_json) as progress:
         judged = judge_study(progress=progress)
-        drawn = shipped_draws() if draws is None else _drawn(judged, draws, save, progress)
-        found = report(judged, drawn)
+        displaced = (
+            shipped_displacements() if displacements is None else _measured(judged, displacements, save, progress)
+        )
+        found = report(judged, displaced)
         pictures = _pictures(judged, out, progress) if out else ()
     if as_json:
         print_json({**found.to_json(), "pictures": [str(path) for path in pictures]})
@@ -91,20 +96,22 @@ def paper(
     return FAILED if found.failed else OK
 
 
-def _check(draws: int | None, save: Path | None, out: Path | None) -> None:
+def _check(displacements: int | None, save: Path | None, out: Path | None) -> None:
     """Refuse what could not be written, before any long work."""
     if save is not None:
-        if draws is None:
-            hint = "add --draws 200"
-            raise InputError("there are no new draws to keep", field="--save", value=str(save), hint=hint)
+        if displacements is None:
+            hint = "add --displacements 200"
+            raise InputError("there are no new displacements to keep", field="--save", value=str(save), hint=hint)
         check_target(save, "--save")
     if out is not None:
         make_folder(out, "--out")
 
 
-def _drawn(judged: Mapping[str, tuple[Judged, ...]], count: int, save: Path | None, progress: Progress) -> Draws:
+def _measured(
+    judged: Mapping[str, tuple[Judged, ...]], count: int, save: Path | None, progress: Progress
+) -> Displacements:
     study = digest_of(judged)
-    known = read_draws(save) if save and save.exists() else Draws(study)
+    known = read_displacements(save) if save and save.exists() else Displacements(study)
     problem = outdated(known, study)
     if problem:
         hint = "name another file, or remove this one"
@@ -112,7 +119,7 @@ def _drawn(judged: Mapping[str, tuple[Judged, ...]], count: int, save: Path | No
     for more in measure(known, count, progress=progress):
         known = more
         if save:
-            write_draws(known, save)
+            write_displacements(known, save)
     return known
 
 
@@ -170,16 +177,16 @@ def verdict_text(result: Result) -> Text:
     return Text(result.verdict.value, style=STYLES[result.verdict])
 
 
-def share_words(result: Result, drawn: Json) -> str:
-    """The share of draws with its 95 % interval, whose ends are rounded outwards; nothing if none was measured.
+def share_words(result: Result, displaced: Json) -> str:
+    """The share of displacements with its 95 % interval, whose ends are rounded outwards; nothing if none was measured.
 
     Args:
         result: What is held to the goal.
-        drawn: What else is known of the draws of its task.
+        displaced: What else is known of the displacements of its task.
     """
-    if not isinstance(result.ours, float) or not isinstance(drawn, Mapping):
+    if not isinstance(result.ours, float) or not isinstance(displaced, Mapping):
         return ""
-    count = drawn["draws"]
+    count = displaced["draws"]
     assert isinstance(count, int)
     low, high = wilson(round(result.ours * count), count)
     return f"{result.ours:.1%} ({math.floor(1000 * low) / 10:.1f}-{math.ceil(1000 * high) / 10:.1f}%)"
@@ -301,43 +308,45 @@ def print_report(report: Report, pictures: Sequence[Path] = ()) -> None:
 
 
 def _print_clauses(section: Section, report: Report) -> None:
-    """The clauses with the share of draws in which each predicate survives."""
-    draws = report.section("draws")
-    survival = {result.name: result for result in draws.results}
+    """The clauses with the share of displacements in which each predicate survives."""
+    displacements = report.section("draws")
+    survival = {result.name: result for result in displacements.results}
     tasks = dict.fromkeys(result.name.partition(":")[0] for result in section.results)
     for task in tasks:
         own = [result for result in section.results if result.name.startswith(f"{task}:") and result.where != SHORT]
-        show(_clause_table(task, own, survival, draws.details.get(task)))
+        show(_clause_table(task, own, survival, displacements.details.get(task)))
         symbols = [result for result in section.results if result.where == SHORT and result.name.startswith(f"{task}:")]
         if symbols:
             equal = tally(symbols)["equal"]
             console.print(f"  {SHORT}, the same in symbols: {equal} of {len(symbols)} predicates are equal")
         console.print()
     _print_explanations(section.results)
-    if draws.details:
-        paragraph(draws.about)
-    _print_explanations(draws.results)
+    if displacements.details:
+        paragraph(displacements.about)
+    _print_explanations(displacements.results)
 
 
-def _clause_table(task: str, own: Iterable[Result], survival: Mapping[str, Result], drawn: Json) -> Table:
+def _clause_table(task: str, own: Iterable[Result], survival: Mapping[str, Result], displaced: Json) -> Table:
     own = list(own)
-    count = drawn["draws"] if isinstance(drawn, Mapping) else None
-    survives = f"survives {count} draw{'' if count == 1 else 's'}" if count else "survives"
+    count = displaced["draws"] if isinstance(displaced, Mapping) else None
+    survives = f"survives {count} displacement{'' if count == 1 else 's'}" if count else "survives"
     table = plain_table(f"{task} ({own[0].where})", "the paper prints", "learned", survives, "verdict", numbers=1)
     for result in own:
         printed = Text(str(result.paper)) if result.paper else Text("-", style="dim")
-        table.add_row(printed, str(result.ours or "-"), _share(survival.get(result.name), drawn), verdict_text(result))
-    if isinstance(drawn, Mapping):
-        whole = drawn["whole_clause"]
+        table.add_row(
+            printed, str(result.ours or "-"), _share(survival.get(result.name), displaced), verdict_text(result)
+        )
+    if isinstance(displaced, Mapping):
+        whole = displaced["whole_clause"]
         assert isinstance(whole, int)
         assert isinstance(count, int)
         table.add_row(Text("the whole clause, no more and no less", style="dim"), "", f"{whole / count:.1%}", "")
     return table
 
 
-def _share(result: Result | None, drawn: Json) -> Text:
-    """The share of draws with its interval, in the colour of whether it meets the goal."""
-    told = share_words(result, drawn) if result else ""
+def _share(result: Result | None, displaced: Json) -> Text:
+    """The share of displacements with its interval, in the colour of whether it meets the goal."""
+    told = share_words(result, displaced) if result else ""
     if result is None or result.verdict is None or not told:
         return Text("-", style="dim")
     return Text(told, STYLES[result.verdict])

@@ -1,4 +1,4 @@
-"""How many demonstrations it takes to reach the intuitive understanding of Table 4 (8.2)."""
+"""Experiments: how many demonstrations it takes (Table 4), and whether what is learned holds in others."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from taskgist_lab.evaluation.learner import (
     Judging,
     Learned,
     Truths,
-    drawn,
+    in_random_order,
     learned,
     sizes_within,
     truths,
@@ -35,7 +35,7 @@ from taskgist_lab.paper.published import INTUITION, NEEDED, NEEDED_BY_COLUMN, Ce
 # that is unknown in a demonstration, because something was not observed, does not hold there.
 
 Held = NDArray[np.int8]
-"""Whether clauses hold in demonstrations: 1 true, 0 false, -1 unknown, (draws, demonstrations)."""
+"""Whether clauses hold in demonstrations: 1 true, 0 false, -1 unknown, (runs, demonstrations)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class HeldOut:
         return HeldOut(coded.pool.tasks, np.concatenate(codes), task_of)
 
     def shares(self, held: Held, truth: int) -> NDArray[np.float64]:
-        """Share of each task's demonstrations in which each draw's clause is of that truth, (draws, tasks)."""
+        """Share of each task's demonstrations in which each run's clause is of that truth, (runs, tasks)."""
         alike = held == truth
         shares = [alike[:, self.task_of == task].mean(axis=1) for task in range(len(self.tasks))]
         return np.stack(shares, axis=1)
@@ -76,7 +76,7 @@ class HeldOut:
 
 @dataclass(frozen=True)
 class Scores:
-    """How well one task's clause tells its demonstrations from others, over draws."""
+    """How well one task's clause tells its demonstrations from others, over runs."""
 
     recall: Spread
     precision: Spread
@@ -87,7 +87,7 @@ class Scores:
 
 @dataclass(frozen=True)
 class Table:
-    """Clauses of tasks (rows) in demonstrations of tasks (columns), mean over draws.
+    """Clauses of tasks (rows) in demonstrations of tasks (columns), mean over runs.
 
     Attributes:
         after: Demonstrations that were learned from.
@@ -96,7 +96,7 @@ class Table:
         true: Share of demonstrations in which the clause holds, by row and column.
         unknown: Share in which that is unknown.
         scores: By task.
-        overall: Means over tasks, with their spread over draws.
+        overall: Means over tasks, with their spread over runs.
     """
 
     after: int
@@ -112,31 +112,31 @@ def table_of(held: Mapping[str, Held], judges: HeldOut, *, after: int, part: str
     """The table of clauses that hold in these demonstrations.
 
     Args:
-        held: By learned task, whether the clause of each draw holds in each demonstration.
+        held: By learned task, whether the clause of each run holds in each demonstration.
         judges: The demonstrations.
         after: Demonstrations that were learned from.
         part: Which part of the clause.
     """
     true = {task: judges.shares(held[task], 1) for task in judges.tasks}
     unknown = {task: judges.shares(held[task], UNKNOWN_CODE) for task in judges.tasks}
-    by_draw = {task: scores_of(true[task], own) for own, task in enumerate(judges.tasks)}
-    means = np.mean(list(by_draw.values()), axis=0)
+    by_task = {task: scores_of(true[task], own) for own, task in enumerate(judges.tasks)}
+    means = np.mean(list(by_task.values()), axis=0)
     return Table(
         after=after,
         part=part,
         tasks=judges.tasks,
         true=tuple(_means(true[task]) for task in judges.tasks),
         unknown=tuple(_means(unknown[task]) for task in judges.tasks),
-        scores={task: Scores(*map(Spread.of, each)) for task, each in by_draw.items()},
+        scores={task: Scores(*map(Spread.of, each)) for task, each in by_task.items()},
         overall=Scores(*map(Spread.of, means)),
     )
 
 
 def scores_of(true: NDArray[np.float64], own: int) -> NDArray[np.float64]:
-    """Scores of one task's clauses, (recall, precision, f1) × draws.
+    """Scores of one task's clauses, (recall, precision, f1) × runs.
 
     Args:
-        true: Share of each task's demonstrations in which they hold, (draws, tasks).
+        true: Share of each task's demonstrations in which they hold, (runs, tasks).
         own: Index of the task.
     """
     recall, everywhere = true[:, own], true.sum(axis=1)
@@ -150,13 +150,15 @@ def _means(shares: NDArray[np.float64]) -> tuple[float, ...]:
     return tuple(rounded(each) for each in shares.mean(axis=0))
 
 
+# --- How many demonstrations it takes to reach the intuitive understanding of Table 4 (8.2).
+
 ALL = "all"
 """Column that asks for all three cells of a row."""
 
 
 @dataclass(frozen=True)
 class Waiting:
-    """How many demonstrations it takes, over all draws; None: never within the draw."""
+    """How many demonstrations it takes, over all runs; None: never within the run."""
 
     median: int | None
     low: int | None
@@ -166,7 +168,7 @@ class Waiting:
 
     @staticmethod
     def of(counts: ArrayLike) -> Waiting:
-        """Of numbers of demonstrations, infinite where a draw never gets there."""
+        """Of numbers of demonstrations, infinite where a run never gets there."""
         found = np.quantile(np.asarray(counts, dtype=np.float64), (0.5, LOW, HIGH), method="inverted_cdf")
         return Waiting(*(int(count) if np.isfinite(count) else None for count in found))
 
@@ -180,9 +182,9 @@ class Needed:
         column: Its column, or ``ALL``.
         wording: The paper's words.
         paper: Demonstrations that the paper needed, where the table says so.
-        needed: The first demonstration from which on it holds to the end of the draw, as in Table 4; over all draws.
-        ever: Share of draws in which it ever held, be it lost again.
-        curve: Share of draws in which it held after 1, 2, 3 ... demonstrations.
+        needed: The first demonstration from which on it holds to the end of the run, as in Table 4; over all runs.
+        ever: Share of runs in which it ever held, be it lost again.
+        curve: Share of runs in which it held after 1, 2, 3 ... demonstrations.
         agreeing: Share of single demonstrations that show what must be kept; None where nothing must.
         alike: Share of the most frequent value of what must be pruned: near 1, hardly anything tells that it varies.
             None where nothing must.
@@ -211,13 +213,13 @@ class Needs(Result):
 
 
 def demonstrations_needed(
-    coded: Coded, *, draws: int, seed: int, judging: Judging = PAPER, condition: str = CLEAN
+    coded: Coded, *, runs: int, seed: int, judging: Judging = PAPER, condition: str = CLEAN
 ) -> Needs:
     """Learn each task in many random orders, and watch when it is understood.
 
     Args:
         coded: A pool.
-        draws: Random orders of each task.
+        runs: Random orders of each task.
         seed: Their seed.
         judging: How counts become verdicts; one that does not ask.
         condition: Under which demonstrations were watched.
@@ -227,7 +229,7 @@ def demonstrations_needed(
     """
     rows: list[Needed] = []
     for task in (task for task in INTUITION if task in coded.pool.tasks):
-        orders = drawn(coded, task, draws=draws, seed=seed, condition=condition)
+        orders = in_random_order(coded, task, runs=runs, seed=seed, condition=condition)
         rows += rows_of(task, learned(orders, coded, judging), coded)
     return Needs(tuple(rows))
 
@@ -243,7 +245,7 @@ def rows_of(task: str, known: Learned, coded: Coded) -> Iterator[Needed]:
 
 
 def lasting_from(held: Truths) -> NDArray[np.float64]:
-    """The first demonstration from which on each draw holds to its end, (draws,); infinite where it does not."""
+    """The first demonstration from which on each run holds to its end, (runs,); infinite where it does not."""
     steps = np.arange(1, held.shape[1] + 1)
     last_without = np.where(held, 0, steps).max(axis=1)
     return np.where(held[:, -1], last_without + 1.0, np.inf)
@@ -327,9 +329,9 @@ class Miss:
     task: str
     node: str
     value: str
-    """The value that the clause wants, where draws differ the most frequent one."""
+    """The value that the clause wants, where runs differ the most frequent one."""
     share: float
-    """Share of draws and demonstrations in which the clause has the predicate and it is false."""
+    """Share of runs and demonstrations in which the clause has the predicate and it is false."""
 
 
 @dataclass(frozen=True)
@@ -356,14 +358,14 @@ class Transfer(Result):
         return next(each for each in self.tables if (each.after, each.part) == (after, part))
 
 
-def transfer(coded: Coded, *, draws: int, seed: int, judging: Judging = PAPER) -> Transfer:
+def transfer(coded: Coded, *, runs: int, seed: int, judging: Judging = PAPER) -> Transfer:
     """Learn each task in many random orders; judge all held-out demonstrations by the clauses.
 
     Raises:
         InputError: The pool has no demonstrations of a task to learn from.
     """
     judges = HeldOut.of(coded)
-    orders = {task: drawn(coded, task, draws=draws, seed=seed) for task in coded.pool.tasks}
+    orders = {task: in_random_order(coded, task, runs=runs, seed=seed) for task in coded.pool.tasks}
     sizes = sizes_within(SIZES, orders.values())
     known = {task: learned(order, coded, judging) for task, order in orders.items()}
     last = {task: held_in(each, judges, sizes[-1], CLAUSE) for task, each in known.items()}
@@ -380,7 +382,7 @@ def held_in(known: Learned, judges: HeldOut, after: int, part: str) -> Held:
 
 
 def mask_of(known: Learned, part: str) -> Truths:
-    """Nodes of a part of the clauses, (draws, demonstrations, nodes)."""
+    """Nodes of a part of the clauses, (runs, demonstrations, nodes)."""
     return known.effects() if part == EFFECTS else known.effects() | known.preconditions()
 
 

@@ -1,4 +1,4 @@
-"""What is understood after each demonstration of each draw: the learner of ``learning``, in arrays.
+"""What is understood after each demonstration of each run: the learner of ``learning``, in arrays.
 
 It follows ``learning.understand`` and ``learning.clause_of`` node by node; tests hold it to them.
 """
@@ -79,11 +79,13 @@ def _ordered(values: set[str], node: Node) -> tuple[str, ...]:
 # --- Random orders in which demonstrations come, some of them wrong ones if wanted.
 
 LONGEST = 20
-"""Demonstrations of a draw."""
+"""Demonstrations of a run."""
 
 
-def drawn(coded: Coded, task: str, *, draws: int, seed: int, condition: str = CLEAN, wrong_share: float = 0.0) -> Codes:
-    """Demonstrations in random order, none twice in a draw, (draws, up to ``LONGEST``, nodes).
+def in_random_order(
+    coded: Coded, task: str, *, runs: int, seed: int, condition: str = CLEAN, wrong_share: float = 0.0
+) -> Codes:
+    """Demonstrations in random order, none twice in a run, (runs, up to ``LONGEST``, nodes).
 
     The same task and seed give the same orders whatever is compared. Where the source has a few distinct
     demonstrations, each displaced many times, all of them come, in random order, before one comes again.
@@ -91,7 +93,7 @@ def drawn(coded: Coded, task: str, *, draws: int, seed: int, condition: str = CL
     Args:
         coded: A pool.
         task: The task that is learned.
-        draws: How many orders.
+        runs: How many orders.
         seed: Their seed.
         condition: Under which the demonstrations were watched.
         wrong_share: Probability of each demonstration to be one of another task that is labelled as this one.
@@ -106,13 +108,13 @@ def drawn(coded: Coded, task: str, *, draws: int, seed: int, condition: str = CL
     rng = np.random.default_rng([seed, zlib.crc32(task.encode())])
     source = SOURCES[coded.pool.source]
     kinds = [source.kind(task, each.number) for each in coded.pool.of(task, condition, held_out=False)]
-    chosen = own[_by_turns(rng, kinds, draws)]
+    chosen = own[_by_turns(rng, kinds, runs)]
     others = _others(coded, task, condition)
     return _with_wrong(chosen, others, rng, wrong_share) if wrong_share and len(others) else chosen
 
 
 def sizes_within(sizes: Sequence[int], orders: Iterable[Codes]) -> tuple[int, ...]:
-    """The sizes that every draw reaches.
+    """The sizes that every run reaches.
 
     Raises:
         InputError: There is none.
@@ -125,17 +127,17 @@ def sizes_within(sizes: Sequence[int], orders: Iterable[Codes]) -> tuple[int, ..
     return reached
 
 
-def _orders(rng: np.random.Generator, count: int, draws: int) -> NDArray[np.intp]:
-    """Orders of indices, (draws, up to ``LONGEST``)."""
-    return np.asarray(rng.permuted(np.tile(np.arange(count), (draws, 1)), axis=1)[:, :LONGEST])
+def _orders(rng: np.random.Generator, count: int, runs: int) -> NDArray[np.intp]:
+    """Orders of indices, (runs, up to ``LONGEST``)."""
+    return np.asarray(rng.permuted(np.tile(np.arange(count), (runs, 1)), axis=1)[:, :LONGEST])
 
 
-def _by_turns(rng: np.random.Generator, kinds: Sequence[int], draws: int) -> NDArray[np.intp]:
+def _by_turns(rng: np.random.Generator, kinds: Sequence[int], runs: int) -> NDArray[np.intp]:
     """Orders of indices in rounds, each with every kind once as long as there are any; all kinds differ: one round."""
-    rounds = np.empty((draws, len(kinds)))
+    rounds = np.empty((runs, len(kinds)))
     for kind in sorted(set(kinds)):
         members = np.flatnonzero(np.equal(kinds, kind))
-        rounds[:, members] = rng.permuted(np.tile(np.arange(len(members)), (draws, 1)), axis=1)
+        rounds[:, members] = rng.permuted(np.tile(np.arange(len(members)), (runs, 1)), axis=1)
     return np.argsort(rounds + rng.random(rounds.shape), axis=1)[:, :LONGEST]
 
 
@@ -190,10 +192,10 @@ def published_oracle(task: str, coded: Coded) -> Oracle:
     return Oracle(kept, values)
 
 
-# --- Counts along draws: after each demonstration, what the learner counts of each node.
+# --- Counts along runs: after each demonstration, what the learner counts of each node.
 #
 # A verdict on a node follows from three numbers: in how many demonstrations it was known (N), how often it had its
-# most frequent value (n), and how many different values it had (k). So draws are counted once, in arrays, and judged
+# most frequent value (n), and how many different values it had (k). So runs are counted once, in arrays, and judged
 # by as many rules as one likes.
 
 Counts = NDArray[np.int32]
@@ -201,7 +203,7 @@ Counts = NDArray[np.int32]
 
 @dataclass(frozen=True, eq=False)
 class Tally:
-    """What has been counted after each demonstration of each draw; all arrays are (draws, demonstrations, nodes)."""
+    """What has been counted after each demonstration of each run; all arrays are (runs, demonstrations, nodes)."""
 
     best: Codes
     """Code of the most frequent value, ties by canonical order; -1 where nothing is known."""
@@ -213,19 +215,19 @@ class Tally:
     """Different values that were seen."""
 
 
-def tally(drawn: Codes) -> Tally:
-    """Count along draws.
+def tally(orders: Codes) -> Tally:
+    """Count along runs.
 
     Args:
-        drawn: Codes, (draws, demonstrations, nodes).
+        orders: Codes, (runs, demonstrations, nodes).
     """
-    columns = [_column(drawn[:, :, node]) for node in range(drawn.shape[2])]
+    columns = [_column(orders[:, :, node]) for node in range(orders.shape[2])]
     best, n, N, k = (np.stack([column[part] for column in columns], axis=2) for part in range(4))
     return Tally(best, n, N, k)
 
 
 def _column(codes: Codes) -> tuple[Codes, Counts, Counts, Counts]:
-    """Counts of one node: best, n, N and k, (draws, demonstrations) each."""
+    """Counts of one node: best, n, N and k, (runs, demonstrations) each."""
     seen = np.unique(codes[codes != UNKNOWN_CODE])  # sorted: the first of several maxima is the canonical one
     if not len(seen):
         nothing = np.zeros(codes.shape, dtype=np.int32)
@@ -277,7 +279,7 @@ class Judging:
         return self.m * prior
 
     def verdicts(self, counted: Tally, nodes: tuple[Node, ...]) -> NDArray[np.int8]:
-        """Codes of verdicts, (draws, demonstrations, nodes), in whole numbers: a boundary is a boundary."""
+        """Codes of verdicts, (runs, demonstrations, nodes), in whole numbers: a boundary is a boundary."""
         n, N, k = (each.astype(np.int64) for each in (counted.n, counted.N, counted.k))
         irrelevant, relevant = self._compared(n, N, k, nodes) if self.band else (k > 1, k == 1)
         found = np.where(irrelevant, IRRELEVANT, np.where(relevant, RELEVANT, CONFUSING))
@@ -324,13 +326,13 @@ Truths = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Learned:
-    """What is understood, (draws, demonstrations, nodes) each.
+    """What is understood, (runs, demonstrations, nodes) each.
 
     Attributes:
         nodes: The tree's nodes.
         kept: Whether each node belongs to the largest consistent subtree.
         values: Code of each node's desired value.
-        asked: Questions asked so far, (draws, demonstrations).
+        asked: Questions asked so far, (runs, demonstrations).
     """
 
     nodes: tuple[Node, ...]
@@ -347,7 +349,7 @@ class Learned:
         return self._deepest(np.array([node.instant == 1 for node in self.nodes]))
 
     def holds(self, cell: Cell, coded: Coded) -> Truths:
-        """Whether a cell of Table 4 holds, (draws, demonstrations)."""
+        """Whether a cell of Table 4 holds, (runs, demonstrations)."""
         true = np.ones(self.kept.shape[:2], dtype=bool)
         for name, value in cell.kept:
             column = coded.index(name)
@@ -366,16 +368,16 @@ class Learned:
         return deepest
 
 
-def learned(drawn: Codes, coded: Coded, judging: Judging = PAPER, oracle: Oracle | None = None) -> Learned:
-    """Learn along draws.
+def learned(orders: Codes, coded: Coded, judging: Judging = PAPER, oracle: Oracle | None = None) -> Learned:
+    """Learn along runs.
 
     Args:
-        drawn: Codes, (draws, demonstrations, nodes).
+        orders: Codes, (runs, demonstrations, nodes).
         coded: The pool that they come from.
         judging: How counts become verdicts.
         oracle: Who answers, where the judging asks.
     """
-    return from_tally(tally(drawn), coded, judging, oracle)
+    return from_tally(tally(orders), coded, judging, oracle)
 
 
 def from_tally(counted: Tally, coded: Coded, judging: Judging, oracle: Oracle | None = None) -> Learned:
@@ -393,14 +395,14 @@ def from_tally(counted: Tally, coded: Coded, judging: Judging, oracle: Oracle | 
 
 def _asking(counted: Tally, nodes: tuple[Node, ...], verdicts: NDArray[np.int8], oracle: Oracle) -> Learned:
     """Whatever is confusing below what is kept is asked at once, and stays as answered."""
-    draws, demonstrations, count = verdicts.shape
+    runs, demonstrations, count = verdicts.shape
     kept = np.zeros(verdicts.shape, dtype=bool)
-    answered = np.zeros((draws, count), dtype=bool)
+    answered = np.zeros((runs, count), dtype=bool)
     values = counted.best.copy()
-    asked = np.zeros((draws, demonstrations), dtype=np.int32)
+    asked = np.zeros((runs, demonstrations), dtype=np.int32)
     for step in range(demonstrations):
         for column, parent in enumerate(_parents(nodes)):
-            above = np.ones(draws, dtype=bool) if parent is None else kept[:, step, parent]
+            above = np.ones(runs, dtype=bool) if parent is None else kept[:, step, parent]
             answered[:, column] |= above & (verdicts[:, step, column] == CONFUSING)
             relevant = np.where(answered[:, column], oracle.kept[column], verdicts[:, step, column] == RELEVANT)
             kept[:, step, column] = above & relevant

@@ -1,4 +1,4 @@
-"""CN2 rule induction of Orange, in a process of its own.
+"""Peers: other learners that tell a task's demonstrations from others. CN2 of Orange runs in a process of its own.
 
 Orange is licensed under the GPL. taskgist neither imports nor ships it: ``cn2_process`` is run as a program of its
 own, if the user has installed Orange, and the two exchange lines of JSON.

@@ -1,4 +1,4 @@
-"""A pool: judged demonstrations of all tasks, from which experiments draw."""
+"""A pool: judged demonstrations of all tasks, made, kept on disk, and handed to the experiments."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from taskgist_lab.evaluation.noise import CONDITIONS
 from taskgist_lab.evaluation.values import CLEAN, Failure, Sample, Spread, rounded
 from taskgist_lab.generator.simulation import TASKS, simulate
 from taskgist_lab.paper.demonstrations import STUDY
-from taskgist_lab.paper.draws import ANGLE_RAD, DISTANCE_M
+from taskgist_lab.paper.displacements import ANGLE_RAD, DISTANCE_M
 from taskgist_lab.paper.published import INTUITION
 
 # --- How well a rule does in a setting, and the score that sums it up.
@@ -39,7 +39,7 @@ SCORED = (CLEAN, "noise", "wrong")
 
 @dataclass(frozen=True)
 class After:
-    """Scores of clauses learned from so many demonstrations: means over tasks, with their spread over draws."""
+    """Scores of clauses learned from so many demonstrations: means over tasks, with their spread over runs."""
 
     demonstrations: int
     recall: Spread
@@ -60,7 +60,7 @@ class Outcome:
     Attributes:
         setting: Name of the setting.
         rule: Name of the rule.
-        understood: Share of draws that have the whole of Table 4 in the end, mean over tasks.
+        understood: Share of runs that have the whole of Table 4 in the end, mean over tasks.
         after: Scores by demonstrations.
     """
 

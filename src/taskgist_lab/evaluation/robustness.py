@@ -46,8 +46,8 @@ from taskgist_lab.evaluation.learner import (
     Learned,
     Oracle,
     Tally,
-    drawn,
     from_tally,
+    in_random_order,
     learned,
     published_oracle,
     sizes_within,
@@ -69,7 +69,7 @@ class Robustness(Result):
     scores: dict[str, float]
     """By rule, the best first."""
     questions: dict[str, float]
-    """Questions of each rule for each task within the longest draw, mean over settings."""
+    """Questions of each rule for each task within the longest run, mean over settings."""
 
     changed: dict[str, float]
     """By condition, the share of facts that are others than in the same demonstration watched cleanly."""
@@ -82,7 +82,7 @@ class Robustness(Result):
 def robustness(
     coded: Coded,
     *,
-    draws: int,
+    runs: int,
     seed: int,
     rules: Iterable[Judging] = tuple(RULES.values()),
     progress: Progress = silent,
@@ -97,7 +97,7 @@ def robustness(
     oracles = {task: published_oracle(task, coded) for task in coded.pool.tasks}
     outcomes: list[Outcome] = []
     for number, setting in enumerate(settings, start=1):
-        orders = _orders(coded, setting, draws, seed)
+        orders = _orders(coded, setting, runs, seed)
         tallies = {task: tally(order) for task, order in orders.items()}
         sizes = sizes_within(JUDGED_AFTER, orders.values())
         judges = (HeldOut.of(coded), HeldOut.of(coded, setting.condition))
@@ -106,10 +106,10 @@ def robustness(
     return Robustness(tuple(outcomes), scores_by_rule(outcomes), _questions(outcomes), _changed(coded.pool))
 
 
-def _orders(coded: Coded, setting: Setting, draws: int, seed: int) -> dict[str, Codes]:
-    how = {"draws": draws, "seed": seed}
+def _orders(coded: Coded, setting: Setting, runs: int, seed: int) -> dict[str, Codes]:
+    how = {"runs": runs, "seed": seed}
     return {
-        task: drawn(coded, task, **how, condition=setting.condition, wrong_share=setting.wrong_share)
+        task: in_random_order(coded, task, **how, condition=setting.condition, wrong_share=setting.wrong_share)
         for task in coded.pool.tasks
     }
 
@@ -179,8 +179,8 @@ def _changed(pool: Pool) -> dict[str, float]:
 # *Without negatives* it sees the task's own demonstrations alone, as taskgist does; *with negatives* it also sees as
 # many demonstrations of each other task, which taskgist has no use for.
 
-MOST_DRAWS = {"decision tree": 50, "CN2": 5}
-"""Draws at most of peers that learn each draw anew, one after the other."""
+MOST_RUNS = {"decision tree": 50, "CN2": 5}
+"""Runs at most of peers that learn each run anew, one after the other."""
 
 
 @dataclass(frozen=True)
@@ -191,14 +191,14 @@ class Compared:
         name: Its name.
         text: What it is.
         negatives: Whether it saw demonstrations of other tasks.
-        draws: Over how many orders it was averaged.
+        runs: Over how many orders it was averaged.
         tables: By the demonstrations that were learned from.
     """
 
     name: str
     text: str
     negatives: bool
-    draws: int
+    runs: int
     tables: tuple[Table, ...]
 
 
@@ -217,7 +217,7 @@ POPPER = "not compared; docs/research/evaluation.md says why"
 def compared(
     coded: Coded,
     *,
-    draws: int,
+    runs: int,
     seed: int,
     peers: Mapping[str, Callable[[], Peer]],
     progress: Progress = silent,
@@ -226,7 +226,7 @@ def compared(
 
     Args:
         coded: A pool.
-        draws: Random orders of each task.
+        runs: Random orders of each task.
         seed: Their seed.
         peers: What makes each peer, by name; one that is not installed is told as absent.
         progress: Told how far it is.
@@ -235,7 +235,7 @@ def compared(
         InputError: The pool has no demonstrations of a task to learn from.
     """
     judges = HeldOut.of(coded)
-    orders = {task: drawn(coded, task, draws=draws, seed=seed) for task in coded.pool.tasks}
+    orders = {task: in_random_order(coded, task, runs=runs, seed=seed) for task in coded.pool.tasks}
     sizes = sizes_within(SIZES, orders.values())
     learners = _own(orders, coded, judges, sizes)
     absent = {"Popper": POPPER}
@@ -257,7 +257,7 @@ def makers(seed: int) -> dict[str, Callable[[], Peer]]:
 
 def _own(orders: dict[str, Codes], coded: Coded, judges: HeldOut, sizes: tuple[int, ...]) -> list[Compared]:
     """The learner of taskgist, its whole clauses and their effects; and plain intersection."""
-    draws = min(len(order) for order in orders.values())
+    runs = min(len(order) for order in orders.values())
     ours, plain = (
         {task: learned(order, coded, rule) for task, order in orders.items()} for rule in (PAPER, INTERSECTION)
     )
@@ -267,9 +267,9 @@ def _own(orders: dict[str, Codes], coded: Coded, judges: HeldOut, sizes: tuple[i
         return tuple(table_of(each, judges, after=after, part=part) for each, after in zip(held, sizes, strict=True))
 
     return [
-        Compared("taskgist", PAPER.text, False, draws, tables(ours, CLAUSE)),
-        Compared("taskgist, effects alone", "the same, preconditions left aside", False, draws, tables(ours, EFFECTS)),
-        Compared("intersection", INTERSECTION.text, False, draws, tables(plain, CLAUSE)),
+        Compared("taskgist", PAPER.text, False, runs, tables(ours, CLAUSE)),
+        Compared("taskgist, effects alone", "the same, preconditions left aside", False, runs, tables(ours, EFFECTS)),
+        Compared("intersection", INTERSECTION.text, False, runs, tables(plain, CLAUSE)),
     ]
 
 
@@ -281,31 +281,31 @@ def _peer(
     negatives: bool,
     progress: Progress,
 ) -> Compared:
-    draws = min(MOST_DRAWS[peer.name], *(len(order) for order in orders.values()))
+    runs = min(MOST_RUNS[peer.name], *(len(order) for order in orders.values()))
     tables = []
     for number, after in enumerate(sizes):
         progress(f"{peer.name}, {'with' if negatives else 'without'} negatives", number / len(sizes))
-        held = {task: _judged(peer, orders, task, after, draws, judges, negatives) for task in orders}
+        held = {task: _judged(peer, orders, task, after, runs, judges, negatives) for task in orders}
         tables.append(table_of(held, judges, after=after, part=peer.name))
-    return Compared(peer.name, peer.text, negatives, draws, tuple(tables))
+    return Compared(peer.name, peer.text, negatives, runs, tuple(tables))
 
 
 def _judged(
-    peer: Peer, orders: dict[str, Codes], task: str, after: int, draws: int, judges: HeldOut, negatives: bool
+    peer: Peer, orders: dict[str, Codes], task: str, after: int, runs: int, judges: HeldOut, negatives: bool
 ) -> Held:
-    """What a peer says of each draw, (draws, demonstrations)."""
+    """What a peer says of each run, (runs, demonstrations)."""
     return np.stack(
         [
             peer.judge(
-                orders[task][draw, :after],
-                _negatives(orders, task, draw, after if negatives else 0),
+                orders[task][run, :after],
+                _negatives(orders, task, run, after if negatives else 0),
                 judges.codes,
             ).astype(np.int8)
-            for draw in range(draws)
+            for run in range(runs)
         ]
     )
 
 
-def _negatives(orders: dict[str, Codes], task: str, draw: int, after: int) -> Codes:
-    others: Iterator[Codes] = (order[draw, :after] for other, order in orders.items() if other != task)
+def _negatives(orders: dict[str, Codes], task: str, run: int, after: int) -> Codes:
+    others: Iterator[Codes] = (order[run, :after] for other, order in orders.items() if other != task)
     return np.concatenate(list(others))

@@ -98,7 +98,7 @@ def robustness_sheet(found: Robustness, rule: str) -> Sheet:
         f"What worse demonstrations cost: rule {rule!r}, {RULES[rule].text}",
         ("setting", "facts", "Table 4", *shown, "same tracker"),
         tuple(rows),
-        "facts: share of facts that changed; Table 4: share of draws that have all three in the end, mean over tasks; "
+        "facts: share of facts that changed; Table 4: share of runs that have all three in the end, mean over tasks; "
         "recall and precision of the clause after so many demonstrations, judged by clean ones; same tracker: recall "
         "after the most, judged by demonstrations watched in the same way.",
     )
@@ -128,7 +128,7 @@ def rules_sheet(found: Robustness) -> Sheet:
         tuple(rows),
         "F1, mean over settings and over clauses from 3, 5, 10 and 20 demonstrations, judged by clean held-out "
         f"demonstrations ({same}: by those watched in the same way). Score: mean of clean, noise and wrong. Questions: "
-        "asked for each task within the longest draw. Table 4: share of clean draws that have all three in the end.",
+        "asked for each task within the longest run. Table 4: share of clean runs that have all three in the end.",
     )
 
 
@@ -153,18 +153,18 @@ def needed_sheet(needs: Needs) -> Sheet:
             "in the end",
         ),
         tuple(rows),
-        "The first demonstration from which on it holds to the end of the draw, as in the paper's table: median over "
-        "all draws (10 % and 90 % quantile); never: not in the end. Ever: share of draws that have all three at some "
+        "The first demonstration from which on it holds to the end of the run, as in the paper's table: median over "
+        "all runs (10 % and 90 % quantile); never: not in the end. Ever: share of runs that have all three at some "
         f"time, be it lost again; in the end: after {longest} demonstrations.",
     )
 
 
 def curve_sheet(needs: Needs, after: tuple[int, ...] = (1, 2, 3, 4, 5, 7, 10, 15, 20)) -> Sheet:
-    """Share of draws that have all three cells, by demonstrations."""
+    """Share of runs that have all three cells, by demonstrations."""
     whole = [row for row in needs.rows if row.column == ALL]
     shown = [count for count in after if count <= min(len(row.curve) for row in whole)]
     return Sheet(
-        "Share of draws that have all three after so many demonstrations",
+        "Share of runs that have all three after so many demonstrations",
         ("task", *map(str, shown)),
         tuple((row.task, *(percent(row.curve[count - 1]) for count in shown)) for row in whole),
     )
@@ -235,12 +235,12 @@ def peers_sheet(found: Comparison) -> Sheet:
     for each in found.learners:
         f1 = (mean_text(table.overall.f1) for table in each.tables)
         last = (mean_text(getattr(each.tables[-1].overall, score)) for score in ("recall", "precision"))
-        rows.append((each.name, "with" if each.negatives else "without", *f1, *last, str(each.draws)))
+        rows.append((each.name, "with" if each.negatives else "without", *f1, *last, str(each.runs)))
     sizes = [table.after for table in found.learners[0].tables]
     missing = "".join(f" Not here: {name} ({why})." for name, why in found.absent.items())
     return Sheet(
         "Beside other learners, on the same facts: F1 by demonstrations",
-        ("learner", "negatives", *map(str, sizes), f"recall {sizes[-1]}", f"precision {sizes[-1]}", "draws"),
+        ("learner", "negatives", *map(str, sizes), f"recall {sizes[-1]}", f"precision {sizes[-1]}", "runs"),
         tuple(rows),
         "Means over tasks. With negatives: as many demonstrations of each of the other tasks." + missing,
     )

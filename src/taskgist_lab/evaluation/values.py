@@ -1,4 +1,4 @@
-"""A sample: what one demonstration was judged to be, kept without its evidence."""
+"""Samples and results as values: what a demonstration was judged to be, numbers with their spread, and plain data."""
 
 from __future__ import annotations
 
@@ -89,15 +89,15 @@ def _observations(nodes: Sequence[str], values: Sequence[str | None]) -> Mapping
     return {name: Observation(UNKNOWN if value is None else value) for name, value in pairs}
 
 
-# --- A number with its spread over draws.
+# --- A number with its spread over runs.
 
 LOW, HIGH = 0.1, 0.9
-"""Quantiles that tell the spread: four of five draws lie between them."""
+"""Quantiles that tell the spread: four of five runs lie between them."""
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Mean and spread over draws; all are None where no draw gives a number."""
+    """Mean and spread over runs; all are None where no run gives a number."""
 
     mean: float | None
     low: float | None
@@ -105,11 +105,11 @@ class Spread:
     high: float | None
     """90 % quantile."""
     count: int
-    """Draws that give a number."""
+    """Runs that give a number."""
 
     @staticmethod
     def of(values: ArrayLike) -> Spread:
-        """Of numbers, NaN where a draw gives none."""
+        """Of numbers, NaN where a run gives none."""
         known = np.asarray(values, dtype=np.float64).ravel()
         known = known[~np.isnan(known)]
         if not len(known):

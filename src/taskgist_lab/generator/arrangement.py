@@ -1,4 +1,4 @@
-"""An arrangement: a room that is being furnished, piece by piece, without overlaps."""
+"""An arrangement: a room that is being furnished, piece by piece, without overlaps; who is there, and what is where."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class Arrangement:
     """A room in the making.
 
     Attributes:
-        rng: Source of everything that is drawn.
+        rng: Source of everything that is chosen.
         table: The table that people are at.
         performer: Who will act.
         target: For whom.
@@ -357,7 +357,7 @@ def _off_m(place: Array, person: Person, thing: Thing) -> float:
     return float(np.linalg.norm(place[:2] - start - share * way))
 
 
-# --- Spots: places in a room at which something is held, let go or put, as a performer picks them.
+# --- Places at which something is held, let go or put, as a performer picks them.
 
 FARTHEST_EDGE_M = 1.2
 LIFTED_M = 0.10

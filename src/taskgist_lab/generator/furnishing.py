@@ -1,4 +1,4 @@
-"""Furniture of random rooms: round tables, shelves, cupboards, sofas; and the tops of tables."""
+"""Furniture of random rooms: round tables, shelves, cupboards, sofas; tops of tables; and who sits or stands there."""
 
 from __future__ import annotations
 

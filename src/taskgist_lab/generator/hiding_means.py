@@ -1,4 +1,4 @@
-"""What stands beside the performer, a small table or a shelf, and the means of putting something there."""
+"""Means of hiding and putting away that need more than a place: inside, under, behind the back, onto a shelf."""
 
 from __future__ import annotations
 

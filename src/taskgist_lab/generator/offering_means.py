@@ -1,4 +1,4 @@
-"""Clearing: means of showing a thing by moving away what hides it."""
+"""Means of showing: moving away what hides a thing, and turning the face of a picture."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ways to dump something: into a bin on the floor beside oneself, or into one on the table."""
+"""Ways to drop, dump, lift, tap and throw something: tasks that are none of the paper's."""
 
 from __future__ import annotations
 
@@ -75,6 +75,8 @@ DROP = (
     Way("drop", "to-the-floor", _over_the_floor, _dropped),
     Way("drop", "onto-the-table", _over_the_table, _dropped),
 )
+
+# --- Ways to dump something: into a bin on the floor beside oneself, or into one on the table.
 
 BIN = "bin"
 FLOOR_BIN_M = ((0.24, 0.24, 0.30), (0.32, 0.32, 0.42))

@@ -1,4 +1,4 @@
-"""Competence: what a performer sees to, whatever it does. It goes through nothing, and stays within its limits."""
+"""What a performer sees to: it goes through nothing and stays within its limits, and its intention is fulfilled."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ from taskgist_lab.simulator.room import Person, Table
 
 # --- Robots in rooms: as the one for whom something is done, or standing by.
 #
-# Only robots that come with taskgist are drawn, so that what is drawn does not depend on what else is installed.
+# Only robots that come with taskgist are chosen, so that what is chosen does not depend on what else is installed.
 
 TARGET_SHARE, BYSTANDER_SHARE = 0.12, 0.12
 """How often the target agent is a robot, and how often one stands by."""
@@ -129,7 +129,7 @@ def around_a_table(
     """A room with a table and two people at it, and maybe others.
 
     Args:
-        rng: Source of everything that is drawn.
+        rng: Source of everything that is chosen.
         tables: Kinds of tables that will do.
         performer: Postures of the performing agent that will do.
         target: Those of the target agent.

@@ -57,7 +57,7 @@ def simulate(task: str, *, seed: int, number: int, means: str | None = None) -> 
         task: Name of a task of ``WAYS``.
         seed: Seed of a series of demonstrations.
         number: Which one of the series, from 0 on.
-        means: Name of the means; None draws one, evenly.
+        means: Name of the means; None chooses one, evenly.
 
     Returns:
         The recording, labelled; its notes name the means, the seed, the number and the attempt.
@@ -116,7 +116,7 @@ def simulate_all(
         task: Name of a task of ``WAYS``.
         count: How many.
         seed: Seed of the series.
-        means: Name of the means; None draws them.
+        means: Name of the means; None chooses them.
         processes: How many processes; None: one for each core.
         progress: Told how far it is.
 

@@ -1,4 +1,4 @@
-"""Ways to make something accessible: put it near, lift it onto something, move away or take off what blocks."""
+"""Ways to show something, to make it accessible, and to give it."""
 
 from __future__ import annotations
 
@@ -158,6 +158,8 @@ ACCESSIBLE_EDGE_M, NEARER_M = 0.14, 0.30
 before, if it does not come within the reach of its arms."""
 BETWEEN_M, BETWEEN_SHARE = (0.45, 0.90), 0.43
 """What is only uncovered is so far from the other; and, as ``zones.HANDY_SHARE``, from the performer."""
+# --- Ways to make something accessible: put it near, lift it onto something, move away or take off what blocks.
+
 STRETCHED_SHARE = 0.62
 """As ``zones.HANDY_SHARE``: one stretches to put something near to the other."""
 COVER_GAP_M = (0.012, 0.03)

@@ -1,4 +1,4 @@
-"""Ways to put something away: to a far place on the table, on a table at the side, into a shelf."""
+"""Ways to hide something, to put it away, and to hide it away."""
 
 from __future__ import annotations
 
@@ -121,6 +121,8 @@ HIDE = (
     Way("hide", "under-cover", _with_a_cover, _under, check_from_view_to_hidden),
     Way("hide", "behind-back", _standing, _behind_the_back, check_from_view_to_hidden),
 )
+
+# --- Ways to put something away: to a far place on the table, on a table at the side, into a shelf.
 
 FARTHER_M = (0.30, 0.55)
 """How much farther from the target agent something is put."""

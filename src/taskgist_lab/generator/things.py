@@ -1,4 +1,4 @@
-"""Small things of random rooms: what is on tables, in random sizes and colours."""
+"""Small things of random rooms: what is on tables, in random sizes and colours, and the meshes of some."""
 
 from __future__ import annotations
 
@@ -199,21 +199,21 @@ Kind = Callable[[np.random.Generator], Thing]
 def _box(name: str, low: tuple[float, ...], high: tuple[float, ...]) -> Kind:
     """A kind of things between two sizes."""
 
-    def draw(rng: np.random.Generator) -> Thing:
+    def chosen(rng: np.random.Generator) -> Thing:
         size = tuple(round(float(each), 3) for each in rng.uniform(low, high))
         return Thing(name, size, NOWHERE, rgba=any_colour(rng))
 
-    return draw
+    return chosen
 
 
 def _mesh(name: str) -> Kind:
     """A kind of things of one shape, in any colour."""
 
-    def draw(rng: np.random.Generator) -> Thing:
+    def chosen(rng: np.random.Generator) -> Thing:
         size = tuple(round(each, 4) for each in extent_m(name))
         return MeshThing(name, size, NOWHERE, rgba=any_colour(rng), mesh=name)
 
-    return draw
+    return chosen
 
 
 SMALL: Mapping[str, Kind] = {

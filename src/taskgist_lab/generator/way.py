@@ -25,7 +25,7 @@ class Way:
     Attributes:
         task: Name of the task.
         name: Name of the means, as users give it: lower case, words joined by hyphens.
-        stage: Draws a setting in which the means makes sense; raises a SceneError where it finds no room for something.
+        stage: Chooses a setting in which the means makes sense; raises a SceneError where something has no room.
         means: What the performer does in a setting.
         check: What the performer sees when it looks at the outcome: raises a SceneError where its intention is not
             reached.

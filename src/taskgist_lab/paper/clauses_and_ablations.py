@@ -1,4 +1,4 @@
-"""Eq. 43, 44 and 8.4: what is lost without the target agent's abilities, and without single levels of the tree."""
+"""The learned clauses beside the paper's (Eq. 36–42), and what is lost without parts of the tree (Eq. 43, 44; 8.4)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.learning.clause import Clause, clause_of
 from taskgist.learning.understanding import Understanding
-from taskgist_lab.paper.draws import Judged, understanding_of
+from taskgist_lab.paper.displacements import Judged, understanding_of
 from taskgist_lab.paper.published import (
     CLAUSES,
     SHORT_SHOW,
@@ -22,6 +22,8 @@ from taskgist_lab.paper.published import (
     Verdict,
     compared,
 )
+
+# --- Eq. 43, 44 and 8.4: what is lost without the target agent's abilities, and without single levels of the tree.
 
 ABILITIES = ("reach", "grasp", "see", "visibility")
 """The subtrees that ask what the target agent can do (8.3)."""

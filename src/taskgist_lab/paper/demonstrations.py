@@ -1,9 +1,4 @@
-"""The demonstrations of *make accessible* (7.5): put to where it takes less to have it.
-
-The first three are those of Fig. 2b-d: a green bottle, which stood out of reach behind a box, is put to where somebody
-who sits back from the table gets it by standing up and leaning, by stretching out an arm, or by leaning. In the other
-two the target agent stands, and sees the bottle from the beginning.
-"""
+"""The paper's study: six tasks, 23 demonstrations, each a room and what is done in it (7.3–7.8)."""
 
 from __future__ import annotations
 
@@ -246,6 +241,13 @@ HIDE_AWAY = (
     ),
 )
 """In order."""
+
+
+# --- The demonstrations of *make accessible* (7.5): put to where it takes less to have it.
+#
+# The first three are those of Fig. 2b-d: a green bottle, which stood out of reach behind a box, is put to where
+# somebody who sits back from the table gets it by standing up and leaning, by stretching out an arm, or by leaning. In
+# the other two the target agent stands, and sees the bottle from the beginning.
 
 
 def bottle(x: float, y: float) -> Thing:

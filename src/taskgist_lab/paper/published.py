@@ -1,4 +1,4 @@
-"""The clauses as the paper prints them, and how each predicate is read (Eq. 36-44).
+"""What the paper prints: clauses, the intuitive understanding, tables and times; and how ours compares with it.
 
 The print calls one thing by several names (*Increase*, *Increasing*, *Increased*; *Object_Free* for Eq. 16's
 *Free_of_object*; *Relative_Effort_to_Reach* for the class of Eq. 10): these are spellings. Where it says something that
@@ -159,6 +159,9 @@ def _processor() -> str:
             if name.strip() == "model name":
                 return value.strip()
     return platform.processor() or platform.machine()
+
+
+# --- The clauses as the paper prints them, and how each predicate is read (Eq. 36-44).
 
 
 @dataclass(frozen=True)

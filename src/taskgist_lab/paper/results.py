@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from taskgist.common.frozen import Json
 from taskgist_lab.paper.clauses_and_ablations import ablations_section, clauses_section, figures_section
-from taskgist_lab.paper.draws import NAME, Draws, Judged, digest_of, draws_section, outdated
+from taskgist_lab.paper.displacements import NAME, Displacements, Judged, digest_of, displacements_section, outdated
 from taskgist_lab.paper.published import Goal, Result, Section, Verdict, machine, tally
 from taskgist_lab.paper.tables import table_2_section, table_3_section, table_4_section
 
-MEASURE = "not measured: taskgist paper --draws 200"
+MEASURE = "not measured: taskgist paper --displacements 200"
 
 
 @dataclass(frozen=True)
@@ -51,18 +51,18 @@ class Report:
         }
 
 
-def report(judged: Mapping[str, tuple[Judged, ...]], draws: Draws | None = None) -> Report:
+def report(judged: Mapping[str, tuple[Judged, ...]], displacements: Displacements | None = None) -> Report:
     """Compare everything that was measured with what the paper says.
 
     Args:
         judged: The demonstrations of the study, judged.
-        draws: The same, displaced; those made with other settings, tree or recordings do not count.
+        displacements: The same, displaced; those made with other settings, tree or recordings do not count.
     """
-    problem = "" if draws is None else outdated(draws, digest_of(judged))
+    problem = "" if displacements is None else outdated(displacements, digest_of(judged))
     why_not = f"{MEASURE} ({problem} since the last time)" if problem else MEASURE
     sections = (
         clauses_section(judged),
-        draws_section(None if problem else draws, why_not=why_not),
+        displacements_section(None if problem else displacements, why_not=why_not),
         figures_section(judged),
         table_2_section(judged),
         table_3_section(judged),

@@ -1,4 +1,4 @@
-"""Table 2: consistency of the object's final status over the demonstrations of *show*; and the wide band (7.3)."""
+"""Tables 2, 3 and 4 of the paper, with ours in the same cells."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.understanding import Understanding, questions_of, understand
 from taskgist.settings import DEFAULT
-from taskgist_lab.paper.draws import Judged, understanding_of
+from taskgist_lab.paper.displacements import Judged, understanding_of
 from taskgist_lab.paper.published import (
     COLUMNS,
     INTUITION,
@@ -33,6 +33,8 @@ from taskgist_lab.paper.published import (
 )
 
 TASK, NODE = "show", "placement.status.2"
+# --- Table 2: consistency of the object's final status over the demonstrations of *show*; and the wide band (7.3).
+
 HALF_A_DIGIT = Fraction(1, 200_000)
 """The paper rounds to five decimals."""
 TABLE_2_PRINTED: tuple[Mapping[str, str], ...] = tuple(

@@ -103,14 +103,14 @@ def _played(script: Script, scene: Scene, rng: np.random.Generator) -> Acting:
 
 
 def _look(script: Script, acting: Acting, times: Array, frames: Array) -> None:
-    """Turn the heads: the performer's by its script, the target agent's by what draws its attention."""
+    """Turn the heads: the performer's by its script, the target agent's by what catches its attention."""
     scene = acting.scene
     hand = f"{script.performer}/{acting.acting_side}_arm"
     onlooker = Onlooker(script.target, script.performer, hand, _moved(script, acting))
-    drawn = onlooker.fixations(Stage(scene), times, frames, script.target_watches or script.performer)
+    caught = onlooker.fixations(Stage(scene), times, frames, script.target_watches or script.performer)
     if script.target_returns_to is not None:
-        drawn = _returning(drawn, acting.last_carry().until_s + LINGERING_S, script.target_returns_to)
-    for name, fixations in ((script.performer, acting.looks), (script.target, drawn)):
+        caught = _returning(caught, acting.last_carry().until_s + LINGERING_S, script.target_returns_to)
+    for name, fixations in ((script.performer, acting.looks), (script.target, caught)):
         profile, joints = scene.agent(name).profile, scene.agent(name).joints
         if profile.pan is not None and profile.tilt is not None:  # some robots have no neck to turn
             angles = looked(scene, name, times, frames, fixations)
@@ -122,9 +122,9 @@ def _moved(script: Script, acting: Acting) -> str:
     return acting.carries[-1].thing if acting.carries else script.thing
 
 
-def _returning(drawn: list[Fixation], since_s: float, subject: str) -> list[Fixation]:
-    """Fixations of somebody who is busy with a subject: from some time on, nothing else draws its eyes."""
-    return [*(fixation for fixation in drawn if fixation.from_s < since_s), Fixation(since_s, subject)]
+def _returning(caught: list[Fixation], since_s: float, subject: str) -> list[Fixation]:
+    """Fixations of somebody who is busy with a subject: from some time on, nothing else catches its eyes."""
+    return [*(fixation for fixation in caught if fixation.from_s < since_s), Fixation(since_s, subject)]
 
 
 def _label(script: Script, acting: Acting) -> Label:

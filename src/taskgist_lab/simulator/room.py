@@ -1,4 +1,4 @@
-"""Rooms: where people are, and what is around them; a value that can be varied and becomes a scene."""
+"""Rooms: people, furniture and things as values that can be varied and become a scene; and the study's living room."""
 
 from __future__ import annotations
 

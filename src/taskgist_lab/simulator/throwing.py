@@ -1,4 +1,4 @@
-"""Dropping and throwing: steps that end with a thing on its own way."""
+"""Dropping, throwing and tapping: steps that end with a thing on its own way."""
 
 from __future__ import annotations
 

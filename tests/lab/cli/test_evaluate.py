@@ -33,7 +33,7 @@ def run(*words: object) -> Result:
 
 
 def on(pool: Path, *words: object) -> Result:
-    return run(*words, "--pool", pool, "--source", "study", "-n", 12, "--draws", 5)
+    return run(*words, "--pool", pool, "--source", "study", "-n", 12, "--runs", 5)
 
 
 def document(pool: Path, *words: object) -> dict[str, Any]:
@@ -54,7 +54,7 @@ def test_tables_say_what_was_measured(pool: Path) -> None:
 def test_json_is_one_document_with_everything(pool: Path) -> None:
     found = document(pool, "needed", "transfer")
     assert found["pool"]["demonstrations"]["hide"] == 12
-    assert {"pool", "draws", "pictures", "needed", "transfer"} == found.keys()
+    assert {"pool", "runs", "pictures", "needed", "transfer"} == found.keys()
     assert {row["task"] for row in found["needed"]["rows"]} == set(found["pool"]["demonstrations"])
     assert {table["after"] for table in found["transfer"]["tables"]} == {1, 2, 3, 5}  # eight to learn from
 
@@ -87,7 +87,7 @@ def test_help_names_experiments_seed_and_an_example() -> None:
     [
         (("sleep",), "no experiment 'sleep'"),
         (("needed", "-n", 2), "--demonstrations"),
-        (("needed", "--draws", 0), "--draws"),
+        (("needed", "--runs", 0), "--runs"),
         (("needed", "--source", "dreams"), "no source 'dreams'"),
         (("needed", "--pool", "nowhere/pool.json.gz"), "--pool: cannot be written: there is no folder"),
         (("needed", "--processes", 0), "--processes"),
@@ -113,5 +113,5 @@ def test_a_pool_of_another_source_or_of_nothing_is_refused(pool: Path, tmp_path:
 
 
 def test_the_pool_may_be_larger_than_what_is_asked_for(pool: Path) -> None:
-    outcome = run("needed", "--pool", pool, "--source", "study", "-n", 6, "--draws", 2, "--json")
+    outcome = run("needed", "--pool", pool, "--source", "study", "-n", 6, "--runs", 2, "--json")
     assert set(json.loads(outcome.stdout)["pool"]["demonstrations"].values()) == {6}

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from taskgist_lab.paper import Draws, read_draws, write_draws
+from taskgist_lab.paper import Displacements, read_displacements, write_displacements
 from tests.cli.running import Result, refusal, run, run_json
-from tests.lab.paper.paper_samples import JudgedStudy, judged_study, sample_draws, undisplaced
+from tests.lab.paper.paper_samples import JudgedStudy, judged_study, sample_displacements, undisplaced
 from tests.learning.learning_samples import STUDY
 
 
@@ -18,7 +18,7 @@ def judged(monkeypatch: pytest.MonkeyPatch) -> JudgedStudy:
     """The study as values; a test may change them. Nothing is shipped."""
     found = judged_study()
     monkeypatch.setattr("taskgist_lab.cli.paper.judge_study", lambda **_: found)
-    monkeypatch.setattr("taskgist_lab.cli.paper.shipped_draws", lambda: None)
+    monkeypatch.setattr("taskgist_lab.cli.paper.shipped_displacements", lambda: None)
     return found
 
 
@@ -55,28 +55,28 @@ def test_a_result_that_fails_gives_exit_code_1(judged: JudgedStudy) -> None:
 
 
 def test_shipped_draws_are_shown_where_they_fit(monkeypatch: pytest.MonkeyPatch) -> None:
-    draws = sample_draws(*[(task, undisplaced(task)) for task in STUDY for _ in range(2)])
-    monkeypatch.setattr("taskgist_lab.cli.paper.shipped_draws", lambda: draws)
+    displacements = sample_displacements(*[(task, undisplaced(task)) for task in STUDY for _ in range(2)])
+    monkeypatch.setattr("taskgist_lab.cli.paper.shipped_displacements", lambda: displacements)
     text = run("paper")
-    assert "survives 2 draws" in text
+    assert "survives 2 displacements" in text
     assert "100.0% (34.2-100.0%)" in text
     assert text.splitlines()[-1].endswith("0 goal met; 60 not distinguishable; 0 goal not met")
     assert "not measured" not in text
-    monkeypatch.setattr("taskgist_lab.cli.paper.shipped_draws", lambda: Draws("another study"))
+    monkeypatch.setattr("taskgist_lab.cli.paper.shipped_displacements", lambda: Displacements("another study"))
     text = run("paper")
-    assert "not measured: taskgist paper --draws 200 (other recordings since the last time)" in text
+    assert "not measured: taskgist paper --displacements 200 (other recordings since the last time)" in text
 
 
 def test_a_goal_that_is_clearly_missed_gives_exit_code_1(monkeypatch: pytest.MonkeyPatch) -> None:
     show = undisplaced("show")
-    unplayed = sample_draws(*[("show", ("show_a: no way", *show[1:]))] * 9, ("show", show))
-    monkeypatch.setattr("taskgist_lab.cli.paper.shipped_draws", lambda: unplayed)
+    unplayed = sample_displacements(*[("show", ("show_a: no way", *show[1:]))] * 9, ("show", show))
+    monkeypatch.setattr("taskgist_lab.cli.paper.shipped_displacements", lambda: unplayed)
     assert "goal 95 %: 1 of 10, goal not met; not played: show_a: no way (9 times)" in run("paper", exit_code=1)
     assert run_json("paper", exit_code=1)["verdicts"]["fails"] == 0
 
 
-def test_draws_are_measured_and_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def quickly(known: Draws, count: int, **_: object) -> Iterator[Draws]:
+def test_displacements_are_measured_and_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def quickly(known: Displacements, count: int, **_: object) -> Iterator[Displacements]:
         for number in range(1, count + 1):
             for task in STUDY:
                 if known.count(task) < number:
@@ -84,18 +84,18 @@ def test_draws_are_measured_and_kept(tmp_path: Path, monkeypatch: pytest.MonkeyP
                     yield known
 
     monkeypatch.setattr("taskgist_lab.cli.paper.measure", quickly)
-    path = tmp_path / "draws.json.gz"
-    assert "survives 1 draw " in run(f"paper --draws 1 --save {path}")
-    assert read_draws(path).count("show") == 1
-    assert "survives 3 draws" in run(f"paper --draws 3 --save {path}")
-    assert read_draws(path).count("hide away") == 3
-    assert "survives 2 draws" in run("paper --draws 2")
+    path = tmp_path / "displacements.json.gz"
+    assert "survives 1 displacement " in run(f"paper --displacements 1 --save {path}")
+    assert read_displacements(path).count("show") == 1
+    assert "survives 3 displacements" in run(f"paper --displacements 3 --save {path}")
+    assert read_displacements(path).count("hide away") == 3
+    assert "survives 2 displacements" in run("paper --displacements 2")
 
 
-def test_draws_of_another_study_are_not_added_to(tmp_path: Path) -> None:
-    path = tmp_path / "draws.json.gz"
-    write_draws(Draws("another"), path)
-    message = refusal(f"paper --draws 1 --save {path}", tmp_path)
+def test_displacements_of_another_study_are_not_added_to(tmp_path: Path) -> None:
+    path = tmp_path / "displacements.json.gz"
+    write_displacements(Displacements("another"), path)
+    message = refusal(f"paper --displacements 1 --save {path}", tmp_path)
     assert "was measured with other recordings; name another file, or remove this one" in message
 
 
@@ -109,9 +109,9 @@ def test_pictures_are_saved_where_asked_for(tmp_path: Path, monkeypatch: pytest.
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        ("--save {folder}/draws.json.gz", "--save: there are no new draws to keep"),
-        ("--draws 1 --save {folder}/no/draws.json.gz", "there is no folder"),
-        ("--draws 1 --save {folder}", "it is a folder"),
+        ("--save {folder}/displacements.json.gz", "--save: there are no new displacements to keep"),
+        ("--displacements 1 --save {folder}/no/displacements.json.gz", "there is no folder"),
+        ("--displacements 1 --save {folder}", "it is a folder"),
         ("-o {folder}/file/pictures", "--out: cannot be made"),
     ],
 )
@@ -120,7 +120,7 @@ def test_what_cannot_be_written_is_refused_before_the_work(options: str, told: s
     assert told in refusal(f"paper {options.format(folder=tmp_path)}", tmp_path)
 
 
-@pytest.mark.parametrize("options", ["--draws 0", "--draws many", "--draws 10001"])
+@pytest.mark.parametrize("options", ["--displacements 0", "--displacements many", "--displacements 10001"])
 def test_misuse_points_to_the_help(options: str) -> None:
     result = Result(f"paper {options}")
     assert (result.exit_code, result.stdout) == (2, "")

@@ -40,7 +40,7 @@ from taskgist_lab.evaluation.learner import (
     Learned,
     Oracle,
     Tally,
-    drawn,
+    in_random_order,
     learned,
     published_oracle,
     truths,
@@ -66,7 +66,7 @@ def experience(pool: Pool, count: int) -> Experience:
 
 
 def agree(found: Learned, step: int, coded: Coded, slow: Understanding) -> None:
-    """Kept nodes, values and clause after one step of the first draw."""
+    """Kept nodes, values and clause after one step of the first run."""
     names = coded.pool.nodes
     kept = {name for name, each in zip(names, found.kept[0, step], strict=True) if each}
     assert kept == {each.node.name for each in slow.kept}
@@ -218,37 +218,37 @@ def test_the_prior_may_depend_on_how_many_values_there_are() -> None:
 @pytest.mark.parametrize("task", STUDY)
 def test_a_clause_holds_in_what_it_was_learned_from(task: str, part: str) -> None:
     coded = Coded.of(study_pool(12))
-    orders = drawn(coded, task, draws=10, seed=3)
+    orders = in_random_order(coded, task, runs=10, seed=3)
     found = learned(orders, coded, INTERSECTION)
-    for draw in range(10):
+    for run in range(10):
         for step in range(orders.shape[1]):
-            mask, values = mask_of(found, part)[draw, [step]], found.values[draw, [step]]
-            assert (truths(mask, values, orders[draw, : step + 1]) == 1).all()
+            mask, values = mask_of(found, part)[run, [step]], found.values[run, [step]]
+            assert (truths(mask, values, orders[run, : step + 1]) == 1).all()
 
 
 def test_a_draw_without_demonstrations_of_the_task_is_refused() -> None:
     coded = Coded.of(study_pool(3))
     with pytest.raises(InputError, match="no demonstrations to learn from"):
-        drawn(coded, "balance", draws=1, seed=0)
+        in_random_order(coded, "balance", runs=1, seed=0)
 
 
-def test_draws_are_the_same_for_the_same_seed_and_repeat_no_demonstration() -> None:
+def test_orders_are_the_same_for_the_same_seed_and_repeat_no_demonstration() -> None:
     coded = Coded.of(study_pool(12))
     states = [coded.index(f"{ability}.state.{instant}") for ability in ("reach", "see") for instant in (1, 2)]
-    once, again, other = (drawn(coded, "hide", draws=20, seed=seed)[:, :, states] for seed in (1, 1, 2))
+    once, again, other = (in_random_order(coded, "hide", runs=20, seed=seed)[:, :, states] for seed in (1, 1, 2))
     assert (once == again).all()
     assert not (once == other).all()
-    for draw in once:
-        assert len(np.unique(draw, axis=0)) == len(draw)
+    for run in once:
+        assert len(np.unique(run, axis=0)) == len(run)
 
 
 def test_distinct_demonstrations_come_by_turns() -> None:
-    """The paper has three demonstrations of *hide*: any three that follow each other in a draw's rounds are they."""
+    """The paper has three demonstrations of *hide*: any three that follow each other in a run's rounds are they."""
     pool = study_pool(18)
     kinds = {each.values: turn(each.number, 3) for each in pool.of("hide", held_out=False)}
     coded = Coded.of(pool)
-    for draw in drawn(coded, "hide", draws=20, seed=1):
-        rows = (tuple(None if c < 0 else coded.values[i][c] for i, c in enumerate(row)) for row in draw)
+    for run in in_random_order(coded, "hide", runs=20, seed=1):
+        rows = (tuple(None if c < 0 else coded.values[i][c] for i, c in enumerate(row)) for row in run)
         told = [kinds[row] for row in rows]
         assert all(set(told[i : i + 3]) == {0, 1, 2} for i in range(0, 12, 3))
     assert [turn(number, 3) for number in range(9)] == [0, 1, 2, 1, 2, 0, 2, 0, 1]
@@ -260,9 +260,9 @@ def test_distinct_demonstrations_come_by_turns() -> None:
 def test_wrong_demonstrations_are_of_other_tasks() -> None:
     coded = Coded.of(study_pool(12))
     own = {tuple(row) for row in coded.of_task("hide", held_out=False).tolist()}
-    clean = drawn(coded, "hide", draws=50, seed=1).reshape(-1, len(NODES))
+    clean = in_random_order(coded, "hide", runs=50, seed=1).reshape(-1, len(NODES))
     assert all(tuple(row) in own for row in clean.tolist())
     for share in (0.2, 1.0):
-        rows = drawn(coded, "hide", draws=50, seed=1, wrong_share=share).reshape(-1, len(NODES))
+        rows = in_random_order(coded, "hide", runs=50, seed=1, wrong_share=share).reshape(-1, len(NODES))
         wrong = np.mean([tuple(row) not in own for row in rows.tolist()])
         assert wrong == pytest.approx(share, abs=0.06 if share < 1 else 0)

@@ -37,7 +37,7 @@ class Counting:
     def __call__(self, task: str, *, seed: int, number: int) -> Recording:  # noqa: ARG002 - as players are called
         self.played.append(number)
         if number == 2:
-            raise SceneError("no way", hint="draw again")
+            raise SceneError("no way", hint="run again")
         return still(task, number)
 
 
@@ -60,7 +60,7 @@ def test_samples_are_what_was_judged(player: Counting) -> None:
     expected = explain_recording(still(), predicates=())
     assert clean.explanation(NODES, pool.context).values == expected.values
     assert clean.means == "standing still"
-    assert pool.failures == (Failure("hide", 2, "", "no way; draw again"),)
+    assert pool.failures == (Failure("hide", 2, "", "no way; run again"),)
 
 
 def test_a_pool_extended_is_the_pool_made_at_once(player: Counting) -> None:

@@ -20,10 +20,10 @@ def parts() -> dict[str, str]:
     pool = study_pool(18)
     coded = Coded.of(pool)
     found = tables(
-        demonstrations_needed(coded, draws=2, seed=0),
-        transfer(coded, draws=2, seed=0),
-        robustness(coded, draws=2, seed=0, rules=(PAPER,)),
-        compared(coded, draws=2, seed=0, peers={}),
+        demonstrations_needed(coded, runs=2, seed=0),
+        transfer(coded, runs=2, seed=0),
+        robustness(coded, runs=2, seed=0, rules=(PAPER,)),
+        compared(coded, runs=2, seed=0, peers={}),
     )
     return {"pool": about(pool, 2), **dict(found)}
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from taskgist.errors import InputError
 from taskgist_lab.evaluation.learner import Coded, Codes
 from taskgist_lab.evaluation.peers import Cn2, DecisionTree, Peer
-from taskgist_lab.evaluation.robustness import MOST_DRAWS, compared, makers
+from taskgist_lab.evaluation.robustness import MOST_RUNS, compared, makers
 from taskgist_lab.evaluation.sheets import sheets_of
 from tests.lab.evaluation.pools import study_pool
 
@@ -38,20 +38,20 @@ class Exact:
 
 
 def test_who_remembers_recognises_nothing_new(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(MOST_DRAWS, "exact", 3)
+    monkeypatch.setitem(MOST_RUNS, "exact", 3)
     peer = Exact()
-    found = compared(CODED, draws=5, seed=0, peers={"exact": lambda: peer})
+    found = compared(CODED, runs=5, seed=0, peers={"exact": lambda: peer})
     exact = [each for each in found.learners if each.name == "exact"]
     assert [each.negatives for each in exact] == [False, True]
     assert {table.overall.recall.mean for each in exact for table in each.tables} == {0.0}
-    assert {each.draws for each in exact} == {3}
+    assert {each.runs for each in exact} == {3}
     assert peer.closed
-    assert {each.draws for each in found.learners[:3]} == {5}
+    assert {each.runs for each in found.learners[:3]} == {5}
 
 
 def test_the_paper_is_plain_intersection_up_to_six_demonstrations() -> None:
     """With one dissent, or more, among up to six, everything is irrelevant by its rule."""
-    ours, _, plain = compared(CODED, draws=10, seed=0, peers={}).learners
+    ours, _, plain = compared(CODED, runs=10, seed=0, peers={}).learners
     assert [each.name for each in (ours, plain)] == ["taskgist", "intersection"]
     assert ours.tables[:4] == plain.tables[:4]
 
@@ -62,7 +62,7 @@ def test_what_is_not_installed_is_told_with_the_way_to_it(monkeypatch: pytest.Mo
 
     monkeypatch.setattr(importlib, "import_module", missing)
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
-    found = compared(CODED, draws=2, seed=0, peers=makers(0))
+    found = compared(CODED, runs=2, seed=0, peers=makers(0))
     assert set(found.absent) == {"decision tree", "CN2", "Popper"}
     for name in ("decision tree", "CN2"):
         assert "pip install 'taskgist[" in found.absent[name]

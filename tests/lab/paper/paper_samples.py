@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cache
 
 from taskgist.facts import STANDARD_TREE
-from taskgist_lab.paper import Draws, Judged, digest_of
-from taskgist_lab.paper.draws import Draw
+from taskgist_lab.paper import Displacements, Judged, digest_of
+from taskgist_lab.paper.displacements import Displacement
 from tests.learning.learning_samples import STUDY, study
 
 JudgedStudy = dict[str, tuple[Judged, ...]]
@@ -26,16 +26,16 @@ def judged_study() -> JudgedStudy:
     return {task: _judged(task) for task in STUDY}
 
 
-def undisplaced(task: str) -> Draw:
+def undisplaced(task: str) -> Displacement:
     """What the demonstrations of a task would give if nothing had been moved."""
     return tuple(
         tuple(each.explanation.nodes[node.name].value for node in STANDARD_TREE.nodes) for each in _judged(task)
     )
 
 
-def sample_draws(*draws: tuple[str, Draw]) -> Draws:
-    """These draws, of the study above."""
-    gathered = Draws(digest_of(judged_study()))
-    for task, draw in draws:
-        gathered = gathered.add(task, draw)
+def sample_displacements(*displacements: tuple[str, Displacement]) -> Displacements:
+    """These displacements, of the study above."""
+    gathered = Displacements(digest_of(judged_study()))
+    for task, displacement in displacements:
+        gathered = gathered.add(task, displacement)
     return gathered

@@ -10,7 +10,7 @@ import pytest
 
 from taskgist.errors import InputError
 from taskgist.pipeline import shipped_study
-from taskgist_lab.paper import Goal, Judged, Verdict, judge_study, report, shipped_draws
+from taskgist_lab.paper import Goal, Judged, Verdict, judge_study, report, shipped_displacements
 from tools.markdown import filled
 from tools.paper_page import parts
 
@@ -24,7 +24,7 @@ def judged() -> dict[str, tuple[Judged, ...]]:
 
 
 def test_no_result_of_the_paper_fails() -> None:
-    found = report(judged(), shipped_draws())
+    found = report(judged(), shipped_displacements())
     assert [result for result in found.results if result.verdict is Verdict.FAILS] == []
     assert [result for result in found.goals if result.verdict is Goal.NOT_MET] == []
     assert not found.failed
@@ -60,7 +60,7 @@ MEASURED_ELSEWHERE = {"table 3"}
 def test_the_page_says_what_comes_out() -> None:
     """Otherwise: python -m tools.paper_page."""
     page = PAGE.read_text(encoding="utf-8")
-    told = parts(report(judged(), shipped_draws()), judged())
+    told = parts(report(judged(), shipped_displacements()), judged())
     assert filled(page, {name: lines for name, lines in told.items() if name not in MEASURED_ELSEWHERE}) == page
     assert set(re.findall(r"^<!-- (.*) -->$", page, flags=re.MULTILINE)) == {*told, "end"}
 

@@ -17,10 +17,10 @@ from taskgist_lab.view import TABLES_AFTER, draw_needs, draw_robustness, draw_tr
 from tests.lab.evaluation.pools import study_pool
 
 CODED = Coded.of(study_pool(18))
-NEEDS = demonstrations_needed(CODED, draws=5, seed=0)
-TRANSFER = transfer(CODED, draws=5, seed=0)
-ROBUSTNESS = robustness(CODED, draws=3, seed=0, rules=(RULES["paper"], RULES["wide-asked"]))
-COMPARISON = compared(CODED, draws=3, seed=0, peers={})
+NEEDS = demonstrations_needed(CODED, runs=5, seed=0)
+TRANSFER = transfer(CODED, runs=5, seed=0)
+ROBUSTNESS = robustness(CODED, runs=3, seed=0, rules=(RULES["paper"], RULES["wide-asked"]))
+COMPARISON = compared(CODED, runs=3, seed=0, peers={})
 
 
 @pytest.mark.parametrize("result", [NEEDS, TRANSFER, ROBUSTNESS, COMPARISON], ids=lambda each: type(each).__name__)

@@ -1,4 +1,4 @@
-"""Convex parts of a concave mesh: found by CoACD [Wei 2022], kept in the user's cache, written as OBJ.
+"""Concave meshes as convex parts: found by CoACD [Wei 2022], kept in the user's cache, written as OBJ.
 
 The pieces of a mesh are looked at one by one: what is convex is a part already, only what has hollows is cut.
 """

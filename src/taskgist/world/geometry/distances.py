@@ -1,4 +1,4 @@
-"""Gaps between boxes around shapes: which pairs of shapes need not be measured, being surely apart, or surely not."""
+"""Signed distances between shapes: bounds and boxes first, which settle most pairs, then the gaps of the others."""
 
 from __future__ import annotations
 

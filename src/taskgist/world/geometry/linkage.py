@@ -128,21 +128,20 @@ def _moved(
                 if slides[j]:
                     for k in range(3):
                         rows[i, f, k] += axes[j, k] * by[i, j]
-                else:
-                    turn_pose(rows[i, f], anchors[j], axes[j], by[i, j])
+                elif by[i, j] != 0.0:
+                    cx, cy, cz = anchors[j, 0], anchors[j, 1], anchors[j, 2]
+                    ax, ay, az = axes[j, 0], axes[j, 1], axes[j, 2]
+                    turn_pose(rows[i, f], cx, cy, cz, ax, ay, az, math.sin(by[i, j]), math.cos(by[i, j]))
     return rows
 
 
 @compiled
-def turn_pose(pose: Array, anchor: Array, axis: Array, angle_rad: float) -> None:
-    """Turn a pose, a row of 12 that is written to, about an axis through a point; vectors (3,)."""
-    if angle_rad == 0.0:
-        return
-    sine, cosine = math.sin(angle_rad), math.cos(angle_rad)
-    ax, ay, az = axis[0], axis[1], axis[2]
-    dx, dy, dz = pose[0] - anchor[0], pose[1] - anchor[1], pose[2] - anchor[2]
-    x, y, z = rotated(ax, ay, az, sine, cosine, dx, dy, dz)
-    pose[0], pose[1], pose[2] = x + anchor[0], y + anchor[1], z + anchor[2]
+def turn_pose(
+    pose: Array, cx: float, cy: float, cz: float, ax: float, ay: float, az: float, sine: float, cosine: float
+) -> None:
+    """Turn a pose, a row of 12 that is written to, about a unit axis through a point."""
+    x, y, z = rotated(ax, ay, az, sine, cosine, pose[0] - cx, pose[1] - cy, pose[2] - cz)
+    pose[0], pose[1], pose[2] = x + cx, y + cy, z + cz
     for k in range(3, 6):
         x, y, z = rotated(ax, ay, az, sine, cosine, pose[k], pose[k + 3], pose[k + 6])
         pose[k], pose[k + 3], pose[k + 6] = x, y, z

@@ -1,4 +1,4 @@
-"""Points on the surfaces of shapes, in the shape's own frame: what "some cell of the object" means in numbers.
+"""Shapes as points: on their surfaces, inside of them, and how far points lie outside.
 
 Sampling in the object's own frame makes every answer independent of where the room stands and which way it faces.
 """

@@ -1,4 +1,4 @@
-"""Rotations: unit quaternions, scalar first (``wxyz``), and 3×3 matrices; single ones and stacks of them.
+"""Poses and rotations: unit quaternions, scalar first (``wxyz``), and 3×3 matrices; single ones and stacks of them.
 
 Every function takes arrays with any leading shape: quaternions (..., 4), matrices (..., 3, 3), vectors (..., 3).
 """

@@ -1,8 +1,8 @@
-"""Draws: every demonstration performed and judged anew, with people and things moved at random.
+"""Displacements: every demonstration performed and judged anew, with people and things moved at random.
 
 A clause that hangs on a millimetre was not learned. So each demonstration is played again in a room in which everybody
 and everything stands elsewhere by a little; the demonstrator acts anew by its own geometry, and is judged anew. One
-*draw* of a task is one such performance of each of its demonstrations, all moved independently.
+*displacement* of a task is one such performance of each of its demonstrations, all moved independently.
 """
 
 from __future__ import annotations
@@ -135,89 +135,97 @@ SEEDS_PER_DEMONSTRATION = 100_000
 
 Outcome = tuple[Value, ...] | str
 """Values of all nodes in canonical order; or the reason why it could not be played."""
-Draw = tuple[Outcome, ...]
+Displacement = tuple[Outcome, ...]
 """An outcome for each demonstration of a task."""
 
 
 @dataclass(frozen=True)
-class Draws:
+class Displacements:
     """What came of displaced demonstrations.
 
     Args:
         study: Digest of the recordings that were not displaced; see ``digest_of``.
         context: Settings and tree under which all was judged.
-        by_task: The draws of each task, the first one first.
+        by_task: The displacements of each task, the first one first.
     """
 
     study: str
     context: Context = field(default_factory=Context.of)
-    by_task: Mapping[str, tuple[Draw, ...]] = field(default_factory=FrozenMap)
+    by_task: Mapping[str, tuple[Displacement, ...]] = field(default_factory=FrozenMap)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "by_task", FrozenMap(self.by_task))
 
     def count(self, task: str) -> int:
-        """How often a task was drawn."""
+        """How often a task was displaced."""
         return len(self.by_task.get(task, ()))
 
-    def add(self, task: str, draw: Draw) -> Draws:
-        """These draws and one more."""
-        more = {**self.by_task, task: (*self.by_task.get(task, ()), draw)}
+    def add(self, task: str, displacement: Displacement) -> Displacements:
+        """These displacements and one more."""
+        more = {**self.by_task, task: (*self.by_task.get(task, ()), displacement)}
         return replace(self, by_task=FrozenMap(more))
 
 
 @dataclass(frozen=True)
 class Job:
-    """One demonstration of one draw; both are counted from one."""
+    """One demonstration of one displacement; both are counted from one."""
 
     task: str
     number: int
-    draw: int
+    displacement: int
 
     @property
     def seed(self) -> int:
         """Seed of its displacement."""
         before = sum(len(STUDY[task]) for task in list(STUDY)[: list(STUDY).index(self.task)])
-        return SEEDS_PER_DEMONSTRATION * (before + self.number) + self.draw
+        return SEEDS_PER_DEMONSTRATION * (before + self.number) + self.displacement
 
 
 def digest_of(judged: Mapping[str, Sequence[Judged]]) -> str:
-    """Digest of the recordings of a study, 16 hexadecimal digits: other recordings, other draws."""
+    """Digest of the recordings of a study, 16 hexadecimal digits: other recordings, other displacements."""
     digests = [each.recording_digest for of_task in judged.values() for each in of_task]
     return hashlib.sha256(" ".join(digests).encode()).hexdigest()[:16]
 
 
 def measure(
-    known: Draws,
+    known: Displacements,
     count: int,
     *,
     tasks: Sequence[str] = tuple(STUDY),
     processes: int | None = None,
     progress: Progress = silent,
-) -> Iterator[Draws]:
-    """Draw until each task has been drawn so often, on all cores.
+) -> Iterator[Displacements]:
+    """Displacement until each task has been displaced so often, on all cores.
 
     Args:
-        known: Draws that there are already: what they hold is not played again.
-        count: Draws of each task.
+        known: Displacements that there are already: what they hold is not played again.
+        count: Displacements of each task.
         tasks: Which tasks.
         processes: How many work at the same time; by default one on each core.
         progress: Told how far it is.
 
     Yields:
-        What is known after each draw of all tasks, so that it can be kept.
+        What is known after each displacement of all tasks, so that it can be kept.
 
     Raises:
         InputError: The number of processes is less than one.
     """
-    missing = {draw: [task for task in tasks if draw > known.count(task)] for draw in range(1, count + 1)}
-    rounds = {draw: due for draw, due in missing.items() if due}
-    jobs = [Job(task, n, draw) for draw, due in rounds.items() for task in due for n in range(1, len(STUDY[task]) + 1)]
+    missing = {
+        displacement: [task for task in tasks if displacement > known.count(task)]
+        for displacement in range(1, count + 1)
+    }
+    rounds = {displacement: due for displacement, due in missing.items() if due}
+    jobs = [
+        Job(task, n, displacement)
+        for displacement, due in rounds.items()
+        for task in due
+        for n in range(1, len(STUDY[task]) + 1)
+    ]
     outcomes = _played(jobs, processes)
-    for done, (draw, due) in enumerate(rounds.items()):
+    for done, (displacement, due) in enumerate(rounds.items()):
         for number, task in enumerate(due, start=1):
             known = known.add(task, tuple(next(outcomes) for _ in STUDY[task]))
-            progress(f"draw {draw} of {count}, {task}", (done + number / len(due)) / len(rounds))
+            progress(f"displacement {displacement} of {count}, {task}", (done + number / len(due)) / len(rounds))
         yield known
 
 
@@ -239,33 +247,34 @@ def play(job: Job) -> Outcome:
     return tuple(nodes[node.name].value for node in STANDARD_TREE.nodes)
 
 
-# --- Draws on disk: one compact file, written whole or not at all, that says under what it was measured.
+# --- Displacements on disk: one compact file, written whole or not at all, that says under what it was measured.
 
 FORMAT = "taskgist draws 1"
-AGAIN = "measure anew: taskgist paper --draws 200 --save FILE"
+AGAIN = "measure anew: taskgist paper --displacements 200 --save FILE"
 
 
-def shipped_draws() -> Draws | None:
+def shipped_displacements() -> Displacements | None:
     """The measurement that comes with taskgist, if there is one."""
-    path = Path(str(resources.files("taskgist_lab") / "data" / "draws.json.gz"))
-    return read_draws(path) if path.is_file() else None
+    path = Path(str(resources.files("taskgist_lab") / "data" / "displacements.json.gz"))
+    return read_displacements(path) if path.is_file() else None
 
 
-def write_draws(draws: Draws, path: Path) -> None:
-    """Write draws to a file, compressed.
+def write_displacements(displacements: Displacements, path: Path) -> None:
+    """Write displacements to a file, compressed.
 
     Raises:
         InputError: It cannot be written.
     """
     values: dict[str | None, int] = {}
     tasks = {
-        task: [[_packed(each, values) for each in draw] for draw in drawn] for task, drawn in draws.by_task.items()
+        task: [[_packed(each, values) for each in displacement] for displacement in displaced]
+        for task, displaced in displacements.by_task.items()
     }
     document = {
         "format": FORMAT,
-        "study": draws.study,
-        "settings": draws.context.settings_digest,
-        "tree": draws.context.tree_version,
+        "study": displacements.study,
+        "settings": displacements.context.settings_digest,
+        "tree": displacements.context.tree_version,
         "distance_m": DISTANCE_M,
         "angle_rad": ANGLE_RAD,
         "nodes": [node.name for node in STANDARD_TREE.nodes],
@@ -275,14 +284,14 @@ def write_draws(draws: Draws, path: Path) -> None:
     text = json.dumps(document, ensure_ascii=False, separators=(",", ":"))
     try:
         with replacing(path) as stream:
-            stream.write(gzip.compress(text.encode(), mtime=0))  # the same draws give the same bytes
+            stream.write(gzip.compress(text.encode(), mtime=0))  # the same displacements give the same bytes
     except OSError as error:
         hint = "name a file in a folder that exists and may be written to"
         raise InputError(f"cannot be written: {error.strerror}", where=path, hint=hint) from error
 
 
-def read_draws(path: Path) -> Draws:
-    """Read draws that ``write_draws`` wrote.
+def read_displacements(path: Path) -> Displacements:
+    """Read displacements that ``write_displacements`` wrote.
 
     Raises:
         KnowledgeError: The file cannot be read, or holds something else.
@@ -294,25 +303,28 @@ def read_draws(path: Path) -> Draws:
         if (document["distance_m"], document["angle_rad"]) != (DISTANCE_M, ANGLE_RAD):
             raise ValueError("people and things were moved by other amounts")
         values = [UNKNOWN if value is None else str(value) for value in document["values"]]
-        tasks = {str(task): tuple(_draw(draw, values) for draw in drawn) for task, drawn in document["draws"].items()}
+        tasks = {
+            str(task): tuple(_displacement(displacement, values) for displacement in displaced)
+            for task, displaced in document["draws"].items()
+        }
         context = Context(str(document["settings"]), str(document["tree"]))
-        return Draws(str(document["study"]), context, tasks)
+        return Displacements(str(document["study"]), context, tasks)
     except (OSError, EOFError, zlib.error, KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
-        raise KnowledgeError(f"no draws: {error}", where=path, hint=AGAIN) from error
+        raise KnowledgeError(f"no displacements: {error}", where=path, hint=AGAIN) from error
 
 
-def outdated(draws: Draws, study: str) -> str:
-    """What these draws were measured with that is different now; nothing if all is the same.
+def outdated(displacements: Displacements, study: str) -> str:
+    """What these displacements were measured with that is different now; nothing if all is the same.
 
     Args:
-        draws: Draws from a file.
+        displacements: Displacements from a file.
         study: Digest of the present recordings; see ``digest_of``.
     """
     now = Context.of()
     differences = {
-        "settings": draws.context.settings_digest != now.settings_digest,
-        "hypothesis tree": draws.context.tree_version != now.tree_version,
-        "recordings": draws.study != study,
+        "settings": displacements.context.settings_digest != now.settings_digest,
+        "hypothesis tree": displacements.context.tree_version != now.tree_version,
+        "recordings": displacements.study != study,
     }
     return ", ".join(f"other {what}" for what, different in differences.items() if different)
 
@@ -325,16 +337,16 @@ def _packed(outcome: Outcome, values: dict[str | None, int]) -> list[int] | str:
     return [values.setdefault(value, len(values)) for value in plain]
 
 
-def _draw(packed: list[Any], values: list[Value]) -> Draw:
+def _displacement(packed: list[Any], values: list[Value]) -> Displacement:
     return tuple(each if isinstance(each, str) else tuple(values[int(number)] for number in each) for each in packed)
 
 
-# --- Learning from many draws: those that agree and dissent alike are learned from but once.
+# --- Learning from many displacements: those that agree and dissent alike are learned from but once.
 #
 # Each node is judged by how often each of its values was observed, and with so few demonstrations any dissent makes
-# it irrelevant (6.4): which values dissent, and in which demonstration, does not matter then. So a draw is reduced to
-# a *pattern*, which keeps what all demonstrations agree on and says of the rest only how often it was observed.
-# Hundreds of draws have few patterns, and learning from a pattern gives the very clause of the draw.
+# it irrelevant (6.4): which values dissent, and in which demonstration, does not matter then. So a displacement is
+# reduced to a *pattern*, which keeps what all agree on and says of the rest only how often it was observed.
+# Hundreds of displacements have few patterns, and learning from a pattern gives the very clause of the displacement.
 
 MOST_DEMONSTRATIONS = 6
 """With so many, one that dissents makes a node irrelevant: CF = 1/2 lies below d1 = 21/40."""
@@ -343,16 +355,16 @@ Values = Mapping[str, str]
 """What a clause says, by node."""
 
 
-def learned_clauses(draws: Iterable[Draw]) -> Iterator[Values]:
-    """The clause of each draw of which all demonstrations could be played.
+def learned_clauses(displacements: Iterable[Displacement]) -> Iterator[Values]:
+    """The clause of each displacement of which all demonstrations could be played.
 
     Args:
-        draws: Draws of one task.
+        displacements: Displacements of one task.
     """
-    for draw in draws:
-        outcomes = [outcome for outcome in draw if not isinstance(outcome, str)]
-        if len(outcomes) == len(draw):
-            assert len(draw) <= MOST_DEMONSTRATIONS, "a dissent might not matter"
+    for displacement in displacements:
+        outcomes = [outcome for outcome in displacement if not isinstance(outcome, str)]
+        if len(outcomes) == len(displacement):
+            assert len(displacement) <= MOST_DEMONSTRATIONS, "a dissent might not matter"
             yield _clause(tuple(_pattern(column) for column in zip(*outcomes, strict=True)))
 
 
@@ -384,19 +396,19 @@ def _clause(columns: tuple[tuple[Value, ...], ...]) -> Values:
     return {literal.node: literal.value for literal in clause.literals}
 
 
-# --- In how many draws each predicate of the paper's clauses is learned all the same.
+# --- In how many displacements each predicate of the paper's clauses is learned all the same.
 
 GOAL = 0.95
-"""Share of the draws in which a predicate shall survive."""
+"""Share of the displacements in which a predicate shall survive."""
 NAME = "draws"
 """The section's key."""
 WHERE = "goal 95 %"
 Z = 1.959964
 """Standard deviations on either side that hold 95 % of a normal distribution."""
 ABOUT = (
-    "Share of the draws in which a predicate is learned although people and things of every demonstration were moved "
-    "by up to 3 cm and 5°. A draw in which a demonstration cannot be played counts as lost. The paper prints no such "
-    "figure; ours is held to a goal of 95 %, which is met, or not, where the whole 95 % interval lies on one side."
+    "Share of the displacements in which a predicate is learned although people and things of every demonstration were "
+    "moved by up to 3 cm and 5°. One in which a demonstration cannot be played counts as lost. The paper prints no "
+    "such figure; ours is held to a goal of 95 %, which is met, or not, where the whole 95 % interval lies on one side."
 )
 
 MEASURED = " Measured with {context}."
@@ -404,17 +416,17 @@ MEASURED = " Measured with {context}."
 
 @dataclass(frozen=True)
 class Survival:
-    """What the draws of one task say.
+    """What the displacements of one task say.
 
     Args:
-        draws: How many there were.
+        displacements: How many there were.
         survived: In how many each predicate of the paper's clause was learned, by node.
         whole: In how many the clause was the paper's, no predicate more or less.
         instead: By lost node: what was learned of that subtree in its place, and how often.
-        unplayed: How many demonstrations could not be played, over all draws, by the reason.
+        unplayed: How many demonstrations could not be played, over all displacements, by the reason.
     """
 
-    draws: int
+    displacements: int
     survived: Mapping[str, int]
     whole: int
     instead: Mapping[str, Mapping[str, int]]
@@ -423,23 +435,23 @@ class Survival:
     def to_json(self) -> dict[str, Json]:
         """Plain data."""
         return {
-            "draws": self.draws,
+            "draws": self.displacements,
             "survived": dict(self.survived),
-            "intervals": {node: wilson(count, self.draws) for node, count in self.survived.items()},
+            "intervals": {node: wilson(count, self.displacements) for node, count in self.survived.items()},
             "whole_clause": self.whole,
             "instead": {node: dict(counts) for node, counts in self.instead.items()},
             "unplayed": dict(self.unplayed),
         }
 
 
-def draws_section(draws: Draws | None, *, why_not: str = "") -> Section:
+def displacements_section(displacements: Displacements | None, *, why_not: str = "") -> Section:
     """Hold survival to the goal, predicate by predicate.
 
     Args:
-        draws: The draws; None where there are none that fit.
+        displacements: The displacements; None where there are none that fit.
         why_not: Why there are none.
     """
-    survivals = {task: survival(task, draws) for task in CLAUSES if draws and draws.count(task)}
+    survivals = {task: survival(task, displacements) for task in CLAUSES if displacements and displacements.count(task)}
     results = []
     for task, published in CLAUSES.items():
         found = survivals.get(task)
@@ -447,24 +459,26 @@ def draws_section(draws: Draws | None, *, why_not: str = "") -> Section:
             name = f"{task}: {STANDARD_TREE.node(predicate.node).title}"
             results.append(_judged(name, predicate.node, found, why_not))
     details: dict[str, Json] = {task: found.to_json() for task, found in survivals.items()}
-    about = ABOUT + (MEASURED.format(context=draws.context) if draws else "")
+    about = ABOUT + (MEASURED.format(context=displacements.context) if displacements else "")
     return Section(NAME, "How well the clauses bear displacement", tuple(results), about, details)
 
 
-def survival(task: str, draws: Draws) -> Survival:
-    """Learn from every draw of a task, and count."""
+def survival(task: str, displacements: Displacements) -> Survival:
+    """Learn from every displacement of a task, and count."""
     published = CLAUSES[task]
-    drawn = draws.by_task[task]
+    displaced = displacements.by_task[task]
     expected = {predicate.node: predicate.value for predicate in published.predicates}
-    learned = list(learned_clauses(drawn))
+    learned = list(learned_clauses(displaced))
     return Survival(
-        draws=len(drawn),
+        displacements=len(displaced),
         survived=FrozenMap(
             {node: sum(each.get(node) == value for each in learned) for node, value in expected.items()}
         ),
         whole=sum(each == expected for each in learned),
         instead=FrozenMap(_instead(published, learned)),
-        unplayed=FrozenMap(Counter(_reason(each) for draw in drawn for each in draw if isinstance(each, str))),
+        unplayed=FrozenMap(
+            Counter(_reason(each) for displacement in displaced for each in displacement if isinstance(each, str))
+        ),
     )
 
 
@@ -496,17 +510,17 @@ def _judged(name: str, node: str, found: Survival | None, why_not: str) -> Resul
     if found is None:
         return Result(name, WHERE, None, None, None, why_not)
     survived = found.survived[node]
-    goal, told = _reached(survived, found.draws), ""
+    goal, told = _reached(survived, found.displacements), ""
     if goal is not Goal.MET:
         instead = [f"{what} ({count} times)" for what, count in found.instead.get(node, {}).items()]
         unplayed = [f"not played: {what} ({count} times)" for what, count in found.unplayed.items()]
-        told = "; ".join([f"{WHERE}: {survived} of {found.draws}, {goal.value}", *_lost(instead), *unplayed])
-    return Result(name, WHERE, None, survived / found.draws, goal, told)
+        told = "; ".join([f"{WHERE}: {survived} of {found.displacements}, {goal.value}", *_lost(instead), *unplayed])
+    return Result(name, WHERE, None, survived / found.displacements, goal, told)
 
 
-def _reached(survived: int, draws: int) -> Goal:
+def _reached(survived: int, displacements: int) -> Goal:
     """Met or not where chance cannot have it otherwise; open in between."""
-    low, high = wilson(survived, draws)
+    low, high = wilson(survived, displacements)
     return Goal.MET if low >= GOAL else Goal.NOT_MET if high < GOAL else Goal.OPEN
 
 
