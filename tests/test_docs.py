@@ -108,6 +108,15 @@ def test_names_in_python_that_pages_give_exist(page: Path) -> None:
             assert pkgutil.resolve_name(name) is not None, name
 
 
+def test_upgrade_notes_lead_to_what_there_is() -> None:
+    rows = re.findall(r"^\| (.*) \| (.*taskgist.*) \|$", text_of("CHANGELOG.md"), re.MULTILINE)
+    assert len(rows) > 15
+    for before, now in rows:
+        homes = [pkgutil.resolve_name(name) for name in DOTTED.findall(now)]
+        for name in re.findall(r"`([A-Za-z_]+)`", before):
+            assert name == "taskgist" or hasattr(homes[0], name), f"{name} is not in {now}"
+
+
 def test_the_quick_tests_exist() -> None:
     (listed,) = re.findall(r"^QUICK := \$\(addprefix tests/, (.*?)\)$", text_of("Makefile"), re.DOTALL | re.MULTILINE)
     paths = listed.replace("\\", " ").split()
