@@ -26,7 +26,8 @@ from taskgist.world.geometry.linkage import POSE, carry_pose
 from taskgist.world.geometry.rays import Shapes, stand_between
 
 MARGIN = 2.0
-"""Heads that aim at two cells of a block differ by less than twice the ball around its cells seems wide."""
+"""A block is passed over if the head, aimed at its middle, looks past a ball so many times as wide as its own: aimed
+at one of its cells instead, it looks elsewhere by less than that."""
 
 
 class Looking(NamedTuple):

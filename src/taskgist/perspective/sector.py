@@ -92,7 +92,9 @@ def _nearest(pose: Array, sector: Array, points: Array) -> tuple[int, float, flo
     for k in range(len(points)):
         at_m = distance_m(pose, points[k])
         gap_m = min(gap_m, at_m)
-        if round(at_m, DIGITS) < least_m and in_reach(pose, sector, points[k]):
+        if at_m > sector[0] + ROUNDING or round(at_m, DIGITS) >= least_m:
+            continue
+        if in_reach(pose, sector, points[k]):
             nearest, reach_m, least_m = k, at_m, round(at_m, DIGITS)
     return nearest, reach_m, gap_m
 
@@ -123,6 +125,8 @@ def _grasps_within(
     found, distances, count = np.empty(len(centers), dtype=np.intp), np.empty(len(centers)), 0
     for k in range(len(centers)):
         at_m, along = distance_m(pose, centers[k]), 0.0
+        if at_m > sector[0] + ROUNDING:
+            continue
         for axis in range(3):
             along += approaches[k, axis] * (centers[k, axis] - pose[axis])
         if along >= facing * at_m - ROUNDING and in_reach(pose, sector, centers[k]):
