@@ -19,7 +19,7 @@ from taskgist.learning.explanation import Explanation
 from taskgist.learning.questions import questions_of
 from taskgist.learning.understanding import Understanding, understand
 from taskgist.settings import DEFAULT
-from taskgist_lab.paper.displacements import Judged, understanding_of
+from taskgist_lab.paper.judging import Judged, understanding_of
 from taskgist_lab.paper.published import (
     COLUMNS,
     INTUITION,
