@@ -25,7 +25,7 @@ from taskgist.world.state import State
 from taskgist_lab.evaluation.experiments import CLAUSE, SETTINGS, Needs, Table, Transfer
 from taskgist_lab.evaluation.robustness import Comparison, Robustness
 from taskgist_lab.evaluation.values import Result
-from taskgist_lab.paper.displacements import Judged, understanding_of
+from taskgist_lab.paper.judging import Judged, understanding_of
 from taskgist_lab.paper.published import COLUMNS
 
 # --- Contact sheets: many demonstrations at a glance, the end of each one seen from outside.

@@ -30,9 +30,7 @@ from taskgist.errors import InputError, KnowledgeError
 from taskgist.pipeline.shipped import shipped_study
 from taskgist_lab.paper.displacements import (
     Displacements,
-    Judged,
     digest_of,
-    judge_study,
     measure,
     outdated,
     read_displacements,
@@ -40,6 +38,7 @@ from taskgist_lab.paper.displacements import (
     wilson,
     write_displacements,
 )
+from taskgist_lab.paper.judging import Judged, judge_study
 from taskgist_lab.paper.published import Goal, Result, Section, Verdict, tally
 from taskgist_lab.paper.results import Report, report
 

@@ -10,7 +10,7 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.learning.clause import Clause, clause_of
 from taskgist.learning.understanding import Understanding
-from taskgist_lab.paper.displacements import Judged, understanding_of
+from taskgist_lab.paper.judging import Judged, understanding_of
 from taskgist_lab.paper.published import (
     CLAUSES,
     SHORT_SHOW,

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from taskgist.common.frozen import Json
 from taskgist_lab.paper.clauses_and_ablations import ablations_section, clauses_section, figures_section
-from taskgist_lab.paper.displacements import NAME, Displacements, Judged, digest_of, displacements_section, outdated
+from taskgist_lab.paper.displacements import NAME, Displacements, digest_of, displacements_section, outdated
+from taskgist_lab.paper.judging import Judged
 from taskgist_lab.paper.published import Goal, Result, Section, Verdict, machine, tally
 from taskgist_lab.paper.tables import table_2_section, table_3_section, table_4_section
 

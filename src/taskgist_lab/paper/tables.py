@@ -18,7 +18,7 @@ from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.understanding import Understanding, questions_of, understand
 from taskgist.settings import DEFAULT
-from taskgist_lab.paper.displacements import Judged, understanding_of
+from taskgist_lab.paper.judging import Judged, understanding_of
 from taskgist_lab.paper.published import (
     COLUMNS,
     INTUITION,
