@@ -128,6 +128,8 @@ def _perspective_seconds(recording: Recording) -> float:
     return time.perf_counter() - begin
 
 
+# --- Displacing: the same demonstrations, everybody and everything moved, performed and judged anew.
+
 DISTANCE_M, ANGLE_RAD = 0.03, math.radians(5)
 """How far people and things are moved at most in x and in y, and turned."""
 SEEDS_PER_DEMONSTRATION = 100_000
@@ -195,7 +197,7 @@ def measure(
     processes: int | None = None,
     progress: Progress = silent,
 ) -> Iterator[Displacements]:
-    """Displacement until each task has been displaced so often, on all cores.
+    """Displace and judge until there are so many displacements of each task, on all cores.
 
     Args:
         known: Displacements that there are already: what they hold is not played again.
