@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+import taskgist
 from taskgist.facts import STANDARD_TREE, parse_facts
 from tests.command_lines import commands, parse
 from tests.test_architecture import CORE, ROOMS, THIRD_PARTY
@@ -213,7 +214,11 @@ def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
     environment = os.environ | {"PYTHONPATH": path, "NO_MKDOCS_2_WARNING": "1"}
     done = subprocess.run(words, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout + done.stderr) == (0, "")
-    assert "least_effort" in (site / "reference" / "api" / "perspective.html").read_text(encoding="utf-8")
+    face = (site / "reference" / "api" / "taskgist.html").read_text(encoding="utf-8")
+    assert [name for name in taskgist.__all__ if f">{name}<" not in face] == []
+    for room, name in (("perspective", "NO_ACTION"), ("maps", "ability_map"), ("taskgist_lab", "demonstrate")):
+        text = (site / "reference" / "api" / f"{room}.html").read_text(encoding="utf-8")
+        assert re.search(rf"id=\"taskgist[\w.]*\.{name}\"", text), name
     for page in site.rglob("*.html"):
         loaded = re.findall(FROM_THE_NETWORK, page.read_text(encoding="utf-8"))
         assert not loaded, f"{page} loads {loaded}"

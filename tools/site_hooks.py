@@ -120,14 +120,14 @@ def room_page(package: str, job: str, names: Iterable[str]) -> str:
 
 
 def docstrings(name: str) -> str:
-    """Where the docstrings of a name are put, under its last part: users import it from its room."""
-    return f"::: {name}\n    options: {{ heading: {name.rpartition('.')[2]} }}\n"
+    """Where the docstrings of a name are put: a module under its whole name, what a room shows under its own."""
+    is_module = SOURCE.joinpath(*name.split(".")).with_suffix(".py").exists()
+    return f"::: {name}\n    options: {{ heading: {name if is_module else name.rpartition('.')[2]} }}\n"
 
 
 def face_page(documented: set[str]) -> str:
     """What ``import taskgist`` gives: each name with a link to its room, or its docstring; and the rooms."""
-    stub = SOURCE / ENGINE / "__init__.pyi"
-    names = defined_in(stub, ENGINE) if stub.exists() else {}
+    names = defined_in(SOURCE / ENGINE / "__init__.pyi", ENGINE)
     lines = [
         "# taskgist",
         "",
