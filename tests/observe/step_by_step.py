@@ -15,8 +15,8 @@ from taskgist.facts import vocabulary as v
 from taskgist.observe import HandStatus, Interval, Placement, velocity
 from taskgist.settings import DEFAULT, Contact, Settings, Timing
 from taskgist.world import Hold, Holding, Scene, Stage, State, hand_known, holding_of, posture_of, rests_on
+from taskgist.world.contacts import possible_holds
 from taskgist.world.geometry.transforms import Pose
-from taskgist.world.holding import possible_holds
 
 H = TypeVar("H", bound=Hashable)
 T = TypeVar("T")

@@ -16,10 +16,9 @@ from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import Node
 from taskgist.language.sentences import asked, indifference, meaning, why
-from taskgist.learning.clause import clause_of
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Context
-from taskgist.learning.understanding import Judgement, Understanding, questions_of
+from taskgist.learning.understanding import Judgement, Understanding, clause_of, questions_of
 from taskgist.settings import BANDS, DEFAULT
 
 STYLES = {

@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from fractions import Fraction
 
 from taskgist.language.phrases import ABILITIES, listed, phrase, topic
-from taskgist.learning.clause import Literal, clause_of
 from taskgist.learning.estimate import Verdict
-from taskgist.learning.understanding import Judgement, Question, Understanding
+from taskgist.learning.understanding import Judgement, Literal, Question, Understanding, clause_of
 
 
 def meaning(understanding: Understanding) -> str:

@@ -1,6 +1,3 @@
-from .clause import Clause as Clause
-from .clause import Literal as Literal
-from .clause import clause_of as clause_of
 from .estimate import Band as Band
 from .estimate import Estimate as Estimate
 from .estimate import Rule as Rule
@@ -15,10 +12,13 @@ from .explanation import explanation_from_json as explanation_from_json
 from .knowledge import Knowledge as Knowledge
 from .understanding import Answer as Answer
 from .understanding import Choice as Choice
+from .understanding import Clause as Clause
 from .understanding import Judgement as Judgement
+from .understanding import Literal as Literal
 from .understanding import Question as Question
 from .understanding import Understanding as Understanding
 from .understanding import answer_from_json as answer_from_json
+from .understanding import clause_of as clause_of
 from .understanding import in_force as in_force
 from .understanding import questions_of as questions_of
 from .understanding import understand as understand

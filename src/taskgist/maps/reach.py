@@ -10,8 +10,7 @@ from taskgist.common.compiled import compiled
 from taskgist.maps.configurations import Base, Configuration, straight_ahead
 from taskgist.maps.grid import Cells, Undecided
 from taskgist.perspective.occlusion import CLEAR, HIDDEN
-from taskgist.perspective.reach import usable_arms
-from taskgist.perspective.sector import ROUNDING, distance_m, in_reach
+from taskgist.perspective.reach import ROUNDING, distance_m, in_reach, usable_arms
 from taskgist.perspective.viewpoint import Viewpoint
 
 

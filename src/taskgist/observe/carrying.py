@@ -1,6 +1,6 @@
 """Who holds what over time: the one place that decides it. Placement and the hands' status ask here, frame by frame.
 
-In a single state a hand holds what it is close to and what rests on nothing (``world/holding.py``). Over time that is
+In a single state a hand holds what it is close to and what rests on nothing (``world/contacts.py``). Over time that is
 too much: a hand that passes an object, or reaches around it before it closes, is near and yet does not hold. What tells
 them apart is *slip*: how fast the palm moves in the object's own frame. A near hand begins to hold when its slip is
 low, and lets go when it is high; in between it goes on as before.
@@ -13,8 +13,7 @@ from functools import cache, lru_cache, partial
 from taskgist.common.arrays import Array
 from taskgist.observe.frames import KEPT_STATES, FrameSequence, Hysteresis, speed_m_s
 from taskgist.settings import Contact
-from taskgist.world.contacts import RestingMemory
-from taskgist.world.holding import Holding, hand_known, holding_of, possible_holds
+from taskgist.world.contacts import Holding, RestingMemory, hand_known, holding_of, possible_holds
 from taskgist.world.stage import Stage
 from taskgist.world.state import Hold, State
 

@@ -25,10 +25,9 @@ from taskgist.facts import vocabulary as v
 from taskgist.observe.carrying import Carrying
 from taskgist.observe.frames import Confirmed, FrameSequence, Hysteresis, speed_m_s
 from taskgist.settings import DEFAULT, Settings, Timing
-from taskgist.world.holding import hand_known, rests_on
-from taskgist.world.postures import posture_of
+from taskgist.world.contacts import hand_known, rests_on
 from taskgist.world.scene import Scene
-from taskgist.world.stage import Stage
+from taskgist.world.stage import Stage, posture_of
 from taskgist.world.state import Frames, Hold, State
 
 POSTURES = {"standing": v.STANDING, "sitting": v.SITTING}

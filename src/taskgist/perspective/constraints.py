@@ -27,9 +27,9 @@ from taskgist.perspective.effort import Blocking
 from taskgist.perspective.target import Recorder, Region, touched
 from taskgist.settings import Contact, Efforts, Settings
 from taskgist.world.bodies.agent import Agent
+from taskgist.world.contacts import holding_of
 from taskgist.world.geometry.distances import any_near, ball_around, near_ball
 from taskgist.world.geometry.transforms import turned_about_z, yaw_of
-from taskgist.world.holding import holding_of
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 

@@ -22,8 +22,7 @@ from taskgist.perspective.candidates import Candidate, Candidates
 from taskgist.perspective.constraints import Collisions
 from taskgist.perspective.effort import BlockedApproaches, Grasped, Miss, Reason, nearest_miss, stretch
 from taskgist.perspective.grasp_sampling import TOUCH_M, Grasps, grasps_in_object, hand_centers, hand_frames
-from taskgist.perspective.reach import ArmJudge, PointCloud, ReachScreening
-from taskgist.perspective.sector import DIGITS, grasps_in_reach
+from taskgist.perspective.reach import DIGITS, ArmJudge, PointCloud, ReachScreening, grasps_in_reach
 from taskgist.perspective.target import Target, vector
 from taskgist.perspective.viewpoint import FindMiss, Hit, Screening, Viewpoint
 from taskgist.world.bodies.agent import Agent, ArmIndices

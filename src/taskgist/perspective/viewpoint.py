@@ -47,10 +47,9 @@ from taskgist.perspective.target import Recorder, Region, Target
 from taskgist.settings import DEFAULT, Efforts, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.bodies.profile import Posture
+from taskgist.world.contacts import holding_of, objects_near
 from taskgist.world.geometry.transforms import yaw_of
-from taskgist.world.holding import holding_of, objects_near
-from taskgist.world.postures import posture_of, seat_position, with_posture
-from taskgist.world.stage import Stage
+from taskgist.world.stage import Stage, posture_of, seat_position, with_posture
 from taskgist.world.state import State
 
 

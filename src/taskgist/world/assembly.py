@@ -13,7 +13,6 @@ import numpy as np
 
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.world.bodies.agent import SEEN_MASK, Agent, legs_for, resolve_agent, standing_height_m
-from taskgist.world.bodies.frames import add_frame
 from taskgist.world.bodies.hands import add_ghosts
 from taskgist.world.bodies.human import HumanSize
 from taskgist.world.bodies.model_files import (
@@ -31,6 +30,7 @@ from taskgist.world.bodies.model_files import (
 )
 from taskgist.world.bodies.profile import (
     AgentProfile,
+    add_frame,
     builtin_profile_text,
     builtin_profiles,
     parse_profile,

@@ -15,11 +15,11 @@ from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.world.assembly import DEFAULT_STATURE_M
 from taskgist.world.bodies.agent import Agent
-from taskgist.world.bodies.frames import OPTICAL_WXYZ
 from taskgist.world.bodies.human import HumanSize
 from taskgist.world.bodies.model_files import body_files, name_problems, read_file, read_model, size_problems
 from taskgist.world.bodies.profile import (
     AS_THE_JOINT,
+    OPTICAL_WXYZ,
     AgentProfile,
     builtin_profile_text,
     builtin_profiles,

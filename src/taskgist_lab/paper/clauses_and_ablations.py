@@ -8,8 +8,7 @@ from taskgist.common.frozen import Json
 from taskgist.facts import vocabulary as v
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
-from taskgist.learning.clause import Clause, clause_of
-from taskgist.learning.understanding import Understanding
+from taskgist.learning.understanding import Clause, Understanding, clause_of
 from taskgist_lab.paper.judging import Judged, understanding_of
 from taskgist_lab.paper.published import (
     CLAUSES,

@@ -27,10 +27,9 @@ from taskgist.common.workers import Progress, in_order, silent
 from taskgist.errors import InputError, KnowledgeError, TaskgistError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import UNKNOWN, Observation, Unknown, Value
-from taskgist.learning.clause import clause_of
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Context, Explanation
-from taskgist.learning.understanding import understand
+from taskgist.learning.understanding import clause_of, understand
 from taskgist.pipeline.explain import explain_recording
 from taskgist_lab.paper.demonstrations import STUDY
 from taskgist_lab.paper.judging import Judged

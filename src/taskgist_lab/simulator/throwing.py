@@ -12,9 +12,9 @@ from taskgist.errors import SceneError
 from taskgist.moving.acting import Acting, Flight
 from taskgist.moving.hand_pose import SIGNS, UP, HandPose, around, sampled
 from taskgist.moving.steps import EYES_AHEAD_S, carry_to
+from taskgist.world.contacts import hand_gap_m
 from taskgist.world.dynamics import GRAVITY_M_S2, FreeMotion, free_motion
 from taskgist.world.geometry.transforms import conjugate, multiply, normalized
-from taskgist.world.holding import hand_gap_m
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
