@@ -61,7 +61,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "learning": set(),
     "store": {"sqlalchemy"},
     "world": {"numpy", "numba", "mujoco", "mink", "coacd", "tomli_w"},
-    "moving": {"numpy"},
+    "moving": {"numpy", "scipy"},
     "perspective": {"numpy"},
     "maps": {"numpy"},
     "observe": {"numpy"},

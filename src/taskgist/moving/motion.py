@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
 
 from taskgist.common.arrays import Array
 
@@ -66,27 +67,7 @@ class Motion:
 
 def through(knots: Array, places: Array, wanted: ArrayLike) -> Array:
     """Values of the natural cubic spline through knots (k, n) at ``places`` (k,), where ``wanted`` (t,), as (t, n)."""
-    at = np.asarray(wanted, dtype=float)
-    gaps = np.diff(places)
-    bends = _second_derivatives(knots, gaps)
-    left = np.clip(np.searchsorted(places, at, side="right") - 1, 0, len(gaps) - 1)
-    gap = gaps[left][:, None]
-    b = (at - places[left])[:, None] / gap
-    a = 1.0 - b
-    straight = a * knots[left] + b * knots[left + 1]
-    curved = ((a**3 - a) * bends[left] + (b**3 - b) * bends[left + 1]) * gap**2 / 6.0
-    return np.asarray(straight + curved)
-
-
-def _second_derivatives(knots: Array, gaps: Array) -> Array:
-    """Second derivatives at the knots of the spline that is straight at both ends, (k, n)."""
-    count = len(knots)
-    system, right = np.eye(count), np.zeros_like(knots)
-    slopes = np.diff(knots, axis=0) / gaps[:, None]
-    for i in range(1, count - 1):
-        system[i, i - 1 : i + 2] = gaps[i - 1], 2.0 * (gaps[i - 1] + gaps[i]), gaps[i]
-        right[i] = 6.0 * (slopes[i] - slopes[i - 1])
-    return np.asarray(np.linalg.solve(system, right))
+    return np.asarray(CubicSpline(places, knots, bc_type="natural")(wanted))
 
 
 # --- Moving: whose body makes which motion.
