@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import subprocess
 import sys
 from importlib import metadata
@@ -50,22 +49,6 @@ def test_few_modules_are_loaded(option: str) -> None:
     ours, heavy = json.loads(python(LOADED, option).stdout.splitlines()[-1])
     assert ours <= 60
     assert heavy == []
-
-
-def cpu_s(*words: str) -> float:
-    """Least CPU time of five child processes."""
-    times = []
-    for _ in range(5):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        python(*words)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        times.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    return min(times)
-
-
-@pytest.mark.parametrize("option", ["--version", "--help"])
-def test_starting_takes_at_most_twice_the_time_of_importing_numpy(option: str) -> None:
-    assert cpu_s(RUN, option) <= 2 * cpu_s("import numpy")
 
 
 @pytest.fixture

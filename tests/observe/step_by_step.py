@@ -270,7 +270,7 @@ class Watching:
 
 
 def placement_by(holding: Holding | None) -> Placement:
-    """Inside_Container before On_Support before In_Hand before In_Air (DESIGN 4.5)."""
+    """Inside_Container before On_Support before In_Hand before In_Air (5.3.1)."""
     if holding is None:
         return Placement(None)
     if holding.container:

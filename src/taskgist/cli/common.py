@@ -32,7 +32,9 @@ P = ParamSpec("P")
 
 RecordingArgument = Annotated[Path, typer.Argument(help="A recording (.mcap).", show_default=False)]
 RecordingsArgument = Annotated[list[Path], typer.Argument(help="Recordings (.mcap), or folders of them.")]
-WhereArgument = Annotated[Path, typer.Argument(help="A scene (.toml) or a recording (.mcap).", show_default=False)]
+WhereArgument = Annotated[
+    Path, typer.Argument(metavar="SCENE", help="A scene (.toml) or a recording (.mcap).", show_default=False)
+]
 AtOption = Annotated[float | None, typer.Option(help="Time in a recording, seconds; default: its start.")]
 KnowledgeOption = Annotated[
     str, typer.Option("--knowledge", "-k", help="The knowledge file, or the URL of a shared database.")

@@ -56,6 +56,8 @@ def _distance_m(points: Array, start: Array, end: Array) -> Array:
     return np.asarray(np.linalg.norm(points - start - share[:, None] * along, axis=1))
 
 
+# --- The steps of one performer: wait, take, hold up, put down, withdraw.
+
 EYES_AHEAD_S = 0.3
 """How long the eyes are at a thing before the hand sets out for it [Land & Hayhoe 2001: about half a second]."""
 CLOSING_S = 0.25
@@ -251,8 +253,6 @@ def _open_level(hand: HandPose) -> HandPose:
 
 
 # --- Holding from the beginning: somebody has a thing in the hand before anything happens.
-
-"""Most steps of the fit that brings the hand to where it holds."""
 
 
 @dataclass(frozen=True)

@@ -69,7 +69,7 @@ def _plain(evidence: Mapping[str, object]) -> Mapping[str, Json]:
 
 
 def state_symbol(effort: Effort, settings: Settings) -> str:
-    """Symbol of the attained state S: posture and binned joint angles, without the place in the room (DESIGN 4.6)."""
+    """Symbol of the attained state S: posture and binned joint angles, without the place in the room."""
     bin_rad = settings.efforts.state_bin_rad
     bins = {joint: round(angle / bin_rad) for joint, angle in sorted(effort.joints_rad.items())}
     bent = [f"{joint} {round(math.degrees(count * bin_rad)):+d}°" for joint, count in bins.items() if count]

@@ -202,7 +202,7 @@ class Observer:
     # What is so in a single frame, before time confirms it:
 
     def _placement(self, name: str, index: int) -> Placement:
-        """The first that applies (DESIGN 4.5): Inside_Container, On_Support, In_Hand, In_Air."""
+        """The first that applies (5.3.1): Inside_Container, On_Support, In_Hand, In_Air."""
         holding = self._carrying.holding(index, name)
         if holding is None:
             return Placement(None)

@@ -26,9 +26,6 @@ from taskgist.world.bodies.profile import Eye
 from taskgist.world.geometry.rays import INF, Shapes, stand_between
 from taskgist.world.stage import Stage
 
-# --- Shapes as one eye has them around it: a table for compiled functions, which pass one array on for nothing.
-
-
 # --- An agent's whole field of view as a pinhole image: what each pixel shows (5.1.1).
 #
 # The eye looks along its x axis, z up. Pixels are squares on a plane at distance one: row 0 is the top, column 0 the

@@ -140,8 +140,6 @@ class SceneEfforts:
         chosen = None if actions is None else tuple(actions)
         return {name: self.effort(agent, name, ability, chosen) for name in self.stage.scene.objects}
 
-    # --- Following a scene that moves.
-
     def update(self, state: State) -> None:
         """Go on to another state of the scene, which the stage shows from now on.
 

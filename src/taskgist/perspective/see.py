@@ -1,4 +1,4 @@
-"""See: at least one visible pixel of the object lies in the gaze cone (5.1.1, with DESIGN 3's cone).
+"""See: at least one visible pixel of the object lies in the gaze cone (5.1.1; the cone is ours).
 
 With effort, the head aims at the object; if the object is seen so, the first of the steps on the way that sees it
 needs the least amount. What is not seen when looked at is not searched on the way. Candidates from which the head

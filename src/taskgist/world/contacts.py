@@ -97,7 +97,7 @@ def support_of(stage: Stage, name: str, settings: Contact) -> str | None:
 
     Points of the object's surface are lifted a little and dropped: where one meets a nearly level surface within
     ``support_m`` beneath the object, that surface carries it. The lift makes the answer robust to interpenetration.
-    Agents are never supports (DESIGN 4.5).
+    Agents are never supports (5.3.1).
     """
     drop = Drop.of(stage, name, settings)
     return drop.meets(stage, drop.around(stage, settings), settings)
@@ -120,7 +120,7 @@ def _low_points(stage: Stage, name: str, samples: Array) -> Array:
 
 
 def container_of(stage: Stage, name: str, settings: Contact) -> str | None:
-    """What an object lies in: one body with a floor beneath it and walls all round (DESIGN 4.5), or None.
+    """What an object lies in: one body with a floor beneath it and walls all round (5.3.1), or None.
 
     From the object's middle, the ray straight down must meet the body, and nearly all horizontal ones must meet it
     within ``container_m``, each on a face that looks towards the object: who has sunk into a table top is not inside

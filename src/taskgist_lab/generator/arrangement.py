@@ -118,7 +118,7 @@ class Arrangement:
             place = any_place(table, self.rng, radius + EDGE_M)
             if on_top(table, place, radius + EDGE_M) and self.free(place, radius) and where(place):
                 return self.put_at(thing, place, yaw_rad=yaw_rad)
-        raise SceneError(f"no place for {thing.name!r}", where="room", hint="draw another room")
+        raise SceneError(f"no place for {thing.name!r}", where="room", hint="try another room")
 
     def put_at(self, thing: Thing, place: Array, *, yaw_rad: float | None = None) -> Thing:
         """Put a thing at a place (3,), whatever is there."""
@@ -394,7 +394,7 @@ def free_place(arrangement: Arrangement, where: Where, *, radius_m: float) -> Ar
         place = any_place(table, arrangement.rng, radius_m + EDGE_M)
         if on_top(table, place, radius_m + EDGE_M) and arrangement.free(place, radius_m) and where(place):
             return place
-    raise SceneError("no free place on the table", where="room", hint="draw another room")
+    raise SceneError("no free place on the table", where="room", hint="try another room")
 
 
 def to_the_edge_m(person: Person, table: Table) -> float:

@@ -303,10 +303,10 @@ def put_on_board(setting: Setting, task: str, *, hidden: bool) -> Means:
         points, goal = putting.shape + place, np.array(place) + putting.middle
         reach = STRETCHED_SHARE * body.agent.arm(roles.side).profile.length_m
         if np.linalg.norm(goal - body.shoulder(scene.initial, roles.side)) > reach:
-            raise SceneError("the board is out of reach", where=scene.name, hint="draw another room")
+            raise SceneError("the board is out of reach", where=scene.name, hint="try another room")
         if hidden != would_be_hidden(putting.stage, roles.target, roles.thing, points, but=(roles.performer,)):
             problem = "would be in view" if hidden else "would be hidden"
-            raise SceneError(f"what is on the board {problem}", where=scene.name, hint="draw another room")
+            raise SceneError(f"what is on the board {problem}", where=scene.name, hint="try another room")
         steps = (PutOnBoard(place, setting.amounts["front"]), DrawBack())
         return roles.script(task, "put into the shelf", *steps)
 
@@ -327,7 +327,9 @@ def _place_on(scene: Scene, setting: Setting, table: Table) -> Place:
     )
     if found is None:
         raise SceneError(
-            f"no place on {table.name!r} within reach and in view", where=scene.name, hint="draw another room"
+            f"no place on {table.name!r} within reach and in view",
+            where=scene.name,
+            hint="try another room",
         )
     return found
 

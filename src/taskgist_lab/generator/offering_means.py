@@ -36,7 +36,11 @@ def move_away(roles: Roles, *, occluder: str) -> Means:
     def script(scene: Scene) -> Script:
         stage = Stage(scene)
         if share_in_view(stage, roles.target, roles.thing) > 0.0:
-            raise SceneError(f"{occluder!r} does not hide {roles.thing!r}", where=scene.name, hint="draw another room")
+            raise SceneError(
+                f"{occluder!r} does not hide {roles.thing!r}",
+                where=scene.name,
+                hint="try another room",
+            )
         steps = (Take(occluder, roles.side), PutDown(_clear_place(scene, roles, occluder)), Withdraw())
         return Script(
             "show",
@@ -63,7 +67,9 @@ def _clear_place(scene: Scene, roles: Roles, occluder: str) -> Place:
     found = putting.first(_around(putting), around=(putting.radius_m + EDGE_M) * CROSS / 2, room_m=ROOM_M, suits=suits)
     if found is None:
         raise SceneError(
-            f"no free place for {occluder!r} out of the line of sight", where=scene.name, hint="draw another room"
+            f"no free place for {occluder!r} out of the line of sight",
+            where=scene.name,
+            hint="try another room",
         )
     return found
 

@@ -96,7 +96,10 @@ def check_stands(recording: Recording) -> None:
         (geom,), (distance,) = stage.cast(point, [(0.0, 0.0, -1.0)], exclude_body=body)
         if geom < 0 or distance > 2 * SPACING_M or scene.owners[geom] in scene.agents:
             raise SceneError(
-                f"{label.target_object!r} would fall", where=recording.name, field="end", hint="draw another room"
+                f"{label.target_object!r} would fall",
+                where=recording.name,
+                field="end",
+                hint="try another room",
             )
 
 
@@ -117,7 +120,7 @@ def _check(stage: Stage, shapes: Indices, around: Indices, deepest_m: float) -> 
             f"{owners[shape]!r} would go through {owners[other]!r}",
             where=stage.scene.name,
             value=round(-gap, 3),
-            hint="draw another room",
+            hint="try another room",
         )
 
 
@@ -173,7 +176,7 @@ def seen_first(roles: Roles, means: Means) -> Means:
                 f"{roles.thing!r} is not in view in the beginning",
                 where=scene.name,
                 value=round(share, 2),
-                hint="draw another room",
+                hint="try another room",
             )
         return means(scene)
 
@@ -288,5 +291,8 @@ def _missed(recording: Recording, what: str, share: float) -> SceneError:
     label = recording.label
     assert label is not None
     return SceneError(
-        f"{label.target_object!r} {what}", where=recording.name, value=round(share, 2), hint="draw another room"
+        f"{label.target_object!r} {what}",
+        where=recording.name,
+        value=round(share, 2),
+        hint="try another room",
     )

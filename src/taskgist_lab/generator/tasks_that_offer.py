@@ -100,7 +100,11 @@ def _beyond(arrangement: Arrangement, screen: Thing, thing: Thing) -> Thing:
     gap = radius + screen.size_m[0] / 2 + arrangement.rng.uniform(*BEFORE_HIDDEN_M)
     place = np.array(screen.position_m) + gap * np.array([*line / np.linalg.norm(line), 0.0])
     if not on_top(arrangement.table, place, radius + EDGE_M):
-        raise SceneError(f"no place for {thing.name!r} behind {screen.name!r}", where="room", hint="draw another room")
+        raise SceneError(
+            f"no place for {thing.name!r} behind {screen.name!r}",
+            where="room",
+            hint="try another room",
+        )
     return arrangement.put_at(thing, place)
 
 

@@ -232,7 +232,6 @@ def hand_over(
 
 GRID_M, REMOVING_AROUND_M = 0.05, 1.0
 """Spacing of the places that are looked at, and how far around the performer."""
-"""Room that a hand needs around a thing."""
 CROSS = np.array([(0, 0, 0), (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
 EDGE_M = 0.02
 """How far inside the edge of its support a thing is put, at least."""

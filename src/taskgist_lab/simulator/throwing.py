@@ -256,7 +256,6 @@ BACK_RAD, ON_RAD = math.radians(30.0), math.radians(30.0)
 """How far it swings before and behind where it lets go."""
 SWING_KNOTS, MOMENTS = 8, 100
 """Hands on the way of a swing, and moments of it at which its speed is looked at."""
-"""How long a hand stays where it has let something go."""
 WATCHED_S = 1.2
 """How long somebody watches what it has thrown before it takes the hand back, at most."""
 
