@@ -1,7 +1,7 @@
 """Ability maps (Mightability): which places of its workspace an agent sees or reaches, and with what effort.
 
 A map asks of every cell of a grid what the search asks of an object, as if there were only the point at the cell's
-centre: from all candidates of each effort level (``Viewpoint.candidates``), with the head aimed or an arm stretched out,
+centre: from all candidates of an effort level (``Viewpoint.candidates``), with the head aimed or an arm stretched out,
 where joint limits and collisions allow it. Where a point differs from an object, and where steps are taken:
 
 - *See*: the point lies in the gaze cone and in the field of view, and the straight line from the eye to it meets
