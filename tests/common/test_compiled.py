@@ -9,6 +9,8 @@ from pathlib import Path
 import numba
 import pytest
 
+from taskgist.common.compiled import compiled, compiled_part
+
 FRESH = """
 from taskgist.common.compile_notice import when_compiling
 from taskgist.world.geometry.linkage import rotated
@@ -109,3 +111,21 @@ def test_numbers_that_are_written_in_a_call_need_no_machine_code_of_their_own(tm
     command = [sys.executable, str(tmp_path / "shared.py")]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     assert done.stdout == "1 True\n", "one machine code; the collector of garbage works again afterwards"
+
+
+@compiled_part
+def _doubled(number: float) -> float:
+    return 2.0 * number
+
+
+@compiled
+def _doubled_twice(number: float) -> float:
+    return _doubled(_doubled(number))
+
+
+def test_a_part_works_within_a_compiled_function_and_refuses_any_other_call() -> None:
+    with pytest.raises(TypeError, match="_doubled has no entry for Python"):
+        _doubled(1.5)
+    assert _doubled_twice(1.5) == 6.0
+    with pytest.raises(TypeError, match="_doubled has no entry for Python"):  # now that there is machine code, too
+        _doubled(1.5)

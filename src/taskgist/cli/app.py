@@ -188,4 +188,4 @@ def _say_that_it_compiles(kept: bool) -> None:
 
     if errors.is_terminal:
         how_often = "once" if kept else "for this run only, as no cache can be written (set NUMBA_CACHE_DIR)"
-        errors.print(f"Preparing inner loops for this machine, {how_often}: about half a minute.", style="dim")
+        errors.print(f"Preparing inner loops for this machine, {how_often}: about ten seconds.", style="dim")

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled, compiled_part
 from taskgist.errors import UnknownNameError
 from taskgist.perspective.constraints import Floor, Place, moved
 from taskgist.perspective.effort import LEAN, MOVE, PAN, SIT, STAND, TILT, TURN, Amount, stretch
@@ -379,8 +379,9 @@ def turns_towards(target: Array, base: Array, facing_rad: float, offsets_m: Arra
         facing_rad: Where the chest faces now, about the vertical.
         offsets_m: How far the places are from there, (p, 2).
     """
-    turns = np.zeros(len(offsets_m))
+    turns = np.empty(len(offsets_m))
     for p in range(len(turns)):
+        turns[p] = 0.0
         x, y = target[0] - base[0] - offsets_m[p, 0], target[1] - base[1] - offsets_m[p, 1]
         if math.hypot(x, y) > OVERHEAD_M:
             turn = math.atan2(y, x) - facing_rad
@@ -388,7 +389,7 @@ def turns_towards(target: Array, base: Array, facing_rad: float, offsets_m: Arra
     return turns
 
 
-@compiled
+@compiled_part
 def carry(table: Table, index: int, frame: int, pose: Array) -> None:
     """Write where a candidate brings one frame, (12,)."""
     spot, turns = table.spot[index], table.turns

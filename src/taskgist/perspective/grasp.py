@@ -17,7 +17,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled, compiled_part
 from taskgist.perspective.candidates import Candidate, Candidates
 from taskgist.perspective.constraints import Collisions
 from taskgist.perspective.effort import BlockedApproaches, Grasped, Miss, Reason, nearest_miss, stretch
@@ -168,7 +168,7 @@ def _next(
     return len(order), False
 
 
-@compiled
+@compiled_part
 def _met(hand: Array, things: Array) -> int:
     """The first box, by row, that a hand surely meets; that it is clear of all, or that there is doubt before."""
     pair = next_near(hand, things, 0.0, 0)

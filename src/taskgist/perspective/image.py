@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled, compiled_part
 from taskgist.perspective.effort import Visibility
 from taskgist.perspective.gaze import off_gaze
 from taskgist.perspective.occlusion import away_m, from_eye
@@ -120,7 +120,7 @@ def lens_of(eye: Eye) -> Lens:
     return Lens(pixel_rays(eye), eye.fov_rad, half_tan, eye.image_px, cone_rad, math.cos(cone_rad))
 
 
-@compiled
+@compiled_part
 def in_view(eye: Array, point: Array, cone_cos: float, across_tan: float, up_tan: float) -> bool:
     """Whether a point, metres, (3,), lies in the gaze cone and in the image of an eye, pose (12,).
 
@@ -139,7 +139,7 @@ def in_view(eye: Array, point: Array, cone_cos: float, across_tan: float, up_tan
     return bool(inside and ahead > 0.0 and ahead >= cone_cos * math.sqrt(dx * dx + dy * dy + dz * dz))
 
 
-@compiled
+@compiled_part
 def window(lens: Lens, eye: Array, centers: Array, radii_m: Array) -> tuple[int, int, int, int]:
     """The part of an image that holds everything inside some spheres.
 
@@ -169,7 +169,7 @@ def window(lens: Lens, eye: Array, centers: Array, radii_m: Array) -> tuple[int,
     return first_row, last_row, first_column, last_column
 
 
-@compiled
+@compiled_part
 def _widened(
     low: float, high: float, ahead: float, aside: float, radius_m: float, half_rad: float
 ) -> tuple[float, float]:
@@ -181,7 +181,7 @@ def _widened(
     return low, high
 
 
-@compiled
+@compiled_part
 def _span(low: float, high: float, half_rad: float, pixels: int) -> tuple[int, int]:
     """Pixels between two angles, the last not included."""
     if low > high:
@@ -191,7 +191,7 @@ def _span(low: float, high: float, half_rad: float, pixels: int) -> tuple[int, i
     return max(0, math.ceil(first - EDGE_PX)), min(pixels, math.floor(last + EDGE_PX) + 1)
 
 
-@compiled
+@compiled_part
 def _pixel(angle_rad: float, half_rad: float, pixels: int) -> float:
     """Where a direction meets the row of pixel centres."""
     return (1 - math.tan(angle_rad) / math.tan(half_rad)) * pixels / 2 - 0.5
@@ -299,7 +299,7 @@ def _looked(
     return rays[:count], geoms[:count], distances[:count], visible[:count], len(rays) + count, meshes
 
 
-@compiled
+@compiled_part
 def _first(rows: Array, x: float, y: float, z: float) -> tuple[int, float]:
     """The first shape along a direction, and how far it is."""
     first, nearest = -1, INF

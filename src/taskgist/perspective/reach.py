@@ -16,7 +16,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled, compiled_part
 from taskgist.perspective.candidates import Candidates, Table, carry
 from taskgist.perspective.effort import Held, Miss, OutOfReach, Quantity, Reached, Reason, stretch
 from taskgist.perspective.target import Target, vector
@@ -100,7 +100,7 @@ def first_in_reach(
     return stop
 
 
-@compiled
+@compiled_part
 def _nearest(pose: Array, sector: Array, points: Array) -> tuple[int, float, float]:
     """The nearest point that a shoulder reaches, −1 for none; how far it is; and how far the nearest of all is."""
     nearest, reach_m, least_m, gap_m = NOWHERE, np.inf, np.inf, np.inf
@@ -157,7 +157,7 @@ def distance_m(pose: Array, point: Array) -> float:
     return math.sqrt(x * x + y * y + z * z)
 
 
-@compiled
+@compiled_part
 def in_reach(pose: Array, sector: Array, point: Array) -> bool:
     """Whether a point lies within an arm's length of a shoulder and in its sector.
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled, compiled_part
 from taskgist.perspective.candidates import EYE, STILL_RAD, Candidates, Neck, Table, carry
 from taskgist.perspective.effort import Miss, Occlusion, Quantity, Reason, Visibility
 from taskgist.perspective.gaze import TURN_COLUMNS, aim, aimed, off_gaze, turned_heads
@@ -73,7 +73,8 @@ def first_glimpse(
     frames, eye = np.empty((EYE + 1 + table.joints, POSE)), np.empty(POSE)
     joints, inwards, now, ranges = neck
     turns = np.empty((len(now), TURN_COLUMNS))
-    hider = np.full(1, NO_GEOM, dtype=np.intp)
+    hider = np.empty(1, dtype=np.intp)
+    hider[0] = NO_GEOM
     for i in range(start, stop):
         for frame in range(len(frames)):
             carry(table, i, frame, frames[frame])
@@ -93,7 +94,6 @@ def first_glimpse(
     return stop
 
 
-@compiled
 def next_glimpse(shapes: Shapes, others: Indices, sought: Sought, lens: Lens, eyes: Array, start: int) -> int:
     """The first of some eyes, poses (n, 12), from ``start`` on, that glimpses the object; n if none does."""
     for i in range(start, len(eyes)):
@@ -113,7 +113,7 @@ def _glimpsed(shapes: Shapes, others: Indices, sought: Sought, lens: Lens, eye: 
     return _shows(from_eye(shapes, sought.shapes, eye, True), hiders, sought, lens, eye), NO_GEOM
 
 
-@compiled
+@compiled_part
 def _nearest_rad(eye: Array, sought: Sought) -> float:
     """Angle between the gaze and the nearest of an object's balls."""
     least, centers = math.pi, sought.centers
@@ -122,7 +122,7 @@ def _nearest_rad(eye: Array, sought: Sought) -> float:
     return least
 
 
-@compiled
+@compiled_part
 def _shows(wanted: Array, others: Array, sought: Sought, lens: Lens, eye: Array) -> bool:
     """Whether the ray of some pixel meets a wanted shape, and none of the others before."""
     hider, rays, frame = 0, lens.rays, eye[3:]

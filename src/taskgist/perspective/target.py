@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.common.arrays import Array
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled, compiled_part
 from taskgist.perspective.effort import Vector
 from taskgist.settings import Settings
 from taskgist.world.contacts import object_points
@@ -122,16 +122,21 @@ class Region:
 
     def add_balls(self, centers: Array, radii_m: Array) -> None:
         """Let it hold balls: centres in metres, (n, 3), and radii, (n,)."""
-        _add_balls(self.bounds, centers, radii_m)
+        self._hold(centers - radii_m[:, None], centers + radii_m[:, None])
 
     def add_points(self, points: Array, margin_m: float = 0.0) -> None:
         """Let it hold points, metres, (n, 3), and what is within a margin of them."""
-        _add_balls(self.bounds, points, np.full(len(points), margin_m))
+        self._hold(points - margin_m, points + margin_m)
 
     def add(self, other: Region) -> None:
         """Let it hold another region."""
         np.minimum(self.bounds[0], other.bounds[0], out=self.bounds[0])
         np.maximum(self.bounds[1], other.bounds[1], out=self.bounds[1])
+
+    def _hold(self, lowest: Array, highest: Array) -> None:
+        """Let it hold boxes given by their corners, (n, 3)."""
+        np.minimum(self.bounds[0], lowest.min(axis=0, initial=np.inf), out=self.bounds[0])
+        np.maximum(self.bounds[1], highest.max(axis=0, initial=-np.inf), out=self.bounds[1])
 
     def grow(self, by_m: ArrayLike) -> None:
         """Let it reach farther on all sides."""
@@ -174,14 +179,6 @@ class Recorder:
 
 
 @compiled
-def _add_balls(bounds: Array, centers: Array, radii_m: Array) -> None:
-    for i in range(len(centers)):
-        for axis in range(3):
-            bounds[0, axis] = min(bounds[0, axis], centers[i, axis] - radii_m[i])
-            bounds[1, axis] = max(bounds[1, axis], centers[i, axis] + radii_m[i])
-
-
-@compiled
 def touched(regions: Array, boxes: Array) -> NDArray[np.bool_]:
     """Whether each region, (n, 2, 3), touches any of some boxes, (k, 2, 3); (n,)."""
     found = np.zeros(len(regions), dtype=np.bool_)
@@ -207,12 +204,12 @@ def crossed(recorded: Array, boxes: Array) -> NDArray[np.bool_]:
     return found
 
 
-@compiled
+@compiled_part
 def _empty(box: Array) -> bool:
     return bool(box[0, 0] > box[1, 0])
 
 
-@compiled
+@compiled_part
 def _apart(one: Array, other: Array) -> bool:
     """Whether two boxes, (2, 3), do not touch."""
     apart = False
@@ -221,7 +218,7 @@ def _apart(one: Array, other: Array) -> bool:
     return apart
 
 
-@compiled
+@compiled_part
 def _between(start: Array, end: Array, box: Array) -> bool:
     """Whether a box touches the convex hull of two others, all (2, 3): a box on the way from one to the other.
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.common.arrays import Array, Indices
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled, compiled_part
 from taskgist.world.geometry.rays import BOX, CAPSULE, SPHERE, local
 from taskgist.world.geometry.transforms import conjugate, rotate
 
@@ -109,19 +109,14 @@ def boxes_of(
     return table
 
 
-@compiled
 def seen_from(table: Array, position: Array, matrix: Array) -> Array:
     """The same boxes in a frame that is at a position (3,), turned by a matrix (3, 3)."""
     seen = table.copy()
-    for row in range(len(table)):
-        for axis in range(3):
-            seen[row, axis] = 0.0
-            for k in range(3):
-                seen[row, axis] += matrix[k, axis] * (table[row, k] - position[k])
-                turned = 0.0
-                for j in range(3):
-                    turned += matrix[j, axis] * table[row, TURNED + 3 * j + k]
-                seen[row, TURNED + 3 * axis + k] = turned
+    x, y, z = (table[:, :3] - position).T[:, :, None]
+    seen[:, :3] = x * matrix[0] + y * matrix[1] + z * matrix[2]
+    x, y, z = table[:, TURNED:HALF].reshape(-1, 3, 1, 3).swapaxes(0, 1)
+    turned = x * matrix[0, :, None] + y * matrix[1, :, None] + z * matrix[2, :, None]
+    seen[:, TURNED:HALF] = turned.reshape(-1, 9)
     return seen
 
 
@@ -199,7 +194,7 @@ def surely_overlap(first: Array, i: int, second: Array, j: int, deeper_than_m: f
     return inner_m > deeper_than_m and ball_gap_m(second, j, inner_m, first, i) < -deeper_than_m
 
 
-@compiled
+@compiled_part
 def ball_gap_m(first: Array, i: int, radius_m: float, second: Array, j: int) -> float:
     """Gap in metres between a ball about a box's middle and another box; minus infinity if that middle is inside."""
     x, y, z = first[i, 0] - second[j, 0], first[i, 1] - second[j, 1], first[i, 2] - second[j, 2]
@@ -244,7 +239,7 @@ def boxes_gap_m(first: Array, i: int, second: Array, j: int, enough_m: float) ->
     return gap
 
 
-@compiled
+@compiled_part
 def _along(first: Array, i: int, second: Array, j: int, axis: int) -> float:
     """From the first box's middle to the second's, along one of the first one's axes."""
     gap = 0.0
@@ -253,7 +248,7 @@ def _along(first: Array, i: int, second: Array, j: int, axis: int) -> float:
     return gap
 
 
-@compiled
+@compiled_part
 def _turned(first: Array, i: int, second: Array, j: int, axis: int) -> tuple[float, float, float]:
     """One of the first box's axes along those of the second."""
     x, y, z = first[i, TURNED + axis], first[i, TURNED + 3 + axis], first[i, TURNED + 6 + axis]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled, compiled_part
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.geometry.transforms import Pose
 from taskgist.world.stage import Stage
@@ -135,7 +135,7 @@ def _moved(
     return rows
 
 
-@compiled
+@compiled_part
 def turn_pose(
     pose: Array, cx: float, cy: float, cz: float, ax: float, ay: float, az: float, sine: float, cosine: float
 ) -> None:
@@ -160,7 +160,7 @@ def rotated(
     )
 
 
-@compiled
+@compiled_part
 def carry_pose(pose: Array, base: Array, offset_m: Array, sine: float, cosine: float, out: Array) -> None:
     """Write a pose after a move of the base that it belongs to: turned about the vertical, then moved.
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.common.arrays import Array, Indices
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled, compiled_part
 from taskgist.world.bodies.agent import SEEN_MASK
 
 # --- Rays against shapes, by formula.
@@ -78,7 +78,7 @@ def cast_at(
     return first, nearest
 
 
-@compiled
+@compiled_part
 def local(matrix: Array, vector: Array) -> tuple[float, float, float]:
     """A vector (3,) of the world, in a frame whose axes are the columns of a matrix, (9,) row by row."""
     x, y, z = vector[0], vector[1], vector[2]
@@ -89,7 +89,7 @@ def local(matrix: Array, vector: Array) -> tuple[float, float, float]:
     )
 
 
-@compiled
+@compiled_part
 def surface(
     kind: int, sx: float, sy: float, sz: float, px: float, py: float, pz: float, dx: float, dy: float, dz: float
 ) -> float:
@@ -109,7 +109,7 @@ def surface(
     return INF
 
 
-@compiled
+@compiled_part
 def box(sx: float, sy: float, sz: float, px: float, py: float, pz: float, dx: float, dy: float, dz: float) -> float:
     """Distance to a box: the last entry between a pair of faces, unless an exit comes first."""
     enter, leave = -INF, INF
@@ -127,14 +127,14 @@ def box(sx: float, sy: float, sz: float, px: float, py: float, pz: float, dx: fl
     return enter if enter >= 0.0 else leave
 
 
-@compiled
+@compiled_part
 def ball(radius: float, px: float, py: float, pz: float, dx: float, dy: float, dz: float) -> float:
     """Distance to a sphere."""
     near, far = roots(dx * dx + dy * dy + dz * dz, dx * px + dy * py + dz * pz, px * px + py * py + pz * pz - radius**2)
     return near if near >= 0.0 else far if far >= 0.0 else INF
 
 
-@compiled
+@compiled_part
 def ellipsoid(
     sx: float, sy: float, sz: float, px: float, py: float, pz: float, dx: float, dy: float, dz: float
 ) -> float:
@@ -142,7 +142,7 @@ def ellipsoid(
     return ball(1.0, px / sx, py / sy, pz / sz, dx / sx, dy / sy, dz / sz)
 
 
-@compiled
+@compiled_part
 def cylinder(radius: float, half: float, px: float, py: float, pz: float, dx: float, dy: float, dz: float) -> float:
     """Distance to a cylinder along z: wall and two discs."""
     best = INF
@@ -158,7 +158,7 @@ def cylinder(radius: float, half: float, px: float, py: float, pz: float, dx: fl
     return best
 
 
-@compiled
+@compiled_part
 def capsule(radius: float, half: float, px: float, py: float, pz: float, dx: float, dy: float, dz: float) -> float:
     """Distance to a capsule along z: wall, and the outer halves of two spheres."""
     best = INF
@@ -173,7 +173,7 @@ def capsule(radius: float, half: float, px: float, py: float, pz: float, dx: flo
     return best
 
 
-@compiled
+@compiled_part
 def plane(sx: float, sy: float, px: float, py: float, pz: float, dx: float, dy: float, dz: float) -> float:
     """Distance to the front of a plane, within its half sizes where these are not zero."""
     if dz > -LEVEL:
@@ -183,7 +183,7 @@ def plane(sx: float, sy: float, px: float, py: float, pz: float, dx: float, dy: 
     return INF if t < 0.0 or beside else t
 
 
-@compiled
+@compiled_part
 def roots(a: float, b: float, c: float) -> tuple[float, float]:
     """Both solutions of a t² + 2 b t + c = 0, infinite where there is none."""
     square = b * b - a * c
@@ -193,7 +193,7 @@ def roots(a: float, b: float, c: float) -> tuple[float, float]:
     return (-b - root) / a, (-b + root) / a
 
 
-@compiled
+@compiled_part
 def normal_at(kind: int, sx: float, sy: float, sz: float, x: float, y: float, z: float) -> tuple[float, float, float]:
     """Outward unit normal of a shape at a point of its surface."""
     if kind == BOX:
@@ -289,7 +289,7 @@ def stand_between(
     return found[:count]
 
 
-@compiled
+@compiled_part
 def into_shape(matrices: Array, shape: int, x: float, y: float, z: float) -> tuple[float, float, float]:
     """A vector of the world in the frame of a shape, turned as its matrix, (9,) row by row, says."""
     return (
@@ -299,7 +299,7 @@ def into_shape(matrices: Array, shape: int, x: float, y: float, z: float) -> tup
     )
 
 
-@compiled
+@compiled_part
 def one_ball(centers: Array, radii_m: Array) -> tuple[float, float, float, float]:
     """Centre and radius of a ball that holds some balls."""
     cx, cy, cz, radius_m = 0.0, 0.0, 0.0, 0.0
@@ -443,8 +443,10 @@ class Rays:
 def cast_each(of: Shapes, shapes: Indices, origins: Array, directions: Array) -> tuple[Indices, Array, Array]:
     """The first of some shapes that each ray meets, how far it is, and its outward normal there."""
     count = len(origins)
-    first, nearest, normals = np.full(count, NO_GEOM), np.full(count, INF), np.zeros((count, 3))
+    first, nearest, normals = np.empty(count, dtype=np.intp), np.empty(count), np.empty((count, 3))
     for ray in range(count):
+        first[ray], nearest[ray] = NO_GEOM, INF
+        normals[ray, 0], normals[ray, 1], normals[ray, 2] = 0.0, 0.0, 0.0
         for shape in shapes:
             m, size, kind = of.matrices[shape], of.sizes[shape], of.kinds[shape]
             x, y, z = local(m, origins[ray] - of.positions[shape])
