@@ -122,21 +122,16 @@ class Region:
 
     def add_balls(self, centers: Array, radii_m: Array) -> None:
         """Let it hold balls: centres in metres, (n, 3), and radii, (n,)."""
-        self._hold(centers - radii_m[:, None], centers + radii_m[:, None])
+        _add_balls(self.bounds, np.ascontiguousarray(centers), radii_m)
 
     def add_points(self, points: Array, margin_m: float = 0.0) -> None:
         """Let it hold points, metres, (n, 3), and what is within a margin of them."""
-        self._hold(points - margin_m, points + margin_m)
+        self.add_balls(points, np.full(len(points), margin_m))
 
     def add(self, other: Region) -> None:
         """Let it hold another region."""
         np.minimum(self.bounds[0], other.bounds[0], out=self.bounds[0])
         np.maximum(self.bounds[1], other.bounds[1], out=self.bounds[1])
-
-    def _hold(self, lowest: Array, highest: Array) -> None:
-        """Let it hold boxes given by their corners, (n, 3)."""
-        np.minimum(self.bounds[0], lowest.min(axis=0, initial=np.inf), out=self.bounds[0])
-        np.maximum(self.bounds[1], highest.max(axis=0, initial=-np.inf), out=self.bounds[1])
 
     def grow(self, by_m: ArrayLike) -> None:
         """Let it reach farther on all sides."""
@@ -176,6 +171,14 @@ class Recorder:
         """Lowest and highest corners of object, eyes and bodies, metres, (2 + BODIES, 2, 3); empty ones at last."""
         regions = [self.target, self.eyes, *self._bodies]
         return np.stack([region.bounds for region in regions] + [NOWHERE] * (2 + BODIES - len(regions)))
+
+
+@compiled
+def _add_balls(bounds: Array, centers: Array, radii_m: Array) -> None:
+    for i in range(len(centers)):
+        for axis in range(3):
+            bounds[0, axis] = min(bounds[0, axis], centers[i, axis] - radii_m[i])
+            bounds[1, axis] = max(bounds[1, axis], centers[i, axis] + radii_m[i])
 
 
 @compiled
