@@ -9,9 +9,8 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Mask
 from taskgist.errors import SceneError
 from taskgist.importing.mapping_people import SIDES
 from taskgist.importing.tracks import PersonTrack
@@ -80,7 +79,7 @@ def estimate_size(points: Points, stature_m: float | None) -> HumanSize:
     return HumanSize.from_stature(stature, **measured)
 
 
-def stands(points: Points) -> NDArray[np.bool_]:
+def stands(points: Points) -> Mask:
     """Whether the person stands in each frame, by the height of the hips, (N,); False where unknown."""
     hips, shoulders, head = _hips(points), _shoulders(points), _head(points)
     trunk = _between(hips, shoulders, STRETCHED_PERCENTILE)
@@ -108,7 +107,7 @@ def _stature(points: Points, measured: Mapping[str, float]) -> float:
     return float(np.median(ratios))
 
 
-def _upright(hips: Array, head: Array) -> NDArray[np.bool_]:
+def _upright(hips: Array, head: Array) -> Mask:
     rise = head - hips
     return np.asarray(rise[:, 2] > np.cos(UPRIGHT_RAD) * np.linalg.norm(rise, axis=1))
 
@@ -194,7 +193,7 @@ class BodyTrack:
 
     base: Array
     joints_rad: Array
-    tracked: Mapping[str, NDArray[np.bool_]]
+    tracked: Mapping[str, Mask]
     report: Mapping[str, Any]
     notes: tuple[str, ...]
 
@@ -244,7 +243,7 @@ def fit_person(name: str, size: HumanSize, person: PersonTrack, progress: Callab
     return BodyTrack(base, joints, tracked, _report(errors_m, errors_rad), notes)
 
 
-def _lost_sides(tracked: Mapping[str, NDArray[np.bool_]], frame: int) -> list[str]:
+def _lost_sides(tracked: Mapping[str, Mask], frame: int) -> list[str]:
     return [side for side in SIDES if not tracked[f"{side}_arm"][frame]]
 
 
@@ -265,14 +264,14 @@ def entry_of(name: str, size: HumanSize) -> AgentEntry:
     return AgentEntry(name, body={key: round(value, 4) for key, value in vars(size).items()})
 
 
-def tracked_parts(person: PersonTrack) -> dict[str, NDArray[np.bool_]]:
+def tracked_parts(person: PersonTrack) -> dict[str, Mask]:
     """Frames in which each part of the body was tracked, (N,) by part.
 
     A head needs a place and a direction, a trunk some place, an arm its wrist or hand, legs a knee and an ankle.
     """
     count = len(next(iter([*person.points.values(), *person.directions.values()])))
 
-    def known(names: tuple[str, ...], tracks: Mapping[str, Array] = person.points) -> NDArray[np.bool_]:
+    def known(names: tuple[str, ...], tracks: Mapping[str, Array] = person.points) -> Mask:
         found = [np.isfinite(tracks[key]).all(axis=1) for key in names if key in tracks]
         return np.asarray(np.any(found, axis=0)) if found else np.zeros(count, dtype=bool)
 

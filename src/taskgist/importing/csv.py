@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Indices
 from taskgist.errors import MappingError, UnknownNameError
 from taskgist.importing.mapping import Name, TableFormat
 
@@ -85,7 +84,7 @@ class CsvTable:
         self._columns: dict[int, tuple[Array, dict[int, str]]] = {}
         self._groups: dict[tuple[int, ...], dict[tuple[str, ...], list[int]]] = {}
 
-    def rows_where(self, conditions: Sequence[tuple[Name, str]]) -> NDArray[np.intp]:
+    def rows_where(self, conditions: Sequence[tuple[Name, str]]) -> Indices:
         """Indices of the rows that have these texts (or equal numbers) in these columns."""
         if not conditions:
             return np.arange(len(self._rows))
@@ -98,7 +97,7 @@ class CsvTable:
             raise MappingError("no row has these values", where=self.where, field="where", value=wanted, hint=hint)
         return np.array(found)
 
-    def numbers(self, columns: Sequence[Name], rows: NDArray[np.intp]) -> Array:
+    def numbers(self, columns: Sequence[Name], rows: Indices) -> Array:
         """Numbers in some columns of some rows, (rows, columns); NaN where cells are empty.
 
         Raises:
@@ -220,7 +219,7 @@ class CsvPart:
     """
 
     table: CsvTable
-    rows: NDArray[np.intp]
+    rows: Indices
 
     @property
     def where(self) -> str:

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.errors import MappingError, UnknownNameError
 from taskgist.importing.mapping import Clock, Columns, Name, Rotation, Source
 from taskgist.world.geometry.transforms import matrix_from_euler, wxyz_from_matrix, wxyz_from_rotation_vector
@@ -19,7 +18,7 @@ from taskgist.world.geometry.transforms import matrix_from_euler, wxyz_from_matr
 _TOLERANCE = 0.05  # quaternions with two decimals must pass, wrong columns must not
 
 
-def wxyz_from_numbers(numbers: Array, rotation: Rotation) -> tuple[Array, NDArray[np.bool_]]:
+def wxyz_from_numbers(numbers: Array, rotation: Rotation) -> tuple[Array, Mask]:
     """Unit quaternions in the source's axes, and which rows hold no rotation.
 
     Args:
@@ -45,14 +44,14 @@ def wxyz_from_numbers(numbers: Array, rotation: Rotation) -> tuple[Array, NDArra
     return wxyz, bad
 
 
-def _from_quaternions(numbers: Array, kind: str) -> tuple[Array, NDArray[np.bool_]]:
+def _from_quaternions(numbers: Array, kind: str) -> tuple[Array, Mask]:
     wxyz = np.roll(numbers, 1, axis=1) if kind == "xyzw" else numbers
     length = np.linalg.norm(wxyz, axis=1, keepdims=True)
     bad = np.abs(length[:, 0] - 1.0) > _TOLERANCE
     return wxyz / np.where(bad[:, None], np.nan, length), bad
 
 
-def _from_matrices(matrices: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _from_matrices(matrices: Array) -> tuple[Array, Mask]:
     departure = np.abs(matrices @ np.swapaxes(matrices, -1, -2) - np.eye(3)).max(axis=(-1, -2), initial=0.0)
     bad = (departure > _TOLERANCE) | (np.linalg.det(matrices) < 0.0)
     wxyz = np.full((len(matrices), 4), np.nan)
@@ -70,7 +69,7 @@ class Part(Protocol):
     def where(self) -> str:
         """Mapping, source and file, for messages."""
 
-    def numbers(self, columns: Sequence[Name]) -> NDArray[np.float64]:
+    def numbers(self, columns: Sequence[Name]) -> Array:
         """Numbers in these columns, (rows, columns); NaN where there are none."""
 
     def place(self, row: int) -> str:
@@ -238,7 +237,7 @@ def _lines(times_s: Array, values: Array, half_s: float, max_gap_s: float, *, ei
     return result
 
 
-def _neighbours(times_s: Array, half_s: float, max_gap_s: float) -> tuple[NDArray[np.intp], Array, Array]:
+def _neighbours(times_s: Array, half_s: float, max_gap_s: float) -> tuple[Indices, Array, Array]:
     """Indices of each sample's neighbours, their weights (tricube) and how much later they are, (n, m) each."""
     reach = int(np.max(np.searchsorted(times_s, times_s + half_s) - np.arange(len(times_s))))
     offsets = np.arange(-reach, reach + 1)

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Mask
 from taskgist.errors import MappingError, UnknownNameError
 from taskgist.importing.csv import CsvPart, CsvTable
 from taskgist.importing.mapping import Columns, Frame, ImportMapping, Name, PointRef, Rotation, SignalColumn, Source
@@ -226,7 +226,7 @@ class Tables:
         return self._opened[key]
 
 
-def _lost(part: Part, tokens: Tokens, position: Array) -> NDArray[np.bool_]:
+def _lost(part: Part, tokens: Tokens, position: Array) -> Mask:
     """Rows in which the tracker did not know the point."""
     source = tokens.source
     _check_finite(part, position, "position")
@@ -240,7 +240,7 @@ def _lost(part: Part, tokens: Tokens, position: Array) -> NDArray[np.bool_]:
     return np.asarray(lost)
 
 
-def _orientations(part: Part, tokens: Tokens, rotation: Rotation, lost: NDArray[np.bool_]) -> Array:
+def _orientations(part: Part, tokens: Tokens, rotation: Rotation, lost: Mask) -> Array:
     numbers = part.numbers(tokens.columns(rotation.columns))
     _check_finite(part, numbers, "rotation")
     numbers[lost | _is_sentinel(numbers, tokens.source)] = np.nan
@@ -257,7 +257,7 @@ def _orientations(part: Part, tokens: Tokens, rotation: Rotation, lost: NDArray[
     return wxyz
 
 
-def _is_sentinel(numbers: Array, source: Source) -> NDArray[np.bool_]:
+def _is_sentinel(numbers: Array, source: Source) -> Mask:
     sentinel = np.zeros(len(numbers), dtype=np.bool_)
     for value in source.missing or ():
         sentinel |= (numbers == value).all(axis=1)

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.errors import InputError, MappingError
 from taskgist.importing.checks import check_clocks, check_duplicates, check_not_mirrored, check_objects, check_person
 from taskgist.importing.mapping import (
@@ -70,7 +69,7 @@ class ObjectTrack:
 
     position_m: Array
     wxyz: Array
-    known: NDArray[np.bool_]
+    known: Mask
     shapes: tuple[Shape, ...]
     estimated: bool
     note: str
@@ -145,10 +144,10 @@ def resample(track: Track, times_s: Array, *, max_gap_s: float) -> Frames:
 class _Spans:
     """Between which two samples each frame lies, (N,): their indices, the share of the way, whether it is known."""
 
-    before: NDArray[np.intp]
-    after: NDArray[np.intp]
+    before: Indices
+    after: Indices
     share: Array
-    known: NDArray[np.bool_]
+    known: Mask
 
     def mixed(self, samples: Array, mix: Mix) -> Array:
         result = np.full((len(self.known), samples.shape[1]), np.nan)
@@ -204,7 +203,7 @@ def completed(points: Mapping[str, Array], rigid: Collection[str]) -> dict[str, 
     if len(names) <= LEAST_POINTS:
         return dict(points)
     group = np.stack([points[name] for name in names], axis=1)
-    known: NDArray[np.bool_] = np.isfinite(group.sum(axis=2))
+    known: Mask = np.isfinite(group.sum(axis=2))
     whole = known.sum(axis=1) == len(names)
     if whole.sum() < LEAST_FRAMES:
         return dict(points)

@@ -5,7 +5,7 @@ centre: from all candidates of an effort level (``Viewpoint.candidates``), with 
 where joint limits and collisions allow it. Where a point differs from an object, and where steps are taken:
 
 - *See*: the point lies in the gaze cone and in the field of view, and the straight line from the eye to it meets
-  nothing; pixels do not matter. A stance counts if it is free of collisions with the head as it is now.
+  nothing; pixels do not matter. A candidate counts if it is free of collisions with the head as it is now.
 - *Reach*: the point lies in the sector of an arm. Nothing is held at a place, so level 1 is the least.
 - At level 4 the chest turns to each point by itself, as it does in the search; what is in the way then is tested with
   the chest in steps of ``efforts.turn_step_rad``.
@@ -61,7 +61,7 @@ class AbilityMap:
     ability: Ability
     grid: Grid
     levels: Levels
-    solid: NDArray[np.bool_]
+    solid: Mask
     settings_digest: str
 
     def __post_init__(self) -> None:

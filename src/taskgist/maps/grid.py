@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from taskgist.common.arrays import Array, Indices
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.errors import InputError
 from taskgist.settings import DEFAULT, Maps
 from taskgist.world.geometry.shapes import distances_outside_m
@@ -90,7 +90,7 @@ class Grid:
         """Centre of a cell in the world, metres, (3,)."""
         return np.asarray(self.cell_m * (np.array(cell) + 0.5) @ self.axes.T + self.origin_m)
 
-    def cells_at(self, points: ArrayLike) -> NDArray[np.intp]:
+    def cells_at(self, points: ArrayLike) -> Indices:
         """Cells in which points lie, (n, 3); such indices may lie outside of the grid.
 
         Args:
@@ -99,7 +99,7 @@ class Grid:
         local = (np.asarray(points, dtype=float) - self.origin_m) @ self.axes
         return np.asarray(np.floor(local / self.cell_m), dtype=np.intp)
 
-    def holds(self, cells: NDArray[np.intp]) -> NDArray[np.bool_]:
+    def holds(self, cells: Indices) -> Mask:
         """Whether cells (n, 3) lie in the grid, (n,)."""
         return np.asarray(((cells >= 0) & (cells < self.shape)).all(axis=1))
 
@@ -172,7 +172,7 @@ class Cells:
 # --- Which cells lie in something solid.
 
 
-def solid_cells(stage: Stage, grid: Grid, *, but: str | None = None) -> NDArray[np.bool_]:
+def solid_cells(stage: Stage, grid: Grid, *, but: str | None = None) -> Mask:
     """Cells whose centres lie in something solid, the grid's shape; meshes count as their collision shapes.
 
     Args:
@@ -194,9 +194,7 @@ def solid_cells(stage: Stage, grid: Grid, *, but: str | None = None) -> NDArray[
     return found.reshape(grid.shape)
 
 
-def _around(
-    grid: Grid, middle: NDArray[np.float64], matrix: NDArray[np.float64], half_m: NDArray[np.float64]
-) -> NDArray[np.intp]:
+def _around(grid: Grid, middle: Array, matrix: Array, half_m: Array) -> Indices:
     """Indices of the cells of the box along the grid's axes around a box that is turned, (n,)."""
     at = (middle - grid.origin_m) @ grid.axes / grid.cell_m
     reach = np.abs(grid.axes.T @ matrix) @ half_m / grid.cell_m
@@ -222,7 +220,7 @@ class Zone:
     """
 
     grid: Grid
-    cells: NDArray[np.bool_]
+    cells: Mask
 
     def __post_init__(self) -> None:
         cells = np.array(self.cells, dtype=bool)
@@ -261,7 +259,7 @@ class Zone:
         """Their centres in the world, metres, (n, 3)."""
         return np.asarray(self.grid.centers()[self.cells.ravel()])
 
-    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+    def contains(self, points: ArrayLike) -> Mask:
         """Whether points of the world, metres, (n, 3), lie in the zone, (n,); outside of the grid none does."""
         cells = self.grid.cells_at(points)
         inside = self.grid.holds(cells)

@@ -161,8 +161,8 @@ class Neck(NamedTuple):
         ranges: The angles that they may take, radians, (h, 2): the present one is always allowed.
     """
 
-    frames: NDArray[np.intp]
-    inwards: NDArray[np.intp]
+    frames: Indices
+    inwards: Indices
     now: Array
     ranges: Array
 

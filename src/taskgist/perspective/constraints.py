@@ -20,7 +20,6 @@ from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.perspective.effort import Blocking
@@ -116,7 +115,7 @@ class Collisions:
         return free
 
 
-def _obstacles(stage: Stage, agent: Agent, held: Collection[str]) -> NDArray[np.intp]:
+def _obstacles(stage: Stage, agent: Agent, held: Collection[str]) -> Indices:
     """Solid shapes that are neither the agent's own nor of anything that it holds."""
     counted = np.zeros(stage.scene.model.ngeom, dtype=np.bool_)
     counted[stage.solid_geoms()] = True

@@ -28,7 +28,7 @@ def aimed(frames: Array, neck: Neck, target: Array) -> Array:
     """Head angles with which the eye looks at a target, as nearly as the joints' ranges allow, radians, (h,).
 
     Args:
-        frames: Where a stance brings the agent's frames, (f, 12).
+        frames: Where a candidate brings the agent's frames, (f, 12).
         neck: The joints that may be used.
         target: Point in the world, metres, (3,).
     """
@@ -97,7 +97,7 @@ def turn_head(frames: Array, joints: Indices, inwards: Indices, now: Array, turn
 
 @compiled
 def turned_heads(frames: Array, neck: Neck, angles: Array) -> Array:
-    """Poses of the eye for angles of the head, (k, h), from a stance that brings the frames somewhere, (f, 12)."""
+    """Poses of the eye for angles of the head, (k, h), from a candidate that brings the frames somewhere, (f, 12)."""
     joints, inwards, now = neck.frames, neck.inwards, neck.now
     eyes, turns = np.empty((len(angles), POSE)), np.empty((len(now), TURN_COLUMNS))
     for i in range(len(angles)):

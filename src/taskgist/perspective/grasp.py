@@ -84,7 +84,7 @@ _KNOWN: WeakKeyDictionary[Grasps, dict[Hand, Hands]] = WeakKeyDictionary()
 # Boxes around all that stands near the object are held against those of the hand, in the object's frame, for many
 # grasps at once. Most grasps surely meet nothing then, or surely something; MuJoCo measures the others.
 
-UNTRIED, DOUBTFUL, CLEAR = -1, -2, -3
+UNTRIED, DOUBTFUL, FREE = -1, -2, -3
 """What a grasp meets, where that is not the index of something."""
 SURE_M = 1e-3
 """What surely overlaps deeper than this need not be measured: no two ways of measuring disagree on it (ours)."""
@@ -138,9 +138,9 @@ class GraspTrials:
         if self.met[index] == DOUBTFUL:
             overlaps = self._stage.overlaps(ghosts, self.others, deeper_than_m=TOUCH_M)
             met = next((other for _, other, _ in overlaps), None)
-            self.met[index] = CLEAR if met is None else np.flatnonzero(self.others == met)[0]
+            self.met[index] = FREE if met is None else np.flatnonzero(self.others == met)[0]
         own = self._agent.core_geoms
-        return bool(self.met[index] == CLEAR) and not any(self._stage.overlaps(ghosts, own, deeper_than_m=TOUCH_M))
+        return bool(self.met[index] == FREE) and not any(self._stage.overlaps(ghosts, own, deeper_than_m=TOUCH_M))
 
 
 @compiled
@@ -164,7 +164,7 @@ def _next(
             continue
         own_met = _met(hand, own)
         if own_met < 0:
-            return at, met[index] == CLEAR and own_met == CLEAR
+            return at, met[index] == FREE and own_met == FREE
     return len(order), False
 
 
@@ -173,7 +173,7 @@ def _met(hand: Array, things: Array) -> int:
     """The first box, by row, that a hand surely meets; that it is clear of all, or that there is doubt before."""
     pair = next_near(hand, things, 0.0, 0)
     if pair < 0:
-        return CLEAR
+        return FREE
     box, row = pair // len(things), pair % len(things)
     return row if surely_overlap(hand, box, things, row, SURE_M) else DOUBTFUL
 

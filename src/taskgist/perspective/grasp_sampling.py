@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.settings import Grasp
@@ -55,10 +54,10 @@ class Grasps:
     approaches: Array
     widths_m: Array
     gaps_m: Array
-    in_itself: NDArray[np.bool_]
+    in_itself: Mask
     shapes: Indices
     solids: Indices
-    touching: NDArray[np.bool_]
+    touching: Mask
     narrowest_m: float | None
 
     def __len__(self) -> int:
@@ -74,7 +73,7 @@ class Grasps:
             approaches=self.approaches @ turn,
         )
 
-    def only(self, rows: NDArray[np.intp] | NDArray[np.bool_]) -> Grasps:
+    def only(self, rows: Indices | Mask) -> Grasps:
         """Some of them."""
         return replace(self, **{field: getattr(self, field)[rows] for field in PER_GRASP})
 
@@ -131,7 +130,7 @@ class Pairs:
     widths_m: Array
     shapes: Indices
 
-    def take(self, rows: NDArray[np.intp] | NDArray[np.bool_]) -> Pairs:
+    def take(self, rows: Indices | Mask) -> Pairs:
         """Some of them."""
         return Pairs(self.centers[rows], self.closings[rows], self.widths_m[rows], self.shapes[rows])
 
@@ -377,7 +376,7 @@ def met_by_all_fingers(bench: Stage, name: str, grasps: Grasps, hand: Hand) -> M
     )
 
 
-def _meets(bench: Stage, shapes: NDArray[np.intp], start: Array, direction: Array, within_m: float) -> bool:
+def _meets(bench: Stage, shapes: Indices, start: Array, direction: Array, within_m: float) -> bool:
     distance_m = float(bench.cast(start, direction[None], only=shapes)[1][0])
     return 0 <= distance_m <= within_m
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array, Indices
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled, compiled_part
 from taskgist.perspective.effort import Visibility
 from taskgist.perspective.gaze import off_gaze
@@ -217,9 +217,9 @@ class Sight:
 
     eye: Array
     rays_in_eye: Array
-    geoms: NDArray[np.intp]
+    geoms: Indices
     distances_m: Array
-    visible: NDArray[np.bool_]
+    visible: Mask
 
 
 def look(stage: Stage, agent: Agent, target: Target, *, cone_rad: float = math.pi) -> Sight:
@@ -272,7 +272,7 @@ def _rays_towards(sought: Sought, lens: Lens, eye: Array, least: float) -> Array
 @compiled
 def _looked(
     shapes: Shapes, candidates: Indices, but_body: int, sought: Sought, lens: Lens, eye: Array, least: float
-) -> tuple[Array, Indices, Array, NDArray[np.bool_], int, bool]:
+) -> tuple[Array, Indices, Array, Mask, int, bool]:
     """What a ``Sight`` holds, the number of rays that it took, and whether meshes leave it undecided."""
     around = stand_between(shapes, candidates, but_body, eye[:3], sought.centers, sought.radii_m)
     own, others = from_eye(shapes, sought.shapes, eye, False), from_eye(shapes, around, eye, False)

@@ -65,21 +65,21 @@ def first_in_reach(
     missed: Indices,
     gap_m: Array,
 ) -> int:
-    """The first of some stances from which an arm reaches one of some points; ``stop`` if there is none.
+    """The first of some candidates from which an arm reaches one of some points; ``stop`` if there is none.
 
     Args:
-        table: The stances.
+        table: The candidates.
         shoulders: Which frame each arm's shoulder is, (a,).
         sectors: Of these arms, (a, 6).
         points: Metres, (k, 3).
         middle: Centre of a ball that holds the points, (3,).
         radius_m: Its radius.
-        start: From which stance on,
+        start: From which candidate on,
         stop: and before which.
-        nearest: Written, for the stance found: the nearest point that each arm reaches, −1 for none, (a,); of equally
-            near ones the first.
+        nearest: Written, for the candidate found: the nearest point that each arm reaches, −1 for none, (a,); of
+            equally near ones the first.
         reach_m: Written: how far it is, (a,).
-        missed: Kept up to date: of the stances passed over, the one from which each arm misses the points least, (a,).
+        missed: Kept up to date: of the candidates passed over, the one from which each arm misses least, (a,).
         gap_m: Kept up to date: how far its shoulder is from the nearest point then, (a,).
     """
     pose, gaps = np.empty(POSE), np.empty(len(shoulders))
@@ -118,7 +118,7 @@ def _nearest(pose: Array, sector: Array, points: Array) -> tuple[int, float, flo
 def beyond(
     table: Table, shoulders: Indices, sectors: Array, points: Array, middle: Array, radius_m: float, margin_m: float
 ) -> bool:
-    """Whether all points are farther than a margin beyond every arm, from every stance; for what is given see above."""
+    """Whether all points are farther than a margin beyond every arm, from every candidate; arguments as above."""
     pose = np.empty(POSE)
     for i in range(len(table.spot)):
         for arm in range(len(shoulders)):

@@ -13,7 +13,6 @@ from collections.abc import Iterator
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.common.compiled import compiled, compiled_part
@@ -34,8 +33,8 @@ from taskgist.world.state import State
 # The agent's own body is looked past, meshes hide nothing, and a mesh that is looked at fills the box around it. So
 # whoever does not even glimpse an object surely does not see it; whether the others do is for ``visibility`` to tell.
 
-HIDDEN, BESIDE = 0, 1
-"""Why an object is not glimpsed from a stance: something hides it, or the head cannot turn to it."""
+OCCLUDED, BEYOND = 0, 1
+"""Why an object is not glimpsed from a candidate: something hides it, or the head cannot turn to it."""
 MARGIN_RAD = 1e-6
 """How much farther than its cone the gaze counts as hopeful."""
 
@@ -54,19 +53,19 @@ def first_glimpse(
     off_rad: Array,
     eyes: Array,
 ) -> int:
-    """The first of some stances from which the aimed head may see an object in its gaze cone; ``stop`` if none.
+    """The first of some candidates from which the aimed head may see an object in its gaze cone; ``stop`` if none.
 
     Args:
-        table: The stances.
+        table: The candidates.
         neck: The head's joints that may be used.
         shapes: All shapes; where the agent's are does not matter.
         others: Indices of those that may hide something: neither the agent's nor the object's.
         sought: The object.
         lens: Of the agent's eye.
-        start: From which stance on,
+        start: From which candidate on,
         stop: and before which.
-        missed: Kept up to date: of the stances passed over, the one from which the gaze comes nearest to the object's
-            middle, among those whose head turns to the object (``HIDDEN``) and among the others (``BESIDE``), (2,).
+        missed: Kept up to date: of the candidates passed over, the one from which the gaze comes nearest to the
+            object's middle, among those whose head turns to it (``OCCLUDED``) and among the others (``BEYOND``), (2,).
         off_rad: Kept up to date: the angle between the two then, (2,).
         eyes: Lowest and highest corner of a box that is made to hold all eyes that look at the object, (2, 3).
     """
@@ -79,8 +78,8 @@ def first_glimpse(
         for frame in range(len(frames)):
             carry(table, i, frame, frames[frame])
         aim(frames, joints, inwards, now, ranges, sought.middle, turns, eye)
-        kind = BESIDE if _nearest_rad(eye, sought) > lens.cone_rad + MARGIN_RAD else HIDDEN
-        if kind == HIDDEN:
+        kind = BEYOND if _nearest_rad(eye, sought) > lens.cone_rad + MARGIN_RAD else OCCLUDED
+        if kind == OCCLUDED:
             for axis in range(3):
                 eyes[0, axis], eyes[1, axis] = min(eyes[0, axis], eye[axis]), max(eyes[1, axis], eye[axis])
             # what hides it from one eye mostly hides it from the next as well
@@ -211,11 +210,11 @@ class SeeScreening:
 
     def miss(self) -> Miss | None:
         """Why the other candidates do not see it."""
-        hidden = int(self._missed[HIDDEN])
+        hidden = int(self._missed[OCCLUDED])
         if hidden != NOT_ONE:
             state = self._candidates[hidden].state.replace(self._head.changes(self._aimed(hidden)))
             return self._see.miss(self._see.gaze(state))
-        return beyond_neck(float(self._off_rad[BESIDE])) if self._missed[BESIDE] != NOT_ONE else None
+        return beyond_neck(float(self._off_rad[BEYOND])) if self._missed[BEYOND] != NOT_ONE else None
 
     def _turned(self, changes: dict[int, float]) -> dict[str, float]:
         """How far each action turns the head, radians."""
@@ -271,7 +270,7 @@ class See:
         return SeeScreening(self, self._here, candidates)
 
     @cached_property
-    def others(self) -> NDArray[np.intp]:
+    def others(self) -> Indices:
         """Shapes that may hide the object from candidates, wherever the agent's own are then, (n,)."""
         others = self.target.others
         return others[~self._here.is_own[others]]

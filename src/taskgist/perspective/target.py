@@ -10,9 +10,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled, compiled_part
 from taskgist.perspective.effort import Vector
 from taskgist.settings import Settings
@@ -40,7 +40,7 @@ class Sought(NamedTuple):
         middle: Mean of the centres, (3,).
     """
 
-    shapes: NDArray[np.intp]
+    shapes: Indices
     centers: Array
     radii_m: Array
     corners: Array
@@ -95,7 +95,7 @@ class Target:
         return Sought(self.shapes, self.centers, self.radii_m, self.corners, self.middle)
 
     @cached_property
-    def others(self) -> NDArray[np.intp]:
+    def others(self) -> Indices:
         """All other seen shapes of the scene, (m,)."""
         counted = self._stage.seen.copy()
         counted[self.shapes] = False
@@ -182,7 +182,7 @@ def _add_balls(bounds: Array, centers: Array, radii_m: Array) -> None:
 
 
 @compiled
-def touched(regions: Array, boxes: Array) -> NDArray[np.bool_]:
+def touched(regions: Array, boxes: Array) -> Mask:
     """Whether each region, (n, 2, 3), touches any of some boxes, (k, 2, 3); (n,)."""
     found = np.zeros(len(regions), dtype=np.bool_)
     for i in range(len(regions)):
@@ -192,7 +192,7 @@ def touched(regions: Array, boxes: Array) -> NDArray[np.bool_]:
 
 
 @compiled
-def crossed(recorded: Array, boxes: Array) -> NDArray[np.bool_]:
+def crossed(recorded: Array, boxes: Array) -> Mask:
     """Whether the regions of each answer, (n, 2 + BODIES, 2, 3), touches any of some boxes, (k, 2, 3); (n,)."""
     found = np.zeros(len(recorded), dtype=np.bool_)
     for i in range(len(recorded)):

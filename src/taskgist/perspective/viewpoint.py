@@ -27,9 +27,8 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Mask
 from taskgist.perspective.candidates import (
     Candidate,
     Candidates,
@@ -115,7 +114,7 @@ class Viewpoint:
         return CandidateSource(self)
 
     @cached_property
-    def is_own(self) -> NDArray[np.bool_]:
+    def is_own(self) -> Mask:
         """Whether each shape of the scene is the agent's, (ngeom,)."""
         own = np.zeros(self.stage.scene.model.ngeom, dtype=np.bool_)
         own[self.agent.geoms] = True

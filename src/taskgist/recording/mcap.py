@@ -26,9 +26,8 @@ from mcap.exceptions import McapError
 from mcap.records import Attachment, Channel, McapRecord, Message, Metadata
 from mcap.stream_reader import StreamReader
 from mcap.writer import Writer
-from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.files import replacing
 from taskgist.errors import InputError, RecordingError
 from taskgist.recording.foxglove import FRAME_TRANSFORMS, SCENE_UPDATE, Viewer
@@ -223,7 +222,7 @@ def encode(recording: Recording) -> list[Document]:
     return [_message(recording.scene, state.qpos, others, state.untracked) for state in states]
 
 
-def decode(scene: Scene, messages: Sequence[Document]) -> tuple[Array, dict[str, NDArray[np.bool_]]]:
+def decode(scene: Scene, messages: Sequence[Document]) -> tuple[Array, dict[str, Mask]]:
     """Positions (N, nq), and by name the frames in which something was tracked, (N,).
 
     Raises:
@@ -247,7 +246,7 @@ def decode(scene: Scene, messages: Sequence[Document]) -> tuple[Array, dict[str,
     return qpos, tracked
 
 
-def _message(scene: Scene, row: Array, others: NDArray[np.intp], untracked: frozenset[str]) -> Document:
+def _message(scene: Scene, row: Array, others: Indices, untracked: frozenset[str]) -> Document:
     message: Document = {
         "objects": {name: row[scene.object_slice(name)].tolist() for name in scene.objects},
         "agents": {
@@ -259,7 +258,7 @@ def _message(scene: Scene, row: Array, others: NDArray[np.intp], untracked: froz
     return message | ({"others": row[others].tolist()} if len(others) else {})
 
 
-def _read(scene: Scene, message: Mapping[str, Any], row: Array, others: NDArray[np.intp]) -> None:
+def _read(scene: Scene, message: Mapping[str, Any], row: Array, others: Indices) -> None:
     for name in scene.objects:
         row[scene.object_slice(name)] = _numbers(message["objects"][name], 7)
     for name in scene.agents:
@@ -276,7 +275,7 @@ def _numbers(values: Any, count: int) -> Array:
     return array
 
 
-def _other_columns(scene: Scene) -> NDArray[np.intp]:
+def _other_columns(scene: Scene) -> Indices:
     """Columns of qpos that belong to no object and no agent, such as the hinge of a door."""
     named = np.zeros(scene.nq, dtype=np.bool_)
     for free in free_slices(scene):

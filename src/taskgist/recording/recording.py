@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
@@ -180,7 +180,7 @@ ANGLE_DECIMALS = 5  # radians, and components of quaternions
 TIME_DECIMALS = 9  # seconds
 
 
-def decimals(scene: Scene) -> NDArray[np.intp]:
+def decimals(scene: Scene) -> Indices:
     """Decimals kept of each of a scene's positions, (nq,)."""
     kept = np.full(scene.nq, ANGLE_DECIMALS, dtype=np.intp)
     for free in free_slices(scene):
@@ -224,7 +224,7 @@ class Signal:
         unit: Unit of the values, such as "N".
     """
 
-    values: NDArray[np.float64]
+    values: Array
     unit: str
 
     def __post_init__(self) -> None:
@@ -273,8 +273,6 @@ SIGNALS_SCHEMA = {
 
 
 # --- What the arrays of a recording must be.
-
-Flags = NDArray[np.bool_]
 
 
 def check_times(times_s: Array) -> None:
@@ -325,7 +323,7 @@ def check_positions(scene: Scene, times_s: Array, qpos: Array) -> None:
             raise RecordingError(problem, field="qpos", value=value, hint="give w, x, y, z of length 1")
 
 
-def checked_tracking(scene: Scene, count: int, tracked: Mapping[str, Flags]) -> Mapping[str, Flags]:
+def checked_tracking(scene: Scene, count: int, tracked: Mapping[str, Mask]) -> Mapping[str, Mask]:
     """The flags, read-only; without what was always tracked.
 
     Raises:
@@ -375,7 +373,7 @@ class Recording:
     scene: Scene
     times_s: Array
     qpos: Array
-    tracked: Mapping[str, Flags] = field(default_factory=dict)
+    tracked: Mapping[str, Mask] = field(default_factory=dict)
     label: Label | None = None
     provenance: Provenance = field(default_factory=Provenance)
     name: str = ""

@@ -11,9 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
-from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Mask
 from taskgist.perspective.image import visibility
 from taskgist.recording.recording import Label
 from taskgist.settings import DEFAULT, Settings
@@ -124,7 +123,7 @@ def _draw_gaze(axes: Axes, fov_rad: tuple[float, float], cone_rad: float, width:
     axes.add_patch(Ellipse(middle, across, down, fill=False, linestyle="--", linewidth=1, edgecolor="black", alpha=0.6))
 
 
-def _mark(axes: Axes, mask: NDArray[np.bool_], name: str) -> None:
+def _mark(axes: Axes, mask: Mask, name: str) -> None:
     """Outline the visible pixels of the target and name it."""
     if not mask.any():
         axes.text(0.02, 0.03, f"{name} is not visible", transform=axes.transAxes, fontsize=10, backgroundcolor="white")

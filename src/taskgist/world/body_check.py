@@ -9,8 +9,8 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from taskgist.common.arrays import Array
 from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.world.assembly import DEFAULT_STATURE_M
@@ -38,10 +38,8 @@ ROUGHLY = 0.5
 UPRIGHT = {"head.pan": "pan turns to the side", "torso.turn": "turn turns to the side"}
 ACROSS = {"head.tilt": "tilt looks up and down", "torso.lean": "lean bends forward"}
 
-Vector = NDArray[np.float64]
 
-
-def direction_doubts(model: mujoco.MjModel, body: Agent, qpos: Vector) -> Iterator[str]:
+def direction_doubts(model: mujoco.MjModel, body: Agent, qpos: Array) -> Iterator[str]:
     """What a body that stands at the origin, heading along x, has probably the wrong way round.
 
     Args:
@@ -62,7 +60,7 @@ def direction_doubts(model: mujoco.MjModel, body: Agent, qpos: Vector) -> Iterat
             yield f"{field}: the joint {axis.joint!r} does not move the eye"
 
 
-def _eye_doubts(eye: Vector, body: Agent) -> Iterator[str]:
+def _eye_doubts(eye: Array, body: Agent) -> Iterator[str]:
     ahead, up = eye[0, 0], eye[2, 2]
     if ahead >= ROUGHLY and up >= ROUGHLY:
         return
@@ -76,7 +74,7 @@ def _eye_doubts(eye: Vector, body: Agent) -> Iterator[str]:
         yield f"eye.frame: {name!r} looks ahead with its z along {_told(eye[:, 2])}, not upwards; {hint}"
 
 
-def _axis_doubts(field: str, joint: str, axis: Vector) -> Iterator[str]:
+def _axis_doubts(field: str, joint: str, axis: Array) -> Iterator[str]:
     """About the vertical, or level and across the body's heading."""
     if field in UPRIGHT and abs(axis[2]) < MOSTLY:
         yield f"{field}: {UPRIGHT[field]}, but the axis of {joint!r} is {_told(axis)}, not upright"
@@ -92,7 +90,7 @@ def _carriers(model: mujoco.MjModel, body: int) -> set[int]:
     return found
 
 
-def _told(vector: Vector) -> str:
+def _told(vector: Array) -> str:
     return "(" + ", ".join(f"{value + 0.0:.1f}" for value in np.round(vector, 1) + 0.0) + ")"
 
 

@@ -7,9 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Indices
 from taskgist.settings import Contact
 from taskgist.world.bodies.agent import Agent, ArmIndices
 from taskgist.world.geometry.shapes import lowest_point
@@ -73,7 +72,7 @@ class Drop:
         lift = min(settings.lift_m, float(np.ptp(samples[:, 2])) / 2) if len(points) else 0.0
         return cls(name, points + (0.0, 0.0, lift), lift)
 
-    def around(self, stage: Stage, settings: Contact) -> NDArray[np.intp]:
+    def around(self, stage: Stage, settings: Contact) -> Indices:
         """Seen shapes that the points may meet, but those of the object's own body, (n,)."""
         if not len(self.starts):
             return np.empty(0, dtype=np.intp)
@@ -82,7 +81,7 @@ class Drop:
         body = stage.scene.object_body(self.name)
         return stage.between(middle, middle[None], np.array([radius_m]), but_body=body)
 
-    def meets(self, stage: Stage, around: NDArray[np.intp], settings: Contact) -> str | None:
+    def meets(self, stage: Stage, around: Indices, settings: Contact) -> str | None:
         """The owner of the surface on which the lowest point lands that meets a nearly level one, or None."""
         geoms, distances, normals = stage.cast_each(around, self.starts, np.tile(DOWN, (len(self.starts), 1)))
         level = normals[:, 2] >= math.cos(settings.support_slope_rad)

@@ -18,7 +18,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from taskgist.common.arrays import Array, Indices
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.settings import Contact
 from taskgist.world.bodies.agent import Agent, ArmIndices, ankle_height_m, body_index, leg_lengths_m, legs_for
 from taskgist.world.bodies.profile import Posture
@@ -140,7 +140,7 @@ class Stage:
         """
         return self._rays.cast(origin, directions, exclude_body=exclude_body, only=only, normals=normals)
 
-    def cast_at(self, shapes: ArrayLike, origin: Array, directions: Array) -> tuple[NDArray[np.intp], Array]:
+    def cast_at(self, shapes: ArrayLike, origin: Array, directions: Array) -> tuple[Indices, Array]:
         """Cast rays at a few shapes, as if the others were not there: much quicker than ``cast``.
 
         Args:
@@ -153,7 +153,7 @@ class Stage:
         """
         return self._rays.cast_at(np.asarray(shapes, dtype=np.intp), origin, directions)
 
-    def cast_each(self, shapes: ArrayLike, origins: Array, directions: Array) -> tuple[NDArray[np.intp], Array, Array]:
+    def cast_each(self, shapes: ArrayLike, origins: Array, directions: Array) -> tuple[Indices, Array, Array]:
         """Cast rays at a few shapes, each from a point of its own.
 
         Args:
@@ -176,7 +176,7 @@ class Stage:
         self._rays.cast_count += count
 
     @property
-    def seen(self) -> NDArray[np.bool_]:
+    def seen(self) -> Mask:
         """Whether each shape is one that rays meet: visible, and tracked, (ngeom,)."""
         return self._rays.seen
 
@@ -234,7 +234,7 @@ class Stage:
         self._data.geom_xpos[geoms] = positions
         self._data.geom_xmat[geoms] = matrices
 
-    def solid_geoms(self) -> NDArray[np.intp]:
+    def solid_geoms(self) -> Indices:
         """Indices of the shapes that block: all but ghosts, those that nothing collides with, and what is untracked."""
         hidden = self.scene.untracked_geoms(self.state.untracked)
         return self.scene.solid_geoms if not len(hidden) else np.setdiff1d(self.scene.solid_geoms, hidden)
@@ -294,7 +294,7 @@ def floor_height_m(stage: Stage, agent: Agent) -> float:
     return float(min(ankles)) - ankle_height_m(model, agent)
 
 
-def seat_position(stage: Stage, agent: Agent) -> NDArray[np.float64]:
+def seat_position(stage: Stage, agent: Agent) -> Array:
     """Floor point (2,) over which the pelvis would be if the agent sat down with level thighs and kept its feet."""
     model = stage.scene.model
     feet = np.mean([stage.body_position(body_index(model, agent, foot)) for foot in agent.profile.legs.feet], axis=0)

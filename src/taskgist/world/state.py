@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from taskgist.common.arrays import Array
 
 
 @dataclass(frozen=True, order=True)
@@ -32,7 +34,7 @@ class State:
             distances of this one state.
     """
 
-    qpos: NDArray[np.float64]
+    qpos: Array
     time_s: float = 0.0
     untracked: frozenset[str] = frozenset()
     holding: frozenset[Hold] | None = None
@@ -60,7 +62,7 @@ class State:
             qpos[at] = to
         return self._with(_frozen(qpos))
 
-    def _with(self, qpos: NDArray[np.float64]) -> State:
+    def _with(self, qpos: Array) -> State:
         """The same at other positions, an array that is read-only and nobody else's: spares copying it."""
         state = object.__new__(State)
         state.__dict__.update(self.__dict__, qpos=qpos)
@@ -79,7 +81,7 @@ class State:
         return not any(name in self.untracked or name.partition("/")[0] in self.untracked for name in names)
 
 
-def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+def _frozen(array: Array) -> Array:
     array.flags.writeable = False
     return array
 
@@ -91,7 +93,7 @@ class Frames(Protocol):
     """A sequence of states; a recording is one."""
 
     @property
-    def times_s(self) -> NDArray[np.float64]:
+    def times_s(self) -> Array:
         """Times of the frames in seconds, strictly increasing, (n,)."""
 
     def state(self, index: int) -> State:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.errors import InputError
 from taskgist_lab.evaluation.learner import (
     PAPER,
@@ -16,7 +17,6 @@ from taskgist_lab.evaluation.learner import (
     Codes,
     Judging,
     Learned,
-    Truths,
     in_random_order,
     learned,
     sizes_within,
@@ -50,7 +50,7 @@ class HeldOut:
 
     tasks: tuple[str, ...]
     codes: Codes
-    task_of: NDArray[np.intp]
+    task_of: Indices
 
     @staticmethod
     def of(coded: Coded, condition: str = CLEAN) -> HeldOut:
@@ -67,7 +67,7 @@ class HeldOut:
         task_of = np.repeat(np.arange(len(codes)), [len(each) for each in codes])
         return HeldOut(coded.pool.tasks, np.concatenate(codes), task_of)
 
-    def shares(self, held: Held, truth: int) -> NDArray[np.float64]:
+    def shares(self, held: Held, truth: int) -> Array:
         """Share of each task's demonstrations in which each run's clause is of that truth, (runs, tasks)."""
         alike = held == truth
         shares = [alike[:, self.task_of == task].mean(axis=1) for task in range(len(self.tasks))]
@@ -132,7 +132,7 @@ def table_of(held: Mapping[str, Held], judges: HeldOut, *, after: int, part: str
     )
 
 
-def scores_of(true: NDArray[np.float64], own: int) -> NDArray[np.float64]:
+def scores_of(true: Array, own: int) -> Array:
     """Scores of one task's clauses, (recall, precision, f1) × runs.
 
     Args:
@@ -146,7 +146,7 @@ def scores_of(true: NDArray[np.float64], own: int) -> NDArray[np.float64]:
     return np.stack((recall, precision, f1))
 
 
-def _means(shares: NDArray[np.float64]) -> tuple[float, ...]:
+def _means(shares: Array) -> tuple[float, ...]:
     return tuple(rounded(each) for each in shares.mean(axis=0))
 
 
@@ -244,14 +244,14 @@ def rows_of(task: str, known: Learned, coded: Coded) -> Iterator[Needed]:
     yield _row(task, ALL, "all three", NEEDED[task], np.all(list(held.values()), axis=0))
 
 
-def lasting_from(held: Truths) -> NDArray[np.float64]:
+def lasting_from(held: Mask) -> Array:
     """The first demonstration from which on each run holds to its end, (runs,); infinite where it does not."""
     steps = np.arange(1, held.shape[1] + 1)
     last_without = np.where(held, 0, steps).max(axis=1)
     return np.where(held[:, -1], last_without + 1.0, np.inf)
 
 
-def _row(task: str, column: str, wording: str, paper: int | None, held: Truths) -> Needed:
+def _row(task: str, column: str, wording: str, paper: int | None, held: Mask) -> Needed:
     return Needed(
         task=task,
         column=column,
@@ -381,7 +381,7 @@ def held_in(known: Learned, judges: HeldOut, after: int, part: str) -> Held:
     return truths(mask_of(known, part)[:, after - 1], known.values[:, after - 1], judges.codes)
 
 
-def mask_of(known: Learned, part: str) -> Truths:
+def mask_of(known: Learned, part: str) -> Mask:
     """Nodes of a part of the clauses, (runs, demonstrations, nodes)."""
     return known.effects() if part == EFFECTS else known.effects() | known.preconditions()
 

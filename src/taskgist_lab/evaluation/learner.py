@@ -14,6 +14,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.common.arrays import Indices, Mask
 from taskgist.errors import InputError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import Node
@@ -127,12 +128,12 @@ def sizes_within(sizes: Sequence[int], orders: Iterable[Codes]) -> tuple[int, ..
     return reached
 
 
-def _orders(rng: np.random.Generator, count: int, runs: int) -> NDArray[np.intp]:
+def _orders(rng: np.random.Generator, count: int, runs: int) -> Indices:
     """Orders of indices, (runs, up to ``LONGEST``)."""
     return np.asarray(rng.permuted(np.tile(np.arange(count), (runs, 1)), axis=1)[:, :LONGEST])
 
 
-def _by_turns(rng: np.random.Generator, kinds: Sequence[int], runs: int) -> NDArray[np.intp]:
+def _by_turns(rng: np.random.Generator, kinds: Sequence[int], runs: int) -> Indices:
     """Orders of indices in rounds, each with every kind once as long as there are any; all kinds differ: one round."""
     rounds = np.empty((runs, len(kinds)))
     for kind in sorted(set(kinds)):
@@ -165,7 +166,7 @@ class Oracle:
         values: Code of the value that each must have, (nodes,); -1: whichever was seen most often.
     """
 
-    kept: NDArray[np.bool_]
+    kept: Mask
     values: Codes
 
 
@@ -287,7 +288,7 @@ class Judging:
 
     def _compared(
         self, n: NDArray[np.int64], N: NDArray[np.int64], k: NDArray[np.int64], nodes: tuple[Node, ...]
-    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    ) -> tuple[Mask, Mask]:
         """Where NRE ≥ l1·Q, which is CF ≤ d1; and where NRE < l2·Q, which is CF > d2 (Eq. 33-35)."""
         assert self.band is not None
         shares = [self.share(node) for node in nodes]
@@ -321,8 +322,6 @@ RULES: Mapping[str, Judging] = MappingProxyType(
 )
 """The rules that are compared, by name."""
 
-Truths = NDArray[np.bool_]
-
 
 @dataclass(frozen=True, eq=False)
 class Learned:
@@ -336,19 +335,19 @@ class Learned:
     """
 
     nodes: tuple[Node, ...]
-    kept: Truths
+    kept: Mask
     values: Codes
     asked: NDArray[np.int32]
 
-    def effects(self) -> Truths:
+    def effects(self) -> Mask:
         """Which nodes are effects of the clause: the deepest kept ones, initial ones left aside."""
         return self._deepest(np.array([node.instant != 1 for node in self.nodes]))
 
-    def preconditions(self) -> Truths:
+    def preconditions(self) -> Mask:
         """Which nodes are preconditions of the clause: the deepest kept initial ones."""
         return self._deepest(np.array([node.instant == 1 for node in self.nodes]))
 
-    def holds(self, cell: Cell, coded: Coded) -> Truths:
+    def holds(self, cell: Cell, coded: Coded) -> Mask:
         """Whether a cell of Table 4 holds, (runs, demonstrations)."""
         true = np.ones(self.kept.shape[:2], dtype=bool)
         for name, value in cell.kept:
@@ -358,7 +357,7 @@ class Learned:
             true &= ~self.kept[:, :, coded.index(name)]
         return true
 
-    def _deepest(self, chosen: Truths) -> Truths:
+    def _deepest(self, chosen: Mask) -> Mask:
         """The chosen nodes that are kept and have no chosen, kept child."""
         kept = self.kept & chosen
         deepest = kept.copy()
@@ -418,7 +417,7 @@ def _parents(nodes: tuple[Node, ...]) -> list[int | None]:
     return [None if node.parent is None else columns[node.parent] for node in nodes]
 
 
-def truths(mask: Truths, values: Codes, samples: Codes) -> NDArray[np.int8]:
+def truths(mask: Mask, values: Codes, samples: Codes) -> NDArray[np.int8]:
     """Whether clauses hold in demonstrations: 1 true, 0 false, -1 unknown, (clauses, demonstrations).
 
     Args:

@@ -20,9 +20,8 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Mask
 from taskgist.importing.table_values import Track, smoothed
 from taskgist.pipeline.explain import label_of
 from taskgist.recording.recording import Recording
@@ -128,7 +127,7 @@ def _within_limits(scene: Scene, qpos: Array, true_qpos: Array) -> Array:
     return qpos
 
 
-def _with_frames(recording: Recording, kept: NDArray[np.bool_]) -> Recording:
+def _with_frames(recording: Recording, kept: Mask) -> Recording:
     """The recording of some frames, its first and last among them."""
     kept = kept.copy()
     kept[[0, -1]] = True

@@ -17,6 +17,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.common.arrays import Mask
 from taskgist.errors import InputError
 from taskgist_lab.evaluation.learner import Codes
 
@@ -37,7 +38,7 @@ class Peer(Protocol):
     name: str
     text: str
 
-    def judge(self, positives: Codes, negatives: Codes, tests: Codes) -> NDArray[np.bool_]:
+    def judge(self, positives: Codes, negatives: Codes, tests: Codes) -> Mask:
         """Learn, and say in which tests the concept holds.
 
         Args:
@@ -92,7 +93,7 @@ class Cn2:
             [sys.executable, "-m", PROGRAM], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
 
-    def judge(self, positives: Codes, negatives: Codes, tests: Codes) -> NDArray[np.bool_]:
+    def judge(self, positives: Codes, negatives: Codes, tests: Codes) -> Mask:
         """Learn and judge; without negatives everything is of the one class that it knows."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
@@ -132,7 +133,7 @@ class DecisionTree:
         self._trees = door("sklearn.tree", self.name)
         self._seed = seed
 
-    def judge(self, positives: Codes, negatives: Codes, tests: Codes) -> NDArray[np.bool_]:
+    def judge(self, positives: Codes, negatives: Codes, tests: Codes) -> Mask:
         """Learn and judge; without negatives everything is of the one class that it knows."""
         seen = np.concatenate((positives, negatives))
         values = [np.unique(column[column >= 0]) for column in seen.T]

@@ -9,9 +9,8 @@ from functools import cached_property
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from taskgist.common.arrays import Indices
+from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
 from taskgist.world.bodies.hands import GHOST_GROUP, ghosts_of
 from taskgist.world.bodies.profile import DERIVED_M, AgentProfile, Arm, Axis
@@ -141,7 +140,7 @@ class ArmIndices:
     ghosts: Indices
 
     @cached_property
-    def sector(self) -> NDArray[np.float64]:
+    def sector(self) -> Array:
         """Length in metres, whether mirrored, azimuths and elevations in radians: for compiled functions, (6,)."""
         arm = self.profile
         return np.array((arm.length_m, arm.side == "right", *arm.azimuth_rad, *arm.elevation_rad), dtype=np.float64)
@@ -331,7 +330,7 @@ def ankle_height_m(model: mujoco.MjModel, agent: Agent) -> float:
     return leg_lengths_m(model, agent)[1] - float(np.linalg.norm(model.body_pos[foot]))
 
 
-def standing_height_m(model: mujoco.MjModel, agent: Agent, qpos: NDArray[np.float64]) -> float:
+def standing_height_m(model: mujoco.MjModel, agent: Agent, qpos: Array) -> float:
     """Height in metres of the root at which the agent's lowest shape touches the floor.
 
     Args:

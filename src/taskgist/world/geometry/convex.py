@@ -15,9 +15,8 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array, Indices
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.files import replacing
 from taskgist.errors import SceneError
 from taskgist.world.geometry.shapes import hull_planes
@@ -139,7 +138,7 @@ def _labels(faces: Indices) -> Indices:
             return labels
 
 
-def _used(mesh: Piece, chosen: NDArray[np.bool_]) -> Piece:
+def _used(mesh: Piece, chosen: Mask) -> Piece:
     used, faces = np.unique(mesh.faces[chosen], return_inverse=True)
     return Piece(mesh.vertices[used], faces.reshape(-1, 3))
 

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from taskgist.common.arrays import Array, Indices
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled, compiled_part
 from taskgist.world.geometry.rays import BOX, CAPSULE, SPHERE, local
 from taskgist.world.geometry.transforms import conjugate, rotate
@@ -35,11 +35,11 @@ def bound_all_shapes(model: mujoco.MjModel) -> None:
             model.bvh_aabb[model.body_bvhadr[body]] = (*(low + high) / 2, *(high - low) / 2)
 
 
-def _collide(model: mujoco.MjModel, geoms: NDArray[np.intp]) -> NDArray[np.bool_]:
+def _collide(model: mujoco.MjModel, geoms: Indices) -> Mask:
     return np.asarray((model.geom_contype[geoms] != 0) | (model.geom_conaffinity[geoms] != 0))
 
 
-def _bounded(model: mujoco.MjModel, geoms: NDArray[np.intp]) -> NDArray[np.bool_]:
+def _bounded(model: mujoco.MjModel, geoms: Indices) -> Mask:
     """Planes have no end."""
     return np.asarray(model.geom_rbound[geoms] > 0)
 

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled, compiled_part
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.geometry.transforms import Pose
@@ -41,13 +40,13 @@ class Linkage:
         base: Where the agent's base is, metres, (3,).
     """
 
-    joints: NDArray[np.intp]
+    joints: Indices
     anchors: Array
     axes: Array
-    slides: NDArray[np.bool_]
+    slides: Mask
     positions: Array
     matrices: Array
-    carried: NDArray[np.bool_]
+    carried: Mask
     base: Array
 
     @classmethod
@@ -88,7 +87,7 @@ class Linkage:
         return _moved(*joints, self.positions, self.matrices.reshape(-1, 9), by)
 
 
-def _carried(model: mujoco.MjModel, carriers: list[int], bodies: list[int]) -> NDArray[np.bool_]:
+def _carried(model: mujoco.MjModel, carriers: list[int], bodies: list[int]) -> Mask:
     """Whether each frame's body hangs on each joint's, (j, f)."""
     chains = [_ancestors(model, body) for body in bodies]
     return np.array([[carrier in chain for chain in chains] for carrier in carriers], dtype=np.bool_).reshape(
@@ -108,8 +107,8 @@ def _ancestors(model: mujoco.MjModel, body: int) -> set[int]:
 def _moved(
     anchors: Array,
     axes: Array,
-    slides: NDArray[np.bool_],
-    carried: NDArray[np.bool_],
+    slides: Mask,
+    carried: Mask,
     positions: Array,
     matrices: Array,
     by: Array,

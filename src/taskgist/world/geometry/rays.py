@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from taskgist.common.arrays import Array, Indices
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled, compiled_part
 from taskgist.world.bodies.agent import SEEN_MASK
 
@@ -237,7 +237,7 @@ class Shapes(NamedTuple):
     """
 
     kinds: NDArray[np.int64]
-    formless: NDArray[np.bool_]
+    formless: Mask
     sizes: Array
     bounds: Array
     radii: Array
@@ -329,7 +329,7 @@ class Rays:
         visible: Whether each shape can be seen at all, (ngeom,).
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, visible: NDArray[np.bool_]) -> None:
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, visible: Mask) -> None:
         self._model, self._data, self._visible = model, data, visible
         self._known = model
         self._alone: tuple[tuple[int, ...], mujoco.MjModel] | None = None
@@ -461,7 +461,7 @@ def cast_each(of: Shapes, shapes: Indices, origins: Array, directions: Array) ->
 
 
 @compiled
-def meets_boxes(of: Shapes, shapes: Indices, origin: Array, directions: Array) -> NDArray[np.bool_]:
+def meets_boxes(of: Shapes, shapes: Indices, origin: Array, directions: Array) -> Mask:
     """Whether each ray meets the box around any of some shapes, (n,)."""
     met = np.zeros(directions.shape[0], dtype=np.bool_)
     for shape in shapes:
@@ -478,12 +478,12 @@ def _around(bounds: Array) -> Array:
     return np.asarray(np.linalg.norm(np.abs(bounds[:, :3]) + bounds[:, 3:], axis=1))
 
 
-def visible_geoms(model: mujoco.MjModel, groups: Collection[int]) -> NDArray[np.bool_]:
+def visible_geoms(model: mujoco.MjModel, groups: Collection[int]) -> Mask:
     """Whether each shape can be seen: its group is one of these, and it is not wholly transparent, (ngeom,)."""
     return np.isin(model.geom_group, list(groups)) & opaque(model, np.arange(model.ngeom))
 
 
-def opaque(model: mujoco.MjModel, geoms: NDArray[np.intp]) -> NDArray[np.bool_]:
+def opaque(model: mujoco.MjModel, geoms: Indices) -> Mask:
     """Whether rays meet shapes at all: they pass what has no colour, (n,)."""
     materials = model.geom_matid[geoms]
     own = model.geom_rgba[geoms, 3] > 0
