@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled_part
 from taskgist.perspective.candidates import Neck
 from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.world.geometry.transforms import yaw_of
@@ -154,7 +154,7 @@ def configurations(here: Viewpoint, level: int) -> Iterator[Configuration]:
             yield Configuration(here, state, frames, frames[agent_frames.first_shoulder :], neck, base)
 
 
-@compiled
+@compiled_part
 def straight_ahead(
     start: Array, chest: Array, places: Array, turns: bool, place: int, point: Array, ahead: Array
 ) -> None:
@@ -169,7 +169,7 @@ def straight_ahead(
         ahead[0], ahead[1] = start[0] + away * chest[0], start[1] + away * chest[1]
 
 
-@compiled
+@compiled_part
 def turn_towards(chest: Array, places: Array, turns: bool, place: int, point: Array) -> tuple[float, float]:
     """Sine and cosine of the turn of a configuration at a place, for a point, (3,); see ``straight_ahead``."""
     x, y = point[0] - places[place, 0], point[1] - places[place, 1]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled, compiled_part
 from taskgist.maps.configurations import Base, Configuration, straight_ahead, turn_towards
 from taskgist.maps.grid import BLOCK_CELLS, Cells, Undecided
 from taskgist.perspective.candidates import Neck
@@ -81,7 +81,7 @@ def see_cells(looking: Looking, base: Base, cells: Undecided, found: NDArray[np.
                 )
 
 
-@compiled
+@compiled_part
 def _view(
     looking: Looking,
     base: Base,
@@ -121,7 +121,7 @@ def _view(
     return viewed
 
 
-@compiled
+@compiled_part
 def _from_eyes(shapes: Shapes, candidates: Indices, eyes: Array, middle: Array, radius_m: float) -> tuple[Array, Array]:
     """Those of some shapes that may stand between some eyes and points of a ball, from the middle of these eyes."""
     eye, eyes_radius_m = ball_around(eyes)
@@ -130,7 +130,7 @@ def _from_eyes(shapes: Shapes, candidates: Indices, eyes: Array, middle: Array, 
     return from_eye(shapes, near, eye, True), eye
 
 
-@compiled
+@compiled_part
 def _shade(
     formless: Mask,
     own: tuple[Array, Array],

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled, compiled_part
 from taskgist.perspective.candidates import EYE, Neck
 from taskgist.world.geometry.linkage import POSE, rotated, turn_pose
 
@@ -56,7 +56,7 @@ def aim(
     turn_head(frames, joints, inwards, now, turns, eye)
 
 
-@compiled
+@compiled_part
 def _angle_left(
     frames: Array, joints: Indices, inwards: Indices, now: Array, turns: Array, of: int, target: Array
 ) -> float:
@@ -83,7 +83,7 @@ def _angle_left(
     return math.atan2(across, along)
 
 
-@compiled
+@compiled_part
 def turn_head(frames: Array, joints: Indices, inwards: Indices, now: Array, turns: Array, eye: Array) -> None:
     """Write the pose of the eye, (12,), for turns of the head's joints, (h, TURN_COLUMNS)."""
     for k in range(POSE):
@@ -107,7 +107,7 @@ def turned_heads(frames: Array, neck: Neck, angles: Array) -> Array:
     return eyes
 
 
-@compiled
+@compiled_part
 def _turn_to(turns: Array, joint: int, angle: float, now: float) -> None:
     turns[joint, ANGLE], turns[joint, SINE], turns[joint, COSINE] = angle, math.sin(angle - now), math.cos(angle - now)
 

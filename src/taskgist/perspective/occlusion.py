@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled, compiled_part
 from taskgist.world.geometry.rays import BOX, NO_GEOM, Shapes, box, into_shape, surface
 
 HERE = -1.0
@@ -52,7 +52,7 @@ def from_eye(shapes: Shapes, which: Indices, eye: Array, boxed: bool) -> Array:
     return rows[:count]
 
 
-@compiled
+@compiled_part
 def _inside(rows: Array, k: int) -> bool:
     """Whether the eye is inside of a shape's box."""
     x, y, z = abs(rows[k, START]), abs(rows[k, START + 1]), abs(rows[k, START + 2])
@@ -89,7 +89,7 @@ def away_m(rows: Array, k: int, x: float, y: float, z: float) -> float:
     return surface(int(rows[k, KIND]), rows[k, SIZE], rows[k, SIZE + 1], rows[k, SIZE + 2], px, py, pz, dx, dy, dz)
 
 
-@compiled
+@compiled_part
 def _turned(rows: Array, k: int, x: float, y: float, z: float) -> tuple[float, float, float]:
     """A direction of the world in the frame of a shape."""
     return (
@@ -103,7 +103,7 @@ CLEAR, BOXED, HIDDEN = 0, 1, 2
 """Whether something hides a point: nothing does, at most what counts as the box around it does, or something does."""
 
 
-@compiled
+@compiled_part
 def hidden_point(rows: Array, formless: Mask, seen_from: Array, eye: Array, point: Array) -> int:
     """Whether any of some shapes is met on the straight line from an eye to a point.
 
