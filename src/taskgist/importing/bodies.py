@@ -174,7 +174,6 @@ the feet, lie elsewhere for each tracker and count little; so do fingertips, for
 FIRST_ITERATIONS, ITERATIONS = 200, 20
 HEAD_POINTS = ("head_base", "head", "head_top", "nose", "left_eye", "right_eye", "left_ear", "right_ear")
 TRUNK_POINTS = ("left_shoulder", "right_shoulder", "chest", "neck")
-LEG_POINTS = ("knee", "ankle")
 RELAXED = {"shoulder_abduction": 0.12, "elbow": 0.3}
 """Angles in radians of an arm that nobody tracked."""
 

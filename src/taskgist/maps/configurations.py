@@ -27,7 +27,6 @@ from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.world.geometry.transforms import yaw_of
 from taskgist.world.state import State
 
-UNKNOWN, BLOCKED, FREE = -1, 0, 1
 AHEAD_M = 1000.0
 SAME_M = 1e-9
 LEVEL = 0.999

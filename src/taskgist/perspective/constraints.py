@@ -27,7 +27,7 @@ from taskgist.perspective.target import Recorder, Region, touched
 from taskgist.settings import Contact, Efforts, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.contacts import holding_of
-from taskgist.world.geometry.distances import any_near, ball_around, near_ball
+from taskgist.world.geometry.distances import any_near, ball_around_boxes, near_ball
 from taskgist.world.geometry.transforms import turned_about_z, yaw_of
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
@@ -103,7 +103,7 @@ class Collisions:
         core = self._agent.core_geoms
         positions, matrices = self._stage.geoms(core)
         own = self._stage.boxes(core)
-        x, y, z, radius_m = ball_around(own)
+        x, y, z, radius_m = ball_around_boxes(own)
         around = self.boxes[near_ball(self.boxes, x, y, z, radius_m + self._farthest_m)]
 
         def free(offset_m: tuple[float, float]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -199,14 +200,15 @@ def _put_aside(setting: Setting) -> Means:
     return seen_first(setting.roles, put_on_side_table(setting, "put away"))
 
 
-def _with_a_shelf(rng: np.random.Generator) -> Setting:
+def _with_boards(rng: np.random.Generator, *, closed: bool) -> Setting:
+    """A shelf beside the performer, or a cupboard if it is closed; the other is busy where the thing stays in view."""
     arrangement = around_a_table(rng, tables=(DINING, ROUND, HIGH), performer=("standing",))
     thing = near_the_other(arrangement, distractors=4)
     side = str(rng.choice(("left", "right")))
-    shelf, place = shelf_beside(arrangement, side, closed=False)
-    arrangement.furniture.append(shelf)
-    roles = busy_roles(arrangement, thing, side)
-    return arrangement.setting(roles, amounts={"front": shelf.yaw_rad}, places={"board": place})
+    boards, place = shelf_beside(arrangement, side, closed=closed)
+    arrangement.furniture.append(boards)
+    roles = arrangement.roles(thing, side, watches=0.5) if closed else busy_roles(arrangement, thing, side)
+    return arrangement.setting(roles, amounts={"front": boards.yaw_rad}, places={"board": place})
 
 
 def _put_in_shelf(setting: Setting) -> Means:
@@ -228,7 +230,7 @@ def check_away_in_view(recording: Recording) -> None:
 PUT_AWAY = (
     Way("put away", "far-on-table", _far, _put_far, check_away_in_view),
     Way("put away", "side-table", _with_a_side_table, _put_aside, check_away_in_view),
-    Way("put away", "shelf", _with_a_shelf, _put_in_shelf, check_away_in_view),
+    Way("put away", "shelf", partial(_with_boards, closed=False), _put_in_shelf, check_away_in_view),
 )
 
 
@@ -268,16 +270,6 @@ def _hiding_away_inside(setting: Setting) -> Means:
     return seen_first(setting.roles, put_inside(setting.roles, "hide away", container=setting.props["container"]))
 
 
-def _with_a_cupboard(rng: np.random.Generator) -> Setting:
-    arrangement = around_a_table(rng, tables=(DINING, ROUND, HIGH), performer=("standing",))
-    thing = near_the_other(arrangement, distractors=4)
-    side = str(rng.choice(("left", "right")))
-    cupboard, place = shelf_beside(arrangement, side, closed=True)
-    arrangement.furniture.append(cupboard)
-    roles = arrangement.roles(thing, side, watches=0.5)
-    return arrangement.setting(roles, amounts={"front": cupboard.yaw_rad}, places={"board": place})
-
-
 def _in_cupboard(setting: Setting) -> Means:
     return seen_first(setting.roles, put_on_board(setting, "hide away", hidden=True))
 
@@ -295,5 +287,5 @@ def check_away_and_hidden(recording: Recording) -> None:
 HIDE_AWAY = (
     Way("hide away", "far-behind", _hiding_away_with_an_occluder, _hiding_away_behind, check_away_and_hidden),
     Way("hide away", "far-inside", _hiding_away_with_a_bin, _hiding_away_inside, check_away_and_hidden),
-    Way("hide away", "cupboard", _with_a_cupboard, _in_cupboard, check_away_and_hidden),
+    Way("hide away", "cupboard", partial(_with_boards, closed=True), _in_cupboard, check_away_and_hidden),
 )

@@ -121,7 +121,7 @@ def seen_from(table: Array, position: Array, matrix: Array) -> Array:
 
 
 @compiled
-def ball_around(table: Array) -> tuple[float, float, float, float]:
+def ball_around_boxes(table: Array) -> tuple[float, float, float, float]:
     """Middle and radius of a ball that holds the shapes in some boxes, at least one, metres."""
     cx, cy, cz, radius_m = 0.0, 0.0, 0.0, 0.0
     for row in range(len(table)):
@@ -180,7 +180,7 @@ def any_near(first: Array, offset_m: tuple[float, float], second: Array, limit_m
     moved = first.copy()
     for row in range(len(moved)):
         moved[row, 0], moved[row, 1] = moved[row, 0] + offset_m[0], moved[row, 1] + offset_m[1]
-    cx, cy, cz, radius_m = ball_around(moved)
+    cx, cy, cz, radius_m = ball_around_boxes(moved)
     near = second[near_ball(second, cx, cy, cz, radius_m)]
     return next_near(moved, near, limit_m, 0) >= 0
 
@@ -409,7 +409,7 @@ def near_pairs(
     if not len(geoms) or not len(others):
         return found
     first = boxes_of(geoms, kinds, radii, bounds, positions, matrices)
-    cx, cy, cz, radius_m = ball_around(first)
+    cx, cy, cz, radius_m = ball_around_boxes(first)
     near, kept = np.empty(len(others), dtype=np.intp), 0
     for other in others:
         x, y, z = positions[other, 0] - cx, positions[other, 1] - cy, positions[other, 2] - cz
