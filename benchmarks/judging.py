@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from statistics import median
@@ -13,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.figure import Figure
-from benchmarks.timing import in_turn, once
+from benchmarks.timing import all_cores, in_turn, once
 from taskgist.learning import explain
 from taskgist.observe import Observer
 from taskgist.pipeline import episode_of, explain_all, shipped_study
@@ -128,17 +126,3 @@ def _looked_at(recording: Recording) -> int:
     frames = Counted(recording)
     episode_of(recording, observer=Observer(recording.scene, frames))
     return len(frames.asked)
-
-
-@contextmanager
-def all_cores() -> Iterator[int]:
-    """Let this process, and the workers it starts, use all cores for a while; gives their number."""
-    if not hasattr(os, "sched_setaffinity"):
-        yield 1
-        return
-    before = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, range(os.cpu_count() or 1))
-    try:
-        yield len(os.sched_getaffinity(0))
-    finally:
-        os.sched_setaffinity(0, before)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from statistics import median
 
 from taskgist.world import Stage
@@ -17,6 +18,20 @@ def use_one_core() -> None:
     """Keep this process, and all that it starts, on one core."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+
+
+@contextmanager
+def all_cores() -> Iterator[int]:
+    """Let this process, and the workers it starts, use all cores for a while; gives their number."""
+    if not hasattr(os, "sched_setaffinity"):
+        yield 1
+        return
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, range(os.cpu_count() or 1))
+    try:
+        yield len(os.sched_getaffinity(0))
+    finally:
+        os.sched_setaffinity(0, before)
 
 
 def seconds(run: Run, repeats: int = REPEATS) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from taskgist.errors import InputError, UnknownNameError
+from taskgist.maps import grid
 from taskgist.maps.ability_map import AbilityMap, ability_map
 from taskgist.maps.configurations import configurations
 from taskgist.maps.grid import Grid, Zone, solid_cells
@@ -222,3 +223,14 @@ def test_names_that_do_not_exist() -> None:
 
 def test_settings_of_maps_shape_no_facts() -> None:
     assert replace(DEFAULT, maps=Maps(cell_m=0.2)).digest == DEFAULT.digest
+
+
+@pytest.mark.parametrize("ability", ABILITIES)
+def test_a_map_does_not_depend_on_how_its_blocks_are_dealt_out(
+    ability: Ability, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(grid, "FEW_BLOCKS", 1)
+    for parts in (1, 7):
+        monkeypatch.setattr(grid, "PARTS", parts)
+        again = ability_map(SEATED.stage(), "P1", ability, settings=SMALL)
+        assert np.array_equal(again.levels, seated(ability).levels)

@@ -38,13 +38,19 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     return cast(Callable[P, R], _dispatcher(function))
 
 
-def compiled_part(function: Callable[P, R]) -> Callable[P, R]:
-    """As ``compiled``, for a function that only compiled ones call: faster to compile.
+def compiled_for_threads(function: Callable[P, R]) -> Callable[P, R]:
+    """As ``compiled``, for long work: other threads run meanwhile, those that do another part of it among them."""
+    return cast(Callable[P, R], _dispatcher(function, nogil=True))
 
-    It has no entry for Python, which checks and unpacks all arguments. Called from there it raises ``TypeError``; its
-    ``py_func`` may be called.
+
+def compiled_part(function: Callable[P, R]) -> Callable[P, R]:
+    """As ``compiled``, for a function that only compiled ones call: it becomes part of each of these.
+
+    That is faster to compile, and to run: a call of its own would count, for each array that is passed on, one more
+    that holds it and one less, together longer than many a formula takes. It has no entry for Python, which checks and
+    unpacks all arguments. Called from there it raises ``TypeError``; its ``py_func`` may be called.
     """
-    dispatcher = _dispatcher(function, no_cpython_wrapper=True)
+    dispatcher = _dispatcher(function, no_cpython_wrapper=True, forceinline=True)
     dispatcher._insert = _no_entry
     dispatcher._compile_for_args = partial(_refused, function.__qualname__)
     return cast(Callable[P, R], dispatcher)

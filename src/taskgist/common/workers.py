@@ -1,4 +1,4 @@
-"""Workers: a function of 0, 1, 2, … on several cores, its results in order.
+"""Work on several cores: a function of 0, 1, 2, … by workers, its results in order; compiled work on threads.
 
 Workers are forks of this process: they have all that it has, scenes and compiled functions among them, without
 anything being sent, and a script that is not guarded by ``if __name__ == "__main__"`` is not run again. Where a
@@ -13,8 +13,8 @@ import os
 import sys
 import warnings
 from collections import deque
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from itertools import islice
 from typing import TypeVar
@@ -22,6 +22,7 @@ from typing import TypeVar
 from taskgist.errors import InputError, WorkerError
 
 R = TypeVar("R")
+T = TypeVar("T")
 AHEAD = 4
 """Calls that each worker is given ahead of the one whose result is waited for."""
 _work: Callable[[int], object] | None = None
@@ -88,6 +89,19 @@ def _begin(work: Callable[[int], object]) -> None:
 def _one(number: int) -> object:
     assert _work is not None
     return _work(number)
+
+
+# Threads: for compiled work, which leaves Python to others while it lasts (``compiled_for_threads``).
+
+
+def on_threads(work: Callable[[T], object], parts: Sequence[T]) -> None:
+    """Do all parts of some work, on as many threads as there are cores; which comes first must not matter."""
+    if cores() == 1 or len(parts) == 1:
+        for part in parts:
+            work(part)
+    else:
+        with ThreadPoolExecutor(cores()) as threads:
+            list(threads.map(work, parts))  # raises what any of them raised
 
 
 # Progress of long work.

@@ -110,6 +110,10 @@ EDGE = 4
 """Cells along the edge of a block."""
 BLOCK_CELLS = EDGE**3
 """Cells of a block."""
+PARTS = 4
+"""Into how many parts blocks are dealt out like cards, so that each takes about as long as the others."""
+FEW_BLOCKS = 200
+"""So few are not worth a thread."""
 OUTSIDE = -1
 ROUNDING_M = 1e-9
 
@@ -132,6 +136,14 @@ class Undecided(NamedTuple):
     counts: Indices
     middles: Array
     radii_m: Array
+
+    def parts(self) -> list[Undecided]:
+        """The same in parts, which may be decided at the same time: each has its own cells and counts."""
+        if len(self.starts) < FEW_BLOCKS:
+            return [self]
+        points, rows, *blocks = self
+        cut = [np.array_split(each, PARTS) for each in blocks]
+        return [Undecided(points, rows, *part) for part in zip(*cut, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,8 +177,9 @@ class Cells:
         starts = np.concatenate(([0], np.flatnonzero(np.diff(self.block[rows])) + 1))
         counts, points = np.diff(starts, append=len(rows)), self.points[rows]
         low, high = np.minimum.reduceat(points, starts), np.maximum.reduceat(points, starts)
-        radii_m = np.linalg.norm(high - low, axis=1) / 2 + ROUNDING_M
-        return Undecided(self.points, rows.copy(), starts, counts, (low + high) / 2, radii_m)
+        middles, radii_m = (low + high) / 2, np.linalg.norm(high - low, axis=1) / 2 + ROUNDING_M
+        order = np.argsort(np.arange(len(starts)) % PARTS, kind="stable")
+        return Undecided(self.points, rows.copy(), starts[order], counts[order], middles[order], radii_m[order])
 
 
 # --- Which cells lie in something solid.

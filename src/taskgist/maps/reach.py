@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.compiled import compiled
+from taskgist.common.compiled import compiled_for_threads
+from taskgist.common.workers import on_threads
 from taskgist.maps.configurations import Base, Configuration, straight_ahead
 from taskgist.maps.grid import Cells, Undecided
 from taskgist.perspective.occlusion import CLEAR, HIDDEN
@@ -14,7 +15,7 @@ from taskgist.perspective.reach import ROUNDING, distance_m, in_reach, usable_ar
 from taskgist.perspective.viewpoint import Viewpoint
 
 
-@compiled
+@compiled_for_threads
 def reach_cells(shoulders: Array, sectors: Array, base: Base, cells: Undecided, found: NDArray[np.uint8]) -> None:
     """Find out which cells are reached from a configuration, at some of its places; those are undecided no longer.
 
@@ -70,7 +71,8 @@ class CellsToReach:
     def find(self, configuration: Configuration, places: Indices, cells: Undecided) -> None:
         """What a configuration reaches at some of its places: see ``reach_cells``."""
         shoulders = configuration.shoulders[self._arms]
-        reach_cells(shoulders, self._sectors, configuration.at(places), cells, self.found)
+        base = configuration.at(places)
+        on_threads(lambda part: reach_cells(shoulders, self._sectors, base, part, self.found), cells.parts())
 
     def past_meshes(self, configuration: Configuration, rows: Indices) -> Mask:  # noqa: ARG002 - as those that see
         """Nothing is in the way of an arm, (n,)."""

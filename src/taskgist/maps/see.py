@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.compiled import compiled, compiled_part
+from taskgist.common.compiled import compiled_for_threads, compiled_part
+from taskgist.common.workers import on_threads
 from taskgist.maps.configurations import Base, Configuration, straight_ahead, turn_towards
 from taskgist.maps.grid import BLOCK_CELLS, Cells, Undecided
 from taskgist.perspective.candidates import Neck
@@ -50,7 +51,7 @@ class Looking(NamedTuple):
     lens: Lens
 
 
-@compiled
+@compiled_for_threads
 def see_cells(looking: Looking, base: Base, cells: Undecided, found: NDArray[np.uint8], eyes: Array) -> None:
     """Find out which cells are seen from a configuration, at some of its places; those are undecided no longer.
 
@@ -186,7 +187,7 @@ class CellsToSee:
         """What a configuration sees at some of its places: see ``see_cells``."""
         stage, base = self._here.stage.show(configuration.state), configuration.at(places)
         looking = Looking(stage.shapes, self._own, self._others, configuration.frames, configuration.neck, self._lens)
-        see_cells(looking, base, cells, self.found, self._eyes)
+        on_threads(lambda part: see_cells(looking, base, part, self.found, self._eyes), cells.parts())
 
     def past_meshes(self, configuration: Configuration, rows: Indices) -> Mask:
         """Whether rays from where cells were just looked at get past all meshes, which have no formula, (n,).
