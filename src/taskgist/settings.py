@@ -139,7 +139,32 @@ class Learning:
     """Named confusion band; see ``BANDS``."""
 
 
-UNSHAPING = ("maps", "learning")
+@dataclass(frozen=True)
+class Limits:
+    """What is refused before memory is taken for it. These shape no facts and stay out of the digest.
+
+    All are ours: far above what rooms, robots and recordings hold, and together below 2 GiB.
+    """
+
+    document_bytes: int = 64 * 2**20
+    """Largest text document that is read: scene, profile, mapping, model, facts."""
+    bundle_bytes: int = 512 * 2**20
+    """Scene files of a recording together: models, meshes, textures."""
+    chunk_bytes: int = 256 * 2**20
+    """Largest chunk of a recording, unpacked; common writers make chunks of 1 to 16 MiB."""
+    frame_bytes: int = 512 * 2**20
+    """States of a recording in memory: nine hours of two people and six objects at 30 Hz."""
+    table_bytes: int = 512 * 2**20
+    """One table or array of tracked motion, unpacked."""
+    image_pixels: int = 4_000_000
+    """Pixels of an eye's image: a camera of 2,000 × 2,000."""
+    object_extent_m: float = 10.0
+    """Longest edge of the box around an object; what is longer is mostly given in millimetres."""
+    body_shapes: int = 1_000
+    """Shapes of one body, room and objects apart; the published robots that ship have up to 200."""
+
+
+UNSHAPING = ("maps", "learning", "limits")
 """Stages whose settings shape no facts: they stay out of the digest."""
 
 BANDS: dict[str, tuple[tuple[int, int], tuple[int, int]]] = {
@@ -164,6 +189,7 @@ class Settings:
     timing: Timing = field(default_factory=Timing)
     maps: Maps = field(default_factory=Maps)
     learning: Learning = field(default_factory=Learning)
+    limits: Limits = field(default_factory=Limits)
 
     @property
     def digest(self) -> str:

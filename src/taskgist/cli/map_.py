@@ -22,7 +22,7 @@ from taskgist.cli.common import (
     open_stage,
     print_json,
 )
-from taskgist.common.files import replacing
+from taskgist.common.files import writing
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.maps.ability_map import JUDGES, AbilityMap, ability_map, write_maps
 from taskgist.maps.grid import Zone
@@ -65,7 +65,7 @@ def map_(
         asked = asked or _Asked.map(stage, _named(agent), _mapped(ability), level)
         places = None if box_m is None else places_for(stage, box_m, asked.zone)
     if npz is not None:
-        with replacing(npz) as stream:
+        with writing(npz, replace=True) as stream:
             write_maps(stream, asked.maps)
     if out is not None:
         _draw(stage, asked, places or (), out)

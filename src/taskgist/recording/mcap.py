@@ -28,7 +28,7 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import Writer
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.files import replacing
+from taskgist.common.files import writing
 from taskgist.errors import InputError, RecordingError
 from taskgist.recording.foxglove import FRAME_TRANSFORMS, SCENE_UPDATE, Viewer
 from taskgist.recording.recording import (
@@ -291,20 +291,19 @@ _CHUNK_BYTES = 16 * 2**20  # one chunk for most recordings: the larger, the bett
 _SCENE_FOLDER = "scene/"
 
 
-def write(recording: Recording, path: str | Path) -> None:
+def write(recording: Recording, path: str | Path, *, replace: bool = True) -> None:
     """Write a recording at its precision (``rounding``); the file appears whole or not at all.
 
+    Args:
+        recording: The recording.
+        path: The file.
+        replace: Whether a file that is there already is replaced.
+
     Raises:
-        RecordingError: The file cannot be written.
+        RecordingError: The file cannot be written, or is there already and not to be replaced.
     """
-    target = Path(path)
-    try:
-        with replacing(target) as stream:
-            _write(_as_kept(recording), stream)
-    except OSError as problem:
-        reason = problem.strerror or str(problem)
-        hint = "check that the folder exists and may be written to"
-        raise RecordingError("cannot write the recording", where=target, value=reason, hint=hint) from None
+    with writing(Path(path), replace=replace, error=RecordingError) as stream:
+        _write(_as_kept(recording), stream)
 
 
 def read(path: str | Path) -> Recording:

@@ -13,8 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.common.arrays import Array
-from taskgist.common.files import replacing
-from taskgist.errors import InputError
+from taskgist.common.files import writing
 from taskgist.world.geometry.transforms import Pose
 from taskgist.world.stage import Stage
 
@@ -110,10 +109,6 @@ def save_figure(figure: Figure, path: Path) -> Path:
         InputError: The folder does not exist or cannot be written to.
     """
     FigureCanvasAgg(figure)
-    try:
-        with replacing(path) as stream:
-            figure.savefig(stream, format="png", dpi=DPI, metadata={"Software": None})
-    except OSError as error:
-        hint = "name a file in a folder that exists and may be written to"
-        raise InputError(f"cannot be written: {error.strerror}", where=path, hint=hint) from error
+    with writing(path, replace=True) as stream:
+        figure.savefig(stream, format="png", dpi=DPI, metadata={"Software": None})
     return path

@@ -17,7 +17,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from taskgist.common.files import replacing
+from taskgist.common.files import writing
 from taskgist.common.workers import Progress, in_order, silent
 from taskgist.errors import InputError, TaskgistError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
@@ -187,12 +187,8 @@ def write_pool(pool: Pool, path: Path) -> None:
         InputError: The file cannot be written.
     """
     text = json.dumps(_document(pool), ensure_ascii=False, separators=(",", ":"))
-    try:
-        with replacing(path) as stream:
-            stream.write(gzip.compress(text.encode(), mtime=0))
-    except OSError as error:
-        hint = "name a file in a folder that exists and may be written to"
-        raise InputError(f"cannot be written: {error.strerror}", where=path, field="pool", hint=hint) from error
+    with writing(path, replace=True) as stream:
+        stream.write(gzip.compress(text.encode(), mtime=0))
 
 
 def read_pool(path: Path) -> Pool:

@@ -21,10 +21,10 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from taskgist.common.files import replacing
+from taskgist.common.files import writing
 from taskgist.common.frozen import FrozenMap, Json
 from taskgist.common.workers import Progress, in_order, silent
-from taskgist.errors import InputError, KnowledgeError, TaskgistError
+from taskgist.errors import KnowledgeError, TaskgistError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import UNKNOWN, Observation, Unknown, Value
 from taskgist.learning.experience import Experience
@@ -191,12 +191,8 @@ def write_displacements(displacements: Displacements, path: Path) -> None:
         "draws": tasks,
     }
     text = json.dumps(document, ensure_ascii=False, separators=(",", ":"))
-    try:
-        with replacing(path) as stream:
-            stream.write(gzip.compress(text.encode(), mtime=0))  # the same displacements give the same bytes
-    except OSError as error:
-        hint = "name a file in a folder that exists and may be written to"
-        raise InputError(f"cannot be written: {error.strerror}", where=path, hint=hint) from error
+    with writing(path, replace=True) as stream:
+        stream.write(gzip.compress(text.encode(), mtime=0))  # the same displacements give the same bytes
 
 
 def read_displacements(path: Path) -> Displacements:

@@ -17,8 +17,8 @@ import mujoco
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.files import replacing
-from taskgist.errors import SceneError
+from taskgist.common.files import writing
+from taskgist.errors import InputError, SceneError
 from taskgist.world.geometry.shapes import hull_planes
 
 # --- Pieces of a mesh, and whether one has hollows that its convex hull would fill.
@@ -190,9 +190,9 @@ def parts_text(mesh: Piece, name: str) -> bytes | None:
     text = _as_obj(found)
     try:
         kept.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(kept) as stream:
+        with writing(kept, replace=True) as stream:
             stream.write(text)
-    except OSError as error:
+    except (OSError, InputError) as error:
         log.info("convex parts are not kept for the next time: %s", error)
     return text
 
