@@ -1,0 +1,403 @@
+"""One case of the fuzzer: a spoiled input, a command that is given it in a fork of this process, and a verdict.
+
+A fork has all modules and machine code loaded, costs some milliseconds, and takes what it breaks down with it. It
+works in a folder of its own, says what it says into files, and may use so much memory and time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import json
+import os
+import random
+import re
+import resource
+import shutil
+import signal
+import stat
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from taskgist.cli import main
+from taskgist.errors import TaskgistError
+from taskgist.maps.ability_map import read_maps
+from taskgist_lab.evaluation.pool import read_pool
+from taskgist_lab.paper.displacements import read_displacements
+from tools.fuzz_mutations import NUMBERS, WORDS, mutated
+from tools.fuzz_seeds import Command, Seed
+
+READERS: dict[str, Callable[[Path], object]] = {
+    "read-maps": read_maps,
+    "read-pool": read_pool,
+    "read-displacements": read_displacements,
+}
+"""What no command reads, or only after minutes."""
+LIMIT_S = 20
+"""Time on a processor after which a case hangs; on the clock thrice that, for the processor is shared."""
+LIMIT_BYTES = 2 * 2**30
+"""Memory that a case may take beyond what this process has."""
+RESERVED_BYTES = 16 * 2**30
+"""Addresses that a case may reserve beyond that; libraries reserve more than they use."""
+UNEXPECTED = 70
+"""Exit status of a fork that ends in an error that nobody caught."""
+OUT, ERR = "out", "err"
+"""Names of the files that hold what a command says."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One input and what is done with it: the same for the same numbers, whatever else runs.
+
+    Attributes:
+        seed: The fuzzer's.
+        number: The case's.
+        base: What is spoiled.
+    """
+
+    seed: int
+    number: int
+    base: Seed
+
+    def prepared(self, folder: Path) -> tuple[Command, tuple[str, ...], frozenset[str]]:
+        """Write the files; tell the command, how they were spoiled, and their names."""
+        rng = random.Random(f"{self.seed}/{self.number}")
+        command = rng.choice(self.base.commands)
+        for name, content in self.base.files.items():
+            (folder / name).write_bytes(content)
+        if self.base.kind == "option":
+            command, used = _options_spoiled(rng, command)
+            return command, used, frozenset()
+        spoiled = rng.choice(self.base.mutated)
+        if self.base.kind == "path":
+            return *_path_spoiled(rng, folder, spoiled, command), frozenset({spoiled})
+        data, used = mutated(rng, spoiled, self.base.files[spoiled])
+        (folder / spoiled).write_bytes(data)
+        return command, used, frozenset({spoiled})
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a case.
+
+    Attributes:
+        case: The case.
+        command: The command.
+        used: How its input was spoiled.
+        fault: What is wrong, in a few words; empty if nothing is.
+        room: Where an unexpected error was raised: file and line in the packages.
+        told: The end of what was said on standard error.
+        status: Exit status, or minus the signal that ended it.
+        seconds: Time on a processor.
+        mebibytes: Memory taken beyond this process's own.
+    """
+
+    case: Case
+    command: Command
+    used: tuple[str, ...]
+    fault: str
+    room: str
+    told: str
+    status: int
+    seconds: float
+    mebibytes: float
+
+
+def _options_spoiled(rng: random.Random, command: Command) -> tuple[Command, tuple[str, ...]]:
+    """A command with other arguments."""
+    words = list(command)
+    for _ in range(rng.choice((1, 1, 2))):
+        at = rng.randrange(1, len(words)) if len(words) > 1 else 0
+        what = rng.randrange(8)
+        if what == 0:
+            words.pop(at)
+        elif what == 1:
+            words.insert(at, rng.choice((*WORDS, *NUMBERS, *command, "--json", "--at", "--agent", "--every", "-o")))
+        elif what == 2:
+            depth = rng.choice((10, 500, 3000))
+            words += ["--where", "not " * depth + "P1 sees"] if rng.random() < 0.5 else ["--where", "(" * depth]
+        else:
+            words[at] = rng.choice((*WORDS, *NUMBERS, *NUMBERS))
+    plain = [word.replace("\x00", "\\0") for word in words]  # no system passes a NUL on
+    return tuple(word for word in plain if len(word) < 100_000), ("arguments",)
+
+
+PATHS = ("missing", "folder", "pipe", "itself", "circle", "zeros", "full", "null", "huge", "socket", "mode", "deep")
+
+
+def _path_spoiled(
+    rng: random.Random, folder: Path, name: str, command: Command
+) -> tuple[Command, tuple[str, ...]]:
+    """Something that is no regular file in the place of an input, or of what is written."""
+    what, path = rng.choice(PATHS), folder / name
+    written = [at for at, word in enumerate(command) if word in ("out.mcap", "new.db")]
+    if written and rng.random() < 0.3:
+        name = command[written[0]]
+        path = folder / name
+    elif rng.random() < 0.2:  # a name that nobody should print as it stands
+        odd = rng.choice(("\x1b[31mred", "new\nline", "\x9b5m", "a" * 250, " ", "\udcff", "-x")) + path.suffix
+        if name in command and len(odd.encode("utf-8", "surrogateescape")) < 256:
+            path.rename(folder / odd)
+            return tuple(odd if word == name else word for word in command), ("odd name",)
+    path.unlink(missing_ok=True)
+    match what:
+        case "folder":
+            path.mkdir()
+        case "pipe":
+            os.mkfifo(path)
+        case "itself":
+            path.symlink_to(path.name)
+        case "circle":
+            path.symlink_to("other")
+            (folder / "other").symlink_to(path.name)
+        case "zeros" | "full" | "null":
+            path.symlink_to({"zeros": "/dev/zero", "full": "/dev/full", "null": "/dev/null"}[what])
+        case "huge":
+            path.touch()
+            os.truncate(path, 8 * 2**30)
+        case "socket":
+            os.mknod(path, stat.S_IFSOCK | 0o600)
+        case "mode":
+            path.touch(mode=0)
+        case "deep":
+            return tuple("x/" * 300 + word if word == name else word for word in command), ("deep",)
+    return command, (what,)
+
+
+# --- Running: forks, as many at a time as there are processors, watched until they end.
+
+
+def outcomes(cases: Iterator[Case], folder: Path, jobs: int, keep: Path | None = None) -> Iterator[Outcome]:
+    """What comes of cases, in the order in which they end.
+
+    Args:
+        cases: The cases.
+        folder: Where their folders are made, and taken away again.
+        jobs: How many at a time.
+        keep: Where the folders of those go that fail; nowhere if left out.
+    """
+    running: dict[int, _Running] = {}
+    coming = enumerate(cases)
+    while True:
+        while len(running) < jobs and (following := next(coming, None)) is not None:
+            slot = min(set(range(jobs)) - {each.slot for each in running.values()})
+            started = _Running(following[1], folder / str(following[0]), slot)
+            running[started.pid] = started
+        if not running:
+            return
+        for pid, each in list(running.items()):
+            if (outcome := each.ended()) is not None:
+                del running[pid]
+                if outcome.fault and keep is not None:
+                    keep.mkdir(parents=True, exist_ok=True)
+                    shutil.move(each.folder, keep / f"{outcome.case.seed}-{outcome.case.number}")
+                shutil.rmtree(each.folder, ignore_errors=True)
+                yield outcome
+        time.sleep(0.002)
+
+
+class _Running:
+    """A fork at work."""
+
+    def __init__(self, case: Case, folder: Path, slot: int) -> None:
+        self.case, self.folder, self.slot = case, folder, slot
+        self._work = folder / "work"
+        self._work.mkdir(parents=True)
+        self.command, self.used, self._spoiled = case.prepared(self._work)
+        odd = {word for word in self.command if word not in case.base.files}
+        self._written = {*case.base.written, *(odd if self._spoiled & set(case.base.written) else ())}
+        self._before = _digests(self._work)
+        self._started = time.monotonic()
+        self._killed = ""
+        self._from_bytes = _own_bytes(os.getpid())
+        sys.stdout.flush()
+        self.pid = os.fork()
+        if self.pid == 0:
+            self._run()
+
+    def _run(self) -> None:
+        """In the fork: run the command, and never return."""
+        status = UNEXPECTED
+        try:
+            os.setsid()
+            processors = sorted(os.sched_getaffinity(0))  # one is enough: what it forks itself would not be watched
+            os.sched_setaffinity(0, {processors[self.slot % len(processors)]})
+            _limit()
+            for descriptor, name in ((0, os.devnull), (1, self.folder / OUT), (2, self.folder / ERR)):
+                os.dup2(os.open(name, os.O_RDONLY if descriptor == 0 else os.O_WRONLY | os.O_CREAT), descriptor)
+            sys.stdout = io.TextIOWrapper(open(1, "wb", closefd=False), "utf-8")  # noqa: SIM115
+            sys.stderr = io.TextIOWrapper(open(2, "wb", closefd=False), "utf-8", "backslashreplace")  # noqa: SIM115
+            os.environ["XDG_CACHE_HOME"] = str(self.folder)
+            os.chdir(self._work)
+            status = run(self.command)
+        except BaseException:
+            traceback.print_exc()
+        finally:
+            with contextlib.suppress(BaseException):
+                sys.stdout.flush()
+                sys.stderr.flush()
+            os._exit(status)
+
+    def ended(self) -> Outcome | None:
+        """What came of it; None while it is at work. One that goes beyond its limits is ended."""
+        pid, status, usage = os.wait4(self.pid, os.WNOHANG)
+        if pid == 0:
+            if not self._killed and _own_bytes(self.pid) - self._from_bytes > LIMIT_BYTES:
+                self._kill("memory")
+            if not self._killed and time.monotonic() - self._started > 3 * LIMIT_S:
+                self._kill("hang")
+            return None
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.pid, signal.SIGKILL)  # what it may have started
+        code = os.waitstatus_to_exitcode(status)
+        out, told = (_read(self.folder / name) for name in (OUT, ERR))
+        fault = self._fault(code, out, told)
+        outcome = Outcome(
+            self.case,
+            self.command,
+            self.used,
+            fault,
+            _raised_at(told) if fault in ("traceback", "unexpected error") else "",
+            told[-3000:],
+            code,
+            usage.ru_utime + usage.ru_stime,
+            max(0.0, usage.ru_maxrss / 1024 - self._from_bytes / 2**20),
+        )
+        return outcome
+
+    def _kill(self, why: str) -> None:
+        self._killed = why
+        os.killpg(self.pid, signal.SIGKILL)
+
+    def _fault(self, code: int, out: str, told: str) -> str:
+        """What is wrong, in a few words; nothing if all is as promised."""
+        if self._killed:
+            return self._killed
+        if code in (-signal.SIGXCPU, -signal.SIGKILL):
+            return "hang"
+        if code < 0:
+            return f"ended by {signal.Signals(-code).name}"
+        if "Traceback (most recent call last)" in told:
+            return "traceback"
+        if code not in (0, 1, 2):
+            return "unexpected error"
+        named = [Path(name).stem for name in (*self._spoiled, *(set(self.command) & self.case.base.files.keys()))]
+        return _odd_texts(code, out, told, named if self._spoiled else [""], self.command) or self._changed(code)
+
+    def _changed(self, code: int) -> str:
+        after = _digests(self._work)
+        written = set() if code == 2 else self._written
+        for name, digest in self._before.items():
+            if after.get(name) != digest and name not in written:
+                return f"changed {name}"
+        left = sorted(after.keys() - self._before.keys() - self._written)
+        if any(name.endswith((".draft", "MUJOCO_LOG.TXT")) for name in left):
+            return "left a file behind"
+        return ""
+
+
+def run(command: Command) -> int:
+    """Run a command in this process; its exit status."""
+    if command and command[0] in READERS:
+        try:
+            READERS[command[0]](Path(command[1]))
+        except TaskgistError as error:
+            sys.stderr.write(f"error: {error}\n")
+            return 2
+        return 0
+    sys.argv = ["taskgist", *command]
+    try:
+        main()
+    except SystemExit as ending:
+        return ending.code if isinstance(ending.code, int) else 0 if ending.code is None else 1
+    return 0
+
+
+def _limit() -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (LIMIT_S, LIMIT_S + 5))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    most = pages * resource.getpagesize() + RESERVED_BYTES
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2**30, 2**30))
+
+
+def _own_bytes(pid: int) -> int:
+    """Memory of a process that is no file's."""
+    try:
+        _, resident, shared, *_ = map(int, Path(f"/proc/{pid}/statm").read_text().split())
+        return (resident - shared) * resource.getpagesize()
+    except (OSError, ValueError):
+        return 0
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    """What is in a folder: digests of files, and what else there is."""
+    found = {}
+    for path in folder.iterdir():
+        kind = path.lstat()
+        plain = stat.S_ISREG(kind.st_mode) and kind.st_size < 2**26
+        content = hashlib.sha256(path.read_bytes()).hexdigest() if plain else f"{kind.st_mode} {kind.st_size}"
+        found[path.name] = content
+    return found
+
+
+def _read(path: Path) -> str:
+    try:
+        with path.open("rb") as stream:
+            return stream.read(10_000_000).decode("utf-8", "surrogateescape")
+    except OSError:
+        return ""
+
+
+CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+NOISE = re.compile(r"^\S*Warning\b|: \w*Warning: |^WARNING|^WARN\b", re.MULTILINE)
+USAGE = re.compile(r"^Usage: ", re.MULTILINE)
+
+
+def _odd_texts(code: int, out: str, told: str, named: Sequence[str], command: Command) -> str:
+    """What is wrong with what was said; a refusal must have one of some names in it."""
+    if CONTROLS.search(out) or CONTROLS.search(told):
+        return "control characters"
+    if NOISE.search(told):
+        return "warning"
+    if code == 2 and not told.strip():
+        return "refused without a word"
+    if code == 2 and not USAGE.search(told) and not any(name in told for name in named):
+        return "no file named"
+    if code == 2 and len(told) > 4000:
+        return "a long message"
+    if code == 0 and "--json" in command and not _is_json(out):
+        return "no JSON"
+    return ""
+
+
+def _is_json(text: str) -> bool:
+    try:
+        json.loads(text, parse_constant=lambda constant: float(f"no {constant}"))
+    except ValueError:
+        return False
+    return True
+
+
+def _raised_at(told: str) -> str:
+    """The last line of the packages in a traceback, and the error."""
+    places = re.findall(r'File "[^"]*/(taskgist(?:_lab)?/[^"]+)", line (\d+)', told)
+    if not places:
+        return ""
+    last = told.strip().splitlines()[-1].partition(":")[0][:60]
+    file, line = places[-1]
+    return f"{file}:{line} {last}"
+
+
+def chosen(seed: int, numbers: Sequence[int], bases: Sequence[Seed], only: str | None) -> Iterator[Case]:
+    """Cases by number; of one kind, if only that is wanted."""
+    for number in numbers:
+        base = bases[number % len(bases)]
+        if only is None or base.kind == only:
+            yield Case(seed, number, base)

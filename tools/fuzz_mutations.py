@@ -1,0 +1,511 @@
+"""How the fuzzer spoils what is right: bytes, tokens of text, and the structure of documents, archives and databases.
+
+A mutation is a function of a seeded random generator and a file's content. ``MUTATIONS`` has them by name, ``usable``
+says which of them fit a file.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import json
+import random
+import re
+import sqlite3
+import tempfile
+import warnings
+import zipfile
+import zlib
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zstandard
+from mcap.data_stream import RecordBuilder
+from mcap.reader import make_reader
+from mcap.records import Attachment, Chunk, Metadata
+from mcap.writer import CompressionType, Writer
+
+Mutation = Callable[[random.Random, bytes], bytes]
+LARGEST = 4 * 2**20
+"""Bytes of a spoiled file, but for those that unpack to more."""
+
+NUMBERS = (
+    *("nan", "inf", "-inf", "NaN", "Infinity", "1e308", "-1e308", "1e-320", "-0", "0", "-1", "1", "2", "255"),
+    *("1e9", "1e19", "4294967296", "9223372036854775808", "1" + 400 * "0", "1_0", "0x10", "1e", "--1", "1.2.3", ""),
+    *("١٢", "４２", "²", "½", "1,5", "1e400", "30000", "99999999", "0.0000001", "true", '"1"', "[1]", "{}"),
+)
+"""What stands for a number when it is spoiled."""
+WORDS = (
+    *("", " ", "\x00", "a\x00b", "\x1b[31mred\x1b[0m", "\x9b31m", "\x07", "\u202egnp", "\ud7ff", "é", "e\u0301", "\ufeff"),
+    *("../../../../etc/passwd", "/etc/passwd", "/dev/zero", ".", "..", "~", "a/b", "a" * 300, "a" * 70_000, "'", '"'),
+    *("[", "]", "{", "}", "{{point}}", "{nobody}", "%s", "$(id)", "null", "true", "1", "-", "--help", "package://x/y"),
+    *("world", "P1", "P2", "cup", "room.toml", "room.xml", "__class__", "\r\n", "\n", "\t", "#", "<!--", "]]>", "&lt;"),
+    *("&x;", "<include file='/etc/passwd'/>", "=", "a = 1", "inf", "nan"),
+)
+"""What stands for a word when it is spoiled."""
+
+
+# --- Bytes.
+
+
+def flipped(rng: random.Random, data: bytes) -> bytes:
+    """One to eight bytes are others."""
+    spoiled = bytearray(data)
+    for _ in range(rng.randint(1, 8)):
+        if spoiled:
+            spoiled[rng.randrange(len(spoiled))] ^= rng.randint(1, 255)
+    return bytes(spoiled)
+
+
+def inserted(rng: random.Random, data: bytes) -> bytes:
+    """Some bytes stand between others."""
+    at = rng.randint(0, len(data))
+    return data[:at] + rng.randbytes(rng.choice((1, 4, 100))) + data[at:]
+
+
+def deleted(rng: random.Random, data: bytes) -> bytes:
+    """Some bytes are missing."""
+    start, end = _part(rng, len(data))
+    return data[:start] + data[end:]
+
+
+def duplicated(rng: random.Random, data: bytes) -> bytes:
+    """Some bytes stand there twice, or a hundred times."""
+    start, end = _part(rng, len(data))
+    return (data[:end] + data[start:end] * rng.choice((1, 2, 100)) + data[end:])[:LARGEST]
+
+
+def truncated(rng: random.Random, data: bytes) -> bytes:
+    """The end is missing."""
+    return data[: rng.randint(0, len(data))]
+
+
+def spliced(rng: random.Random, data: bytes) -> bytes:
+    """Some bytes are those of another place."""
+    start, end = _part(rng, len(data))
+    at = rng.randint(0, len(data))
+    return data[:at] + data[start:end] + data[at + end - start :]
+
+
+def zeroed(rng: random.Random, data: bytes) -> bytes:
+    """Some bytes are all 0, or all 255."""
+    start, end = _part(rng, len(data))
+    return data[:start] + rng.choice((b"\x00", b"\xff")) * (end - start) + data[end:]
+
+
+def _part(rng: random.Random, size: int) -> tuple[int, int]:
+    start = rng.randint(0, size)
+    return start, min(size, start + rng.choice((1, 2, 8, 64, max(1, size // 4))))
+
+
+# --- Tokens of text.
+
+TOKENS = re.compile(r"[-+]?\d[\w.+-]*|[^\W\d][\w.-]*|\s+|.", re.DOTALL)
+
+
+def number_replaced(rng: random.Random, data: bytes) -> bytes:
+    """A number is one that no file should hold, or that few expect."""
+    return _replaced(rng, data, lambda token: token[0].isdigit() or token[0] in "+-" and len(token) > 1, NUMBERS)
+
+
+def word_replaced(rng: random.Random, data: bytes) -> bytes:
+    """A word is another one: of the file, or one that is no word."""
+    words = [token for token in TOKENS.findall(_text(data)) if token[0].isalpha()]
+    return _replaced(rng, data, lambda token: token[0].isalpha(), words if words and rng.random() < 0.4 else WORDS)
+
+
+def quoted_replaced(rng: random.Random, data: bytes) -> bytes:
+    """A quoted text holds something else."""
+    text = _text(data)
+    found = list(re.finditer(r'"([^"\n]*)"', text))
+    if not found:
+        return word_replaced(rng, data)
+    hit, other = rng.choice(found), rng.choice(found)
+    new = other[1] if rng.random() < 0.3 else rng.choice((*WORDS, *NUMBERS))
+    if rng.random() < 0.5:
+        new = json.dumps(new)[1:-1]  # escaped, so that it comes through
+    return (text[: hit.start(1)] + new + text[hit.end(1) :]).encode("utf-8", "surrogatepass")
+
+
+def value_retyped(rng: random.Random, data: bytes) -> bytes:
+    """What stands behind a sign of equality, or a colon, is of another type."""
+    text = _text(data)
+    found = list(re.finditer(r"(?:=|:)\s*([^\n,}]+)", text))
+    if not found:
+        return word_replaced(rng, data)
+    hit = rng.choice(found)
+    new = rng.choice(('"x"', "1", "[]", "[[1]]", "{}", "{ a = 1 }", "true", "1979-05-27", '""', "[1, 2]", '["a", 1]', "-1"))
+    return (text[: hit.start(1)] + new + text[hit.end(1) :]).encode("utf-8", "surrogatepass")
+
+
+def line_moved(rng: random.Random, data: bytes) -> bytes:
+    """A line is missing, stands twice, elsewhere, or a thousand times."""
+    lines = _text(data).splitlines(keepends=True) or [""]
+    at, to = rng.randrange(len(lines)), rng.randrange(len(lines))
+    count = rng.choice((0, 0, 2, 2, 1000))
+    moved = lines[:at] + lines[at : at + 1] * count + lines[at + 1 :]
+    if rng.random() < 0.3:
+        moved.insert(to, lines[at])
+    return "".join(moved).encode("utf-8", "surrogatepass")[:LARGEST]
+
+
+def element_moved(rng: random.Random, data: bytes) -> bytes:
+    """An element of XML, or what stands in brackets, is missing, stands twice, or in another."""
+    text = _text(data)
+    found = list(re.finditer(r"<(\w+)\b[^<>]*/>|<(\w+)\b[^<>]*>[^<>]*</\2>|\[[^\[\]\n]*\]|\{[^{}\n]*\}|\w+=\"[^\"]*\"", text))
+    if not found:
+        return line_moved(rng, data)
+    hit, other = rng.choice(found), rng.choice(found)
+    new = rng.choice(("", hit[0] * 2, hit[0] * 300, other[0], hit[0][:1] + hit[0]))
+    return (text[: hit.start()] + new + text[hit.end() :]).encode("utf-8", "surrogatepass")[:LARGEST]
+
+
+def deepened(rng: random.Random, data: bytes) -> bytes:
+    """Something stands very deep in brackets, or in elements."""
+    text = _text(data)
+    tokens = TOKENS.findall(text) or [""]
+    at, depth = rng.randrange(len(tokens)), rng.choice((10, 300, 20_000, 100_000))
+    before, after = rng.choice((("[", "]"), ('{"a":', "}"), ("{a=", "}"), ("<body>", "</body>"), ("(", ")"), ("a.", "")))
+    tokens[at] = before * depth + tokens[at] + after * depth
+    return "".join(tokens).encode("utf-8", "surrogatepass")[:LARGEST]
+
+
+def _text(data: bytes) -> str:
+    return data.decode("utf-8", "replace")
+
+
+def _replaced(rng: random.Random, data: bytes, fits: Callable[[str], bool], new: tuple[str, ...] | list[str]) -> bytes:
+    tokens = TOKENS.findall(_text(data))
+    places = [place for place, token in enumerate(tokens) if fits(token)]
+    for _ in range(min(len(places), rng.choice((1, 1, 1, 2, 5)))):
+        tokens[rng.choice(places)] = rng.choice(new)
+    return "".join(tokens).encode("utf-8", "surrogatepass")[:LARGEST]
+
+
+# --- JSON documents.
+
+VALUES: tuple[Any, ...] = (
+    *(None, True, False, 0, -1, 1, 2**63, 10**400, 1.5, -0.0, 1e308, float("nan"), float("inf"), "", "x", "1"),
+    *("\x1b[31mred", "\x9b", "\x00", "\ud800", "a" * 100_000, [], [[]], {}, {"a": 1}, [None], ["x", 1], {"": None}),
+    *([0] * 1000, {"value": None}, {"value": {"value": 1}}, "show", "  show  ", "P1", "Head_Effort", "../x", "/etc/passwd"),
+)
+DEEP = object()
+"""Stands for something very deep, which no value of Python can be."""
+
+
+def json_changed(rng: random.Random, data: bytes) -> bytes:
+    """A value of a document is another, missing, twice, under another name, or very deep."""
+    document = json.loads(data)
+    for _ in range(rng.choice((1, 1, 1, 2, 4))):
+        document = _changed(rng, document)
+    text = json.dumps(document, ensure_ascii=rng.random() < 0.5, default=lambda _: "\x00deep\x00")
+    depth = rng.choice((200, 5_000, 100_000))
+    text = text.replace('"\\u0000deep\\u0000"', "[" * depth + "]" * depth)
+    return text.encode("utf-8", "surrogatepass")
+
+
+def _changed(rng: random.Random, document: Any) -> Any:
+    inner = isinstance(document, dict | list) and document
+    if inner and rng.random() < 0.85:
+        keys = list(document) if isinstance(document, dict) else range(len(document))
+        key = rng.choice(keys)
+        if rng.random() < 0.15:
+            if isinstance(document, dict):
+                document[rng.choice((*map(str, keys), "new", "", "\x1b[0m", "a" * 1000))] = document.pop(key)
+            else:
+                document.append(document.pop(key)) if rng.random() < 0.5 else document.pop(key)
+        else:
+            document[key] = _changed(rng, document[key])
+        return document
+    return rng.choice((*VALUES, DEEP, DEEP))
+
+
+# --- Archives: NPZ, compressed documents.
+
+PIECE, PIECES = 2**26, 48
+"""What unpacks to 3 GiB is made of so many pieces of zeros."""
+
+
+def array_changed(rng: random.Random, data: bytes) -> bytes:
+    """An array's header, or its entry in the archive, says something else; or it unpacks to very much."""
+    if not data.startswith(b"PK"):
+        return _header_changed(rng, data)
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        content = {name: archive.read(name) for name in archive.namelist()}
+    name = rng.choice(sorted(content) or ["x.npy"])
+    what = rng.randrange(6)
+    if what == 0:
+        content.pop(name, None)
+    elif what == 1:
+        content[rng.choice(("unused.npy", "t.npy", "body.npy", "", "../x.npy", "\x1b[31m.npy", "no array"))] = content[name]
+    elif what == 2:
+        content[name] = content[rng.choice(sorted(content))]
+    elif what == 3:
+        content[name] = flipped(rng, content[name])
+    else:
+        content[name] = _header_changed(rng, content[name])
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", rng.choice((zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_STORED))) as packed:
+        for key, value in content.items():
+            packed.writestr(key, value)
+    archived = stream.getvalue()
+    return _directory_changed(rng, archived) if rng.random() < 0.3 else archived
+
+
+def _header_changed(rng: random.Random, data: bytes) -> bytes:
+    """The header of an NPY file, of which the length stays right."""
+    start = data.find(b"{'descr'")
+    end = data.find(b"\n", start)
+    if start < 0 or end < 0:
+        return flipped(rng, data)
+    header = data[start:end].decode("latin-1")
+    old, new = rng.choice(
+        (
+            (r"\(.*?\)", "()"),
+            (r"\(.*?\)", f"({rng.choice((0, 1, 7, 10**6, 10**9, 10**12, 2**62, -1))}, 3)"),
+            (r"\(\d+", f"({rng.choice((0, 1, 2, 10**9, 10**15, -5))}"),
+            (r"\(", "(0, "),
+            (r"'[<|]\w+'", f"'{rng.choice(('|O', '<f4', '<c16', '<U999', '|V0', '|S0', '<M8[ns]', '<i8', '|b1', '>f8'))}'"),
+            (r"False", "True"),
+            (r"'descr'", "'desc'"),
+            (r"\{", "[" * 90),
+            (r"\(.*?\)", "(" * 200),
+        )
+    )
+    changed = re.sub(old, new, header, count=1)[: len(header)]
+    return data[:start] + changed.ljust(len(header)).encode("latin-1") + data[end:]
+
+
+def _directory_changed(rng: random.Random, data: bytes) -> bytes:
+    """A field of an entry in the archive's directory, or of its local header, is another."""
+    places = [hit.start() for hit in re.finditer(b"PK\x01\x02|PK\x03\x04", data)]
+    at = rng.choice(places)
+    offset, size = rng.choice(((6, 2), (8, 2), (10, 2), (16, 4), (18, 4), (20, 4), (22, 4), (24, 4), (28, 2), (42, 4)))
+    spoiled = bytearray(data)
+    spoiled[at + offset : at + offset + size] = rng.choice((rng.randbytes(size), b"\xff" * size, b"\x00" * size))
+    return bytes(spoiled)
+
+
+def array_swollen(rng: random.Random, data: bytes) -> bytes:
+    """An archive with one more array, which unpacks to 3 GiB."""
+    header = io.BytesIO()
+    shape = (PIECE * PIECES // 8,)
+    np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": shape})
+    packer = zlib.compressobj(wbits=-15)
+    first = packer.compress(header.getvalue()) + packer.flush(zlib.Z_FULL_FLUSH)
+    piece = packer.compress(bytes(PIECE)) + packer.flush(zlib.Z_FULL_FLUSH)
+    stream = io.BytesIO(data if data.startswith(b"PK") else b"")
+    with zipfile.ZipFile(stream, "a") as archive, warnings.catch_warnings(action="ignore"):
+        entry = zipfile.ZipInfo(rng.choice(("body.npy", "levels.npy", "unused.npy", "extra.npy")))
+        archive.writestr(entry, first + piece * PIECES + packer.flush())
+        entry.compress_type, entry.file_size = zipfile.ZIP_DEFLATED, len(header.getvalue()) + PIECE * PIECES
+    return stream.getvalue()
+
+
+def packed_json_changed(rng: random.Random, data: bytes) -> bytes:
+    """A compressed document holds something else, or unpacks to very much."""
+    spoil = rng.choice((json_changed, json_changed, deepened, number_replaced, word_replaced))
+    spoiled = spoil(rng, gzip.decompress(data))
+    return gzip.compress(spoiled, mtime=0)
+
+
+def packed_json_swollen(_rng: random.Random, data: bytes) -> bytes:
+    """A compressed document behind 3 GiB of blanks."""
+    return gzip.compress(b" " * PIECE) * PIECES + data
+
+
+# --- Recordings.
+
+
+def recording_swollen(rng: random.Random, data: bytes) -> bytes:
+    """A recording with a chunk that unpacks to 3 GiB, somewhere between its records."""
+    builder = RecordBuilder()
+    Chunk("zstd", zstandard.compress(bytes(PIECE)) * PIECES, 1, 0, 0, PIECE * PIECES).write(builder)
+    ends, at = [], 8
+    while at + 9 <= len(data):  # each record is its kind, its length, and so many bytes
+        at += 9 + int.from_bytes(data[at + 1 : at + 9], "little")
+        ends.append(at)
+    place = rng.choice(ends[:20] or [len(data)])
+    return data[:place] + builder.end() + data[place:]
+
+
+def recording_rebuilt(rng: random.Random, data: bytes) -> bytes:
+    """A recording whose records are right as such, and one or more of which hold something else."""
+    reader = make_reader(io.BytesIO(data))
+    messages, metadata, attachments = (
+        list(records) for records in (reader.iter_messages(), reader.iter_metadata(), reader.iter_attachments())
+    )
+    for _ in range(rng.choice((1, 1, 2))):
+        rng.choice((_metadata_changed, _metadata_changed, _attachments_changed, _messages_changed))(
+            rng, metadata, attachments, messages
+        )
+    stream = io.BytesIO()
+    compression = rng.choice((CompressionType.ZSTD, CompressionType.ZSTD, CompressionType.LZ4, CompressionType.NONE))
+    writer = Writer(stream, chunk_size=rng.choice((1, 1024, 2**24)), compression=compression)
+    writer.start(profile="", library="taskgist")
+    for attached in attachments:
+        writer.add_attachment(0, 0, attached.name, attached.media_type, attached.data)
+    for record in metadata:
+        writer.add_metadata(record.name, record.metadata)
+    channels: dict[int, int] = {}
+    for schema, channel, message in messages:
+        if channel.id not in channels:
+            schema_id = writer.register_schema(schema.name, schema.encoding, schema.data)
+            channels[channel.id] = writer.register_channel(channel.topic, channel.message_encoding, schema_id)
+        writer.add_message(channels[channel.id], message.log_time, message.data, message.publish_time)
+    writer.finish()  # type: ignore[no-untyped-call]  # the one function that mcap leaves untyped
+    return stream.getvalue()
+
+
+def _metadata_changed(rng: random.Random, metadata: list[Metadata], _attachments: Any, _messages: Any) -> None:
+    if not metadata:
+        return
+    at = rng.randrange(len(metadata))
+    record = metadata[at]
+    values = dict(record.metadata)
+    what = rng.randrange(5)
+    if what == 0:
+        metadata.pop(at)
+    elif what == 1:
+        metadata.append(record)
+    elif what == 2:
+        metadata[at] = Metadata(name=rng.choice(("taskgist.label", "taskgist.", "x", "\x1b[31m")), metadata=values)
+    else:
+        key = rng.choice(sorted(values) or ["x"])
+        old = values.get(key, "null").encode()
+        spoil = rng.choice((json_changed, json_changed, json_changed, word_replaced, number_replaced, deepened))
+        values[rng.choice((key, key, key, key, "new"))] = spoil(rng, old).decode("utf-8", "replace")
+        metadata[at] = Metadata(name=record.name, metadata=values)
+
+
+def _attachments_changed(rng: random.Random, _metadata: Any, attachments: list[Attachment], _messages: Any) -> None:
+    if not attachments:
+        return
+    at = rng.randrange(len(attachments))
+    old = attachments[at]
+    what = rng.randrange(6)
+    name, data = old.name, old.data
+    if what == 0:
+        attachments.pop(at)
+        return
+    if what == 1:
+        attachments.append(replace(old, name=rng.choice((old.name, "x", "\x1b[0m", "scene/"))))
+        return
+    if what == 2:
+        name = rng.choice(("../x", "/etc/passwd", "scene/../../x", "scene//etc/passwd", "scene/\x00", "scene/\x1b[31m.xml"))
+    elif what == 3:
+        data = rng.choice((b"", bytes(1000), data * 3))
+    else:
+        data = rng.choice((number_replaced, word_replaced, quoted_replaced, element_moved, line_moved, deepened))(rng, data)
+    attachments[at] = replace(old, name=name, data=data)
+
+
+def _messages_changed(rng: random.Random, _metadata: Any, _attachments: Any, messages: list[Any]) -> None:
+    if not messages:
+        return
+    at = rng.randrange(len(messages))
+    schema, channel, message = messages[at]
+    what = rng.randrange(7)
+    if what == 0:
+        messages.pop(at)
+    elif what == 1:
+        messages.insert(at, messages[at])
+    elif what == 2:
+        message.log_time = rng.choice((0, 1, 2**63, 2**64 - 1, message.log_time + 10**18))
+    elif what == 3:
+        message.data = rng.choice((b"", b"null", b"[]", b"\xff", b"[" * 100_000, b" " * 2**20))
+    elif what == 4:
+        del messages[: rng.choice((1, len(messages) // 2, len(messages)))]
+    else:
+        message.data = json_changed(rng, message.data)
+
+
+# --- Knowledge.
+
+
+def database_changed(rng: random.Random, data: bytes) -> bytes:
+    """A database whose rows, tables or columns hold something else, are missing, or are others'."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "knowledge.db"
+        path.write_bytes(data)
+        with closing(sqlite3.connect(path, isolation_level=None)) as connection:
+            for _ in range(rng.choice((1, 1, 2))):
+                _rows_changed(rng, connection)
+        return path.read_bytes()
+
+
+def _rows_changed(rng: random.Random, connection: sqlite3.Connection) -> None:
+    named = connection.execute("select name from sqlite_master where type = 'table'").fetchall()
+    table = rng.choice(sorted(name for (name,) in named))
+    columns = [row[1] for row in connection.execute(f'pragma table_info("{table}")')]
+    column = rng.choice(columns)
+    what = rng.randrange(8)
+    if what == 0:
+        connection.execute(f'drop table "{table}"')
+    elif what == 1:
+        connection.execute(f'alter table "{table}" rename column "{column}" to other')
+    elif what == 2:
+        connection.execute(f'delete from "{table}"')
+    elif what == 3:  # as it is, but without its constraints
+        _loosened(connection, table)
+        connection.execute(f'update "{table}" set "{column}" = ?', (rng.choice((None, 1, 1.5, b"\xff\x00", "", "x")),))
+    elif what == 4:
+        _loosened(connection, table)
+        connection.execute(f'insert into "{table}" select * from "{table}"')
+    else:
+        documents = [row[0] for row in connection.execute(f'select "{column}" from "{table}" limit 3')]
+        if documents:
+            spoil = rng.choice((json_changed, json_changed, json_changed, word_replaced, deepened))
+            new = spoil(rng, str(documents[0]).encode()).decode("utf-8", "replace")
+            _loosened(connection, table)
+            connection.execute(f'update "{table}" set "{column}" = ? where "{column}" = ?', (new, documents[0]))
+
+
+def _loosened(connection: sqlite3.Connection, table: str) -> None:
+    connection.execute(f'create table loose as select * from "{table}"')
+    connection.execute(f'drop table "{table}"')
+    connection.execute(f'alter table loose rename to "{table}"')
+
+
+# --- All of them, and which fit which file.
+
+OF_BYTES: Mapping[str, Mutation] = {
+    each.__name__: each for each in (flipped, inserted, deleted, duplicated, truncated, spliced, zeroed)
+}
+OF_TEXT: Mapping[str, Mutation] = {
+    each.__name__: each
+    for each in (number_replaced, word_replaced, quoted_replaced, value_retyped, line_moved, element_moved, deepened)
+}
+OF_SUFFIX: Mapping[str, Mapping[str, Mutation]] = {
+    ".json": {"json_changed": json_changed, **OF_TEXT},
+    ".npz": {"array_changed": array_changed, "array_swollen": array_swollen},
+    ".npy": {"array_changed": array_changed},
+    ".gz": {"packed_json_changed": packed_json_changed, "packed_json_swollen": packed_json_swollen},
+    ".mcap": {"recording_rebuilt": recording_rebuilt, "recording_swollen": recording_swollen},
+    ".db": {"database_changed": database_changed},
+    ".stl": {},
+}
+SWOLLEN_SHARE = 0.03
+"""How often something that unpacks to gibibytes is tried, beside what else fits: each takes seconds if it works."""
+BYTES_SHARE = 0.2
+"""How often bytes are spoiled; they find least."""
+
+
+def mutated(rng: random.Random, name: str, data: bytes) -> tuple[bytes, tuple[str, ...]]:
+    """A spoiled file, and by which mutations."""
+    fitting = OF_SUFFIX.get(Path(name).suffix, OF_TEXT)
+    used = []
+    for _ in range(rng.choice((1, 1, 1, 2, 3))):
+        chosen = OF_BYTES if not fitting or rng.random() < BYTES_SHARE else fitting
+        names = sorted(chosen)
+        mutation = rng.choices(names, [SWOLLEN_SHARE if name.endswith("_swollen") else 1.0 for name in names])[0]
+        try:
+            data = chosen[mutation](rng, data)
+        except Exception:  # what is spoiled already cannot always be taken apart
+            mutation, data = "flipped", flipped(rng, data)
+        used.append(mutation)
+    return data, tuple(used)
