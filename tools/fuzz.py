@@ -21,7 +21,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # a process with threads cannot be forked safely
@@ -45,7 +45,7 @@ def main() -> int:
         bases = warmed(Path(name))
         if options.only and options.only not in {base.kind for base in bases}:
             parser.error(f"--only: known are {', '.join(dict.fromkeys(base.kind for base in bases))}")
-        numbers = itertools.count() if options.case is None else [options.case]
+        numbers: Iterable[int] = itertools.count() if options.case is None else [options.case]
         cases = itertools.islice(chosen(options.seed, numbers, bases, options.only), options.cases)
         started, found = time.monotonic(), []
         for outcome in outcomes(cases, Path(name) / "cases", options.jobs, options.keep):
@@ -96,7 +96,9 @@ def described(outcome: Outcome, *, whole: bool = False) -> str:
     text = f"{outcome.fault or 'as promised'} [{outcome.case.base.kind}; {by}] taskgist {line} {outcome.room}"
     text += f"\n    python -m tools.fuzz --seed {outcome.case.seed} --case {outcome.case.number}"
     if whole:
-        text += f"\n    exit status {outcome.status}, {outcome.seconds:.2f} s, {outcome.mebibytes:.0f} MiB\n{outcome.told}"
+        text += (
+            f"\n    exit status {outcome.status}, {outcome.seconds:.2f} s, {outcome.mebibytes:.0f} MiB\n{outcome.told}"
+        )
     return text.encode("utf-8", "backslashreplace").decode()
 
 
@@ -109,7 +111,9 @@ def summary(found: Sequence[Outcome], seconds: float) -> str:
         of_kind = [outcome for outcome in found if outcome.case.base.kind == kind]
         statuses = Counter(outcome.status for outcome in of_kind)
         faults = Counter(outcome.fault for outcome in of_kind if outcome.fault)
-        lines.append(f"  {kind}: {count}, exit status {dict(sorted(statuses.items()))} {dict(faults) if faults else ''}")
+        lines.append(
+            f"  {kind}: {count}, exit status {dict(sorted(statuses.items()))} {dict(faults) if faults else ''}"
+        )
     lines += [f"  {count} x {fault} {room}" for (fault, room), count in _groups(failed).most_common()]
     lines += [f"  {name}: {bad} of {count}" for name, (bad, count) in _by_mutation(found).items() if bad]
     slowest = max(found, key=lambda outcome: outcome.seconds)

@@ -20,7 +20,7 @@ import stat
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -127,45 +127,46 @@ def _options_spoiled(rng: random.Random, command: Command) -> tuple[Command, tup
     return tuple(word for word in plain if len(word) < 100_000), ("arguments",)
 
 
-PATHS = ("missing", "folder", "pipe", "itself", "circle", "zeros", "full", "null", "huge", "socket", "mode", "deep")
+def _other(path: Path) -> None:
+    """A circle of two links."""
+    path.symlink_to("other")
+    path.with_name("other").symlink_to(path.name)
 
 
-def _path_spoiled(
-    rng: random.Random, folder: Path, name: str, command: Command
-) -> tuple[Command, tuple[str, ...]]:
-    """Something that is no regular file in the place of an input, or of what is written."""
-    what, path = rng.choice(PATHS), folder / name
-    written = [at for at, word in enumerate(command) if word in ("out.mcap", "new.db")]
-    if written and rng.random() < 0.3:
-        name = command[written[0]]
-        path = folder / name
-    elif rng.random() < 0.2:  # a name that nobody should print as it stands
-        odd = rng.choice(("\x1b[31mred", "new\nline", "\x9b5m", "a" * 250, " ", "\udcff", "-x")) + path.suffix
-        if name in command and len(odd.encode("utf-8", "surrogateescape")) < 256:
-            path.rename(folder / odd)
-            return tuple(odd if word == name else word for word in command), ("odd name",)
+def _huge(path: Path) -> None:
+    path.touch()
+    os.truncate(path, 8 * 2**30)
+
+
+PATHS: dict[str, Callable[[Path], object]] = {
+    "missing": lambda _: None,
+    "folder": Path.mkdir,
+    "pipe": os.mkfifo,
+    "itself": lambda path: path.symlink_to(path.name),
+    "circle": _other,
+    "zeros": lambda path: path.symlink_to("/dev/zero"),
+    "full": lambda path: path.symlink_to("/dev/full"),
+    "null": lambda path: path.symlink_to("/dev/null"),
+    "huge": _huge,
+    "socket": lambda path: os.mknod(path, stat.S_IFSOCK | 0o600),
+    "mode": lambda path: path.touch(mode=0),
+}
+"""What stands in the place of a file."""
+ODD_NAMES = ("\x1b[31mred", "new\nline", "\x9b5m", "a" * 200, " ", "\udcff", "-x", "x/" * 30)
+
+
+def _path_spoiled(rng: random.Random, folder: Path, name: str, command: Command) -> tuple[Command, tuple[str, ...]]:
+    """Something that is no regular file in the place of an input, or of what is written; or an odd name."""
+    if name in command and rng.random() < 0.2:
+        odd = rng.choice(ODD_NAMES) + Path(name).suffix
+        if "/" not in odd:
+            (folder / name).rename(folder / odd)
+        return tuple(odd if word == name else word for word in command), ("odd name",)
+    written = [word for word in command if word in ("out.mcap", "new.db")]
+    path = folder / (written[0] if written and rng.random() < 0.3 else name)
     path.unlink(missing_ok=True)
-    match what:
-        case "folder":
-            path.mkdir()
-        case "pipe":
-            os.mkfifo(path)
-        case "itself":
-            path.symlink_to(path.name)
-        case "circle":
-            path.symlink_to("other")
-            (folder / "other").symlink_to(path.name)
-        case "zeros" | "full" | "null":
-            path.symlink_to({"zeros": "/dev/zero", "full": "/dev/full", "null": "/dev/null"}[what])
-        case "huge":
-            path.touch()
-            os.truncate(path, 8 * 2**30)
-        case "socket":
-            os.mknod(path, stat.S_IFSOCK | 0o600)
-        case "mode":
-            path.touch(mode=0)
-        case "deep":
-            return tuple("x/" * 300 + word if word == name else word for word in command), ("deep",)
+    what = rng.choice(sorted(PATHS))
+    PATHS[what](path)
     return command, (what,)
 
 
@@ -257,7 +258,7 @@ class _Running:
         code = os.waitstatus_to_exitcode(status)
         out, told = (_read(self.folder / name) for name in (OUT, ERR))
         fault = self._fault(code, out, told)
-        outcome = Outcome(
+        return Outcome(
             self.case,
             self.command,
             self.used,
@@ -268,7 +269,6 @@ class _Running:
             usage.ru_utime + usage.ru_stime,
             max(0.0, usage.ru_maxrss / 1024 - self._from_bytes / 2**20),
         )
-        return outcome
 
     def _kill(self, why: str) -> None:
         self._killed = why
@@ -286,7 +286,8 @@ class _Running:
             return "traceback"
         if code not in (0, 1, 2):
             return "unexpected error"
-        named = [Path(name).stem for name in (*self._spoiled, *(set(self.command) & self.case.base.files.keys()))]
+        files = self.case.base.files.keys() | self._written
+        named = [Path(name).stem for name in (*self._spoiled, *(set(self.command) & files))]
         return _odd_texts(code, out, told, named if self._spoiled else [""], self.command) or self._changed(code)
 
     def _changed(self, code: int) -> str:
@@ -372,7 +373,7 @@ def _odd_texts(code: int, out: str, told: str, named: Sequence[str], command: Co
         return "no file named"
     if code == 2 and len(told) > 4000:
         return "a long message"
-    if code == 0 and "--json" in command and not _is_json(out):
+    if code == 0 and command[-1:] == ("--json",) and not _is_json(out):
         return "no JSON"
     return ""
 
@@ -395,7 +396,7 @@ def _raised_at(told: str) -> str:
     return f"{file}:{line} {last}"
 
 
-def chosen(seed: int, numbers: Sequence[int], bases: Sequence[Seed], only: str | None) -> Iterator[Case]:
+def chosen(seed: int, numbers: Iterable[int], bases: Sequence[Seed], only: str | None) -> Iterator[Case]:
     """Cases by number; of one kind, if only that is wanted."""
     for number in numbers:
         base = bases[number % len(bases)]

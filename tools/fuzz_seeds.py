@@ -189,7 +189,7 @@ ROOM_XML = """<mujoco model="room">
     <body name="box" pos="-0.1 0.2 0.77"><freejoint/><geom type="box" size="0.05 0.05 0.05" mass="0.2"/></body>
     <body name="mug" pos="0.0 -0.2 0.72"><freejoint/><geom type="mesh" mesh="mug"/></body>
     <body name="lamp" pos="1 1 0"><geom type="capsule" fromto="0 0 0 0 0 1" size="0.05"/></body>
-    <body name="door" pos="0 3 1"><joint name="hinge" axis="0 0 1" range="-1 1"/><geom size="0.05 0.4 1" type="box"/></body>
+    <body name="door" pos="0 3 1"><joint axis="0 0 1" range="-1 1"/><geom size="0.05 0.4 1" type="box"/></body>
   </worldbody>
 </mujoco>
 """
@@ -272,12 +272,7 @@ def _prism() -> tuple[list[tuple[float, float, float]], list[tuple[int, int, int
     """Vertices and triangles of a hexagonal prism: convex, so that nothing is decomposed."""
     ring = [(0.04 * math.cos(k * math.pi / 3), 0.04 * math.sin(k * math.pi / 3)) for k in range(6)]
     vertices = [(x, y, z) for z in (0.0, 0.1) for x, y in ring]
-    sides = [
-        face
-        for a in range(6)
-        for b in [(a + 1) % 6]
-        for face in ((a, b, b + 6), (a, b + 6, a + 6))
-    ]
+    sides = [face for a in range(6) for b in [(a + 1) % 6] for face in ((a, b, b + 6), (a, b + 6, a + 6))]
     ends = [face for a in range(1, 5) for face in ((0, a + 1, a), (6, a + 6, a + 7))]
     return vertices, sides + ends
 
@@ -423,10 +418,16 @@ def _tables() -> dict[str, bytes]:
     cup_m = np.stack([-0.2 + 0.6 * times_s, 0.1 * times_s, 0.77 + 0.1 * times_s], axis=1)
     turned = np.tile((0.0, 0.0, 0.0, 1.0), (FRAMES, 1))
     header = ["stamp", *(f"{p}_{n.upper()}_{axis}" for p in ("one", "two") for n in LANDMARKS for axis in "xyz")]
-    body = [header, *([f"{1000 * t:g}", *(f"{1000 * v:.1f}" for v in row.ravel())] for t, row in zip(times_s, people))]
+    body = [
+        header,
+        *([f"{1000 * t:g}", *(f"{1000 * v:.1f}" for v in row.ravel())] for t, row in zip(times_s, people, strict=True)),
+    ]
     cup = [
         ["stamp", "x", "y", "z", "qx", "qy", "qz", "qw", "force"],
-        *([f"{1000 * t:g}", *(f"{v:.4f}" for v in (*row, *q, t))] for t, row, q in zip(times_s, cup_m, turned)),
+        *(
+            [f"{1000 * t:g}", *(f"{v:.4f}" for v in (*row, *q, t))]
+            for t, row, q in zip(times_s, cup_m, turned, strict=True)
+        ),
     ]
     arrays, array = io.BytesIO(), io.BytesIO()
     np.savez_compressed(arrays, t=times_s, body=people, unused=np.zeros(3))

@@ -83,7 +83,7 @@ MISTAKES = {
     "no such point": ('nose = "NOSE"', 'nose = "NOZE"', r"no point in names 'NOZE'; did you mean 'NOSE'"),
     "no such person": ("person = 1", "person = 7", r"layout: \{person\}: .*out of range.*got 7.*0 to 1"),
     "person by name": ("person = 1", 'person = "Ann"', r"sources.body: person: must be an index here \(got 'Ann'\)"),
-    "no such file": ('file = "data.npz"', 'file = "date.npz"', r"cannot read the arrays.*No such file"),
+    "no such file": ('file = "data.npz"', 'file = "date.npz"', r"date.npz: .*cannot be read: No such file"),
     "cut": ("[sources.body]", "[time]\nstart_s = 0.5\nend_s = 0.2\n[sources.body]", r"time.end_s: ends before it"),
     "short": ("[sources.body]", "[time]\nstart_s = 9.0\n[sources.body]", r"time: fewer than two frames"),
     "wrong time unit": ('unit = "s"', 'unit = "us"', r"frames are 3.33e-08 s apart.*change time.unit"),
@@ -209,7 +209,7 @@ def test_bad_tables(mistake: str, tmp_path: Path) -> None:
 
 
 def test_missing_table(tmp_path: Path) -> None:
-    assert re.search(r"sources.cup: .*cup.csv: cannot read the table", error_of(tmp_path, CUP_CSV))
+    assert re.search(r"sources.cup: .*cup.csv: cannot be read: No such file", error_of(tmp_path, CUP_CSV))
 
 
 def test_rows_of_nobody(tmp_path: Path) -> None:
@@ -224,7 +224,7 @@ def test_bad_archives(tmp_path: Path) -> None:
     (tmp_path / "data.npz").write_bytes((tmp_path / "data.npz").read_bytes()[:1000])
     assert "not a file of plain arrays" in error_of(tmp_path, text)
     np.savez(tmp_path / "data.npz", t=TIMES_S, body=np.array([{"x": 1}], dtype=object))
-    assert "not a file of plain arrays" in error_of(tmp_path, text)
+    assert "body: not a plain array" in error_of(tmp_path, text)
     np.savez(tmp_path / "data.npz", t=TIMES_S, body=np.array(["a"]))
     assert "not an array of numbers" in error_of(tmp_path, text)
     np.savez(tmp_path / "data.npz", t=TIMES_S, body=np.zeros((2, 2, 2, 2, 2)))
@@ -249,7 +249,7 @@ def test_labels(tmp_path: Path) -> None:
 
 
 def test_missing_mapping(tmp_path: Path) -> None:
-    with pytest.raises(MappingError, match=r"none.toml: cannot read the mapping.*No such file"):
+    with pytest.raises(MappingError, match=r"none.toml: cannot be read: No such file"):
         load_mapping(tmp_path / "none.toml")
 
 

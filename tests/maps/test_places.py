@@ -172,9 +172,9 @@ def test_files_that_hold_no_maps(tmp_path: Path) -> None:
     (tmp_path / "cut.npz").write_bytes((tmp_path / "good.npz").read_bytes()[:300])
     for name, message in {
         "none": "cannot be read: No such file",
-        "text": "holds no ability maps; write it",
+        "text": "text.npz: not a file of plain arrays",
         "other": "holds no ability maps; write it",
-        "cut": "holds no ability maps; write it",
+        "cut": "cut.npz: not a file of plain arrays",
     }.items():
         with pytest.raises(InputError, match=message):
             read_maps(tmp_path / f"{name}.npz")

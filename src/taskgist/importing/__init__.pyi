@@ -3,6 +3,7 @@ from .mapping import ImportMapping as ImportMapping
 from .mapping_file import load_mapping as load_mapping
 from .table_values import Track as Track
 from .tables import Tables as Tables
+from .tables import input_files as input_files
 from .tracks import ObjectTrack as ObjectTrack
 from .tracks import PersonTrack as PersonTrack
 from .tracks import Tracks as Tracks

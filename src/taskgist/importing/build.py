@@ -8,12 +8,14 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
+from taskgist.common.files import read_whole
 from taskgist.common.workers import Progress, silent
 from taskgist.errors import MappingError, SceneError
 from taskgist.importing.bodies import BodyTrack, entry_of, estimate_size, fit_person
 from taskgist.importing.mapping import ImportMapping, Shape, Support
 from taskgist.importing.tracks import ObjectTrack, Tracks, read_tracks
 from taskgist.recording.recording import Recording
+from taskgist.settings import DEFAULT
 from taskgist.world.bodies.human import HumanSize
 from taskgist.world.geometry.transforms import about_z
 from taskgist.world.scene import Scene
@@ -116,7 +118,8 @@ def _add_object(room: mujoco.MjSpec, name: str, track: ObjectTrack, rgba: Colour
         if shape.mesh:
             geom.type, geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{name}_{number}"
             file = f"{name}_{number}{shape.mesh.suffix}"
-            room.assets = {**room.assets, file: shape.mesh.read_bytes()}
+            content = read_whole(shape.mesh, most_bytes=DEFAULT.limits.bundle_bytes, error=MappingError)
+            room.assets = {**room.assets, file: content}
             room.add_mesh(name=geom.meshname, file=file, scale=[shape.scale_m] * 3)
         else:
             geom.type, geom.size = _size_of_geom(shape)

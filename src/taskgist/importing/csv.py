@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
+import re
+from array import array
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain, islice
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices
+from taskgist.common.files import reading, shown_path
 from taskgist.errors import MappingError, UnknownNameError
 from taskgist.importing.mapping import Name, TableFormat
+from taskgist.settings import DEFAULT
 
 # --- Lines of text to cells, and cells to numbers.
 
@@ -21,76 +29,81 @@ _DELIMITERS = ("\t", ";", ",", "|")
 _SAMPLE_LINES = 20
 
 
-def split(lines: list[str], delimiter: str) -> list[list[str]]:
+def split(lines: Iterable[str], delimiter: str) -> Iterator[list[str]]:
     """Cells of each line; "whitespace" cuts at runs of blanks."""
     if delimiter == "whitespace":
-        return [line.split() for line in lines]
-    return list(csv.reader(lines, delimiter=delimiter, skipinitialspace=True))
+        return (line.split() for line in lines)
+    return csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
 
 
 def sniffed(lines: list[str], decimal: str) -> str:
     """The delimiter on whose number of columns most of the first lines agree; the more columns, the better."""
     best, most = "whitespace", (0, 1)
     for delimiter in _DELIMITERS:
-        widths = Counter(len(row) for row in split(lines[:_SAMPLE_LINES], delimiter))
+        widths = Counter(len(row) for row in split(lines, delimiter))
         width, agreeing = widths.most_common(1)[0]
         if delimiter != decimal and width > 1 and (agreeing, width) > most:
             best, most = delimiter, (agreeing, width)
     return best
 
 
-def comparable(text: str) -> str:
-    """A text for comparison: 1, 1.0 and 01 are the same."""
-    value = number(text.strip())
-    return text.strip() if math.isnan(value) else repr(value)
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
+"""How data sheets write numbers; Python would also take ``1_0``, ``infinity`` and the digits of every script."""
 
 
 def number(text: str) -> float:
     """The number that a text stands for, or NaN."""
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan
+    return float(text) if NUMBER.fullmatch(text) else math.nan
 
 
 MOST_SHOWN = 12
 """Values of a column that a message lists."""
+LONGEST_LINE = 2**24
+"""Characters of a line: a million columns."""
+TEXT_BYTES = 200
+"""What a cell takes that is kept as text, beside its letters."""
 _MISSING = frozenset({"", "nan", "na", "n/a", "none", "null"})
 
 
 class CsvTable:
-    """A file of text, taken apart once; columns become numbers when they are first asked for.
+    """A file of text, taken apart once: its numbers by row and column, and the texts among them.
 
     Args:
         file: The file.
         form: How to take it apart.
         where: The mapping and source that name it, for messages.
+        most_bytes: What the table may take in memory.
 
     Raises:
-        MappingError: The file is missing, empty, no text, or has rows of different lengths.
+        MappingError: The file is missing, empty, no text, too large, or has rows of different lengths.
     """
 
-    def __init__(self, file: Path, form: TableFormat, where: str) -> None:
-        self.where = f"{where}: {file}"
+    def __init__(
+        self, file: Path, form: TableFormat, where: str, *, most_bytes: int = DEFAULT.limits.table_bytes
+    ) -> None:
+        self.where = f"{where}: {shown_path(file)}"
         self._decimal = form.decimal
-        kept = self._kept_lines(file, form)
-        lines = list(kept.values())
-        rows = self._split(lines, form.delimiter or sniffed(lines, form.decimal))
-        named = form.header if form.header is not None else not any(map(self._is_number, rows[0]))
-        self._header = tuple(cell.strip() for cell in rows[0]) if named else None
-        self._rows = rows[1:] if named else rows
-        self._lines = list(kept)[1 if named else 0 :]
-        self._check_lengths(len(rows[0]))
-        self._columns: dict[int, tuple[Array, dict[int, str]]] = {}
+        self._header: tuple[str, ...] | None = None
+        self._lines = array("q")
+        """Number in the file of the line that each row ends with."""
+        self._texts: dict[int, dict[int, str]] = {}
+        """Cells that are no numbers and not empty, by column and row."""
         self._groups: dict[tuple[int, ...], dict[tuple[str, ...], list[int]]] = {}
+        hint = "check file, person and point, and the data folder"
+        with (
+            self._told(file),
+            reading(file, error=MappingError, hint=hint) as stream,
+            io.TextIOWrapper(stream, encoding="utf-8-sig") as text,
+        ):
+            self._values = self._read(text, form, most_bytes)
 
     def rows_where(self, conditions: Sequence[tuple[Name, str]]) -> Indices:
         """Indices of the rows that have these texts (or equal numbers) in these columns."""
         if not conditions:
-            return np.arange(len(self._rows))
+            return np.arange(len(self._values))
         columns = tuple(self._index(column) for column, _ in conditions)
         groups = self._groups.setdefault(columns, {}) or self._group(columns)
-        found = groups.get(tuple(comparable(text) for _, text in conditions))
+        found = groups.get(tuple(self._comparable(text) for _, text in conditions))
         if found is None:
             wanted = {str(column): text for column, text in conditions}
             hint = f"change where, person or point ({_held(list(wanted), groups)})"
@@ -104,77 +117,118 @@ class CsvTable:
             UnknownNameError: There is no such column.
             MappingError: A cell holds no number.
         """
-        result = np.empty((len(rows), len(columns)))
-        for k, column in enumerate(columns):
-            values, bad = self._column(self._index(column))
+        indices = [self._index(column) for column in columns]
+        for column, index in zip(columns, indices, strict=True):
+            texts = self._texts.get(index, {})
+            bad = {row for row, text in texts.items() if text.lower() not in _MISSING}
             if bad and (hit := next((row for row in rows.tolist() if row in bad), None)) is not None:
                 raise MappingError(
                     "is no number",
                     where=f"{self.where}, {self.place(hit)}",
                     field=f"column {column!r}",
-                    value=bad[hit],
+                    value=texts[hit],
                     hint="mend the cell or leave it empty; check delimiter and decimal",
                 )
-            result[:, k] = values[rows]
-        return result
+        return np.asarray(self._values[rows[:, None], np.array(indices, dtype=np.intp)])
 
     def place(self, row: int) -> str:
         """Where a row stands in the file."""
         return f"line {self._lines[row]}"
 
-    def _kept_lines(self, file: Path, form: TableFormat) -> dict[int, str]:
-        """Lines with something in them, by their number in the file."""
-        lines = {
-            line_number: line
-            for line_number, line in enumerate(self._text(file).splitlines(), start=1)
-            if line_number > form.skip_rows and line.strip() and not (form.comment and line.startswith(form.comment))
-        }
-        if not lines:
+    def _read(self, text: IO[str], form: TableFormat, most_bytes: int) -> Array:
+        """Take the file apart, line after line."""
+        lines = self._kept_lines(text, form)
+        first = list(islice(lines, _SAMPLE_LINES))
+        if not first:
             raise MappingError("the table is empty", where=self.where, hint="check file and skip_rows")
-        return lines
+        at = 0
 
-    def _split(self, lines: list[str], delimiter: str) -> list[list[str]]:
-        try:
-            return split(lines, delimiter)
-        except csv.Error as problem:
-            raise MappingError(f"no table of text: {problem}", where=self.where, hint="set format") from None
+        def numbered() -> Iterator[str]:
+            nonlocal at
+            for at, line in chain(first, lines):  # noqa: B007 - told to whoever reads rows
+                yield line
 
-    def _text(self, file: Path) -> str:
+        rows = split(numbered(), form.delimiter or sniffed([line for _, line in first], form.decimal))
+        values, width, left = array("d"), 0, most_bytes
+        for cells in rows:
+            if not width:
+                width = len(cells)
+                if form.header or (form.header is None and not any(map(self._is_number, cells))):
+                    self._header = tuple(cell.strip() for cell in cells)
+                    continue
+            self._check_length(cells, width, at)
+            left -= 8 * (width + 1) + self._add(cells, values)
+            self._lines.append(at)
+            if left < 0:
+                hint = f"at most {most_bytes:,} bytes of numbers are read (setting limits.table_bytes)"
+                raise MappingError("the table is too large", where=f"{self.where}, line {at}", hint=hint)
+        if not len(self._lines):
+            raise MappingError("the table has no rows below its header", where=self.where)
+        return np.frombuffer(values).reshape(-1, width)
+
+    def _add(self, cells: list[str], values: array[float]) -> int:
+        """Add a row; what its texts take, bytes."""
+        taken, row = 0, len(self._lines)
+        for column, cell in enumerate(cells):
+            text = cell.strip()
+            value = self._number(text)
+            if not math.isfinite(value):
+                value = math.nan
+                if text:
+                    self._texts.setdefault(column, {})[row] = text
+                    taken += TEXT_BYTES + len(text)
+            values.append(value)
+        return taken
+
+    def _kept_lines(self, text: IO[str], form: TableFormat) -> Iterator[tuple[int, str]]:
+        """Lines with something in them, and their number in the file."""
+        for number_, line in enumerate(iter(lambda: text.readline(LONGEST_LINE), ""), start=1):
+            if len(line) >= LONGEST_LINE:
+                hint = "save it as a table with a line for each frame, or set format"
+                raise MappingError("a line without end", where=f"{self.where}, line {number_}", hint=hint)
+            if number_ > form.skip_rows and line.strip() and not (form.comment and line.startswith(form.comment)):
+                yield number_, line.rstrip("\r\n")
+
+    @contextmanager
+    def _told(self, file: Path) -> Iterator[None]:
         try:
-            return file.read_text(encoding="utf-8-sig")
-        except OSError as problem:
-            reason = problem.strerror or str(problem)
-            hint = "check file, person and point, and the data folder"
-            raise MappingError("cannot read the table", where=self.where, value=reason, hint=hint) from None
+            yield
+        except MappingError as problem:
+            problem.where = self.where if problem.where == shown_path(file) else problem.where
+            raise
         except UnicodeDecodeError:
             hint = "save it as UTF-8 text, or set format"
             raise MappingError("the table is not text", where=self.where, hint=hint) from None
+        except csv.Error as problem:
+            raise MappingError(f"no table of text: {problem}", where=self.where, hint="set format") from None
 
     def _is_number(self, cell: str) -> bool:
-        return cell.strip() != "" and not math.isnan(self._number(cell))
+        return not math.isnan(self._number(cell.strip()))
 
-    def _number(self, cell: str) -> float:
-        text = cell.strip()
+    def _number(self, text: str) -> float:
         return number(text.replace(self._decimal, ".") if self._decimal != "." else text)
 
-    def _check_lengths(self, width: int) -> None:
-        if not self._rows:
-            raise MappingError("the table has no rows below its header", where=self.where)
-        for row, cells in enumerate(self._rows):
-            if len(cells) != width:
-                raise MappingError(
-                    f"the row has {len(cells)} cells, the first one {width}",
-                    where=f"{self.where}, {self.place(row)}",
-                    hint="the file may be cut off; else set delimiter, skip_rows or comment",
-                )
+    def _comparable(self, text: str) -> str:
+        """A text for comparison: 1, 1.0 and 01 are the same."""
+        value = self._number(text.strip())
+        return text.strip() if math.isnan(value) else repr(value)
+
+    def _check_length(self, cells: list[str], width: int, line: int) -> None:
+        if len(cells) != width:
+            raise MappingError(
+                f"the row has {len(cells)} cells, the first one {width}",
+                where=f"{self.where}, line {line}",
+                hint="the file may be cut off; else set delimiter, skip_rows or comment",
+            )
 
     def _index(self, column: Name) -> int:
         """Position of a column; a text of digits is an index where there is no header."""
-        if self._header is None and isinstance(column, str) and column.isdigit():
+        if self._header is None and isinstance(column, str) and column.isdecimal():
             column = int(column)
         if isinstance(column, int):
-            if column >= len(self._rows[0]):
-                hint = f"the table has columns 0 to {len(self._rows[0]) - 1}; check delimiter, first and step"
+            width = self._values.shape[1]
+            if column >= width:
+                hint = f"the table has columns 0 to {width - 1}; check delimiter, first and step"
                 raise MappingError("no such column", where=self.where, field="columns", value=column, hint=hint)
             return column
         if self._header is None:
@@ -187,26 +241,16 @@ class CsvTable:
             raise UnknownNameError("column", column, self._header, where=self.where)
         return self._header.index(column)
 
-    def _column(self, index: int) -> tuple[Array, dict[int, str]]:
-        """Numbers of a whole column, and the texts in it that are none (they matter only in rows that are used)."""
-        if index not in self._columns:
-            bad: dict[int, str] = {}
-            values = np.full(len(self._rows), np.nan)
-            for row, cells in enumerate(self._rows):
-                text = cells[index].strip()
-                if text.lower() in _MISSING:
-                    continue
-                values[row] = self._number(text)
-                if not math.isfinite(values[row]):
-                    bad[row] = text
-            self._columns[index] = values, bad
-        return self._columns[index]
-
     def _group(self, columns: tuple[int, ...]) -> dict[tuple[str, ...], list[int]]:
         groups = self._groups[columns]
-        for row, cells in enumerate(self._rows):
-            groups.setdefault(tuple(comparable(cells[column]) for column in columns), []).append(row)
+        for row in range(len(self._values)):
+            groups.setdefault(tuple(self._cell(row, column) for column in columns), []).append(row)
         return groups
+
+    def _cell(self, row: int, column: int) -> str:
+        """A cell for comparison."""
+        value = float(self._values[row, column])
+        return self._texts.get(column, {}).get(row, "") if math.isnan(value) else repr(value)
 
 
 @dataclass(frozen=True, eq=False)

@@ -303,12 +303,14 @@ class ImportMapping:
     Attributes:
         name: What the recording is called.
         file: Where it was read from.
+        files: That file and those that it extends.
         data_dir: Folder at which relative file names start.
         about: Origin, licence, citation and the text of this mapping.
     """
 
     name: str
     file: Path
+    files: tuple[Path, ...]
     data_dir: Path
     about: Provenance
     timeline: Timeline

@@ -10,6 +10,7 @@ from collections.abc import Mapping as AnyMapping
 from pathlib import Path, PurePath
 from typing import Any
 
+from taskgist.common.files import read_whole
 from taskgist.common.toml import Document, TomlTable, is_finite_number
 from taskgist.errors import InputError, MappingError, UnknownNameError
 from taskgist.importing.mapping import (
@@ -30,6 +31,7 @@ from taskgist.importing.mapping_fields import read_column, read_columns, read_fr
 from taskgist.importing.mapping_people import read_person
 from taskgist.importing.mapping_things import read_support, read_thing
 from taskgist.recording.recording import Label, Provenance
+from taskgist.settings import DEFAULT, Limits
 
 # --- From mapping files to one plain TOML document: ``extends``, ``like`` and parameters are gone after this.
 
@@ -42,24 +44,31 @@ _SINGULAR = {"sources": "source", "people": "person", "objects": "object"}
 _PERSONAL = ("person", "stature_m", "unknown", "like")  # said of one person: never copied by ``like``
 
 
-def read_document(file: Path, parameters: Mapping[str, str]) -> tuple[dict[str, Any], str]:
-    """The merged document of a mapping file and those it extends, and the text of them all.
+def read_document(
+    file: Path, parameters: Mapping[str, str], *, limits: Limits = DEFAULT.limits
+) -> tuple[dict[str, Any], str, tuple[Path, ...]]:
+    """The merged document of a mapping file and those it extends, the text of them all, and their paths.
 
     Args:
         file: The mapping file.
         parameters: Values for its parameters, before those of the file itself.
+        limits: How large a file may be.
 
     Raises:
-        MappingError: A file is missing or no TOML; a parameter lacks its value; files extend each other in a circle.
+        MappingError: A file is missing, too large or no TOML; a parameter lacks its value; files extend each other in a
+            circle.
         UnknownNameError: A parameter that the mapping does not have; ``like`` names nothing.
     """
-    document, text = _extended(file, ())
-    document = _with_parameters(document, parameters, file)
-    for section in _SINGULAR:
-        tables = document.get(section, {})
-        if isinstance(tables, dict):
-            document[section] = {name: _like(section, name, tables, file, ()) for name in tables}
-    return document, text
+    try:
+        document, text, files = _extended(file, (), limits)
+        document = _with_parameters(document, parameters, file)
+        for section in _SINGULAR:
+            tables = document.get(section, {})
+            if isinstance(tables, dict):
+                document[section] = {name: _like(section, name, tables, file, ()) for name in tables}
+    except RecursionError as problem:
+        raise MappingError("is nested too deep", where=file, hint="see docs/howto/import.md") from problem
+    return document, text, files
 
 
 def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
@@ -71,26 +80,24 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     return result
 
 
-def _extended(file: Path, seen: tuple[Path, ...]) -> tuple[dict[str, Any], str]:
-    if file.resolve() in seen:
+def _extended(file: Path, seen: tuple[Path, ...], limits: Limits) -> tuple[dict[str, Any], str, tuple[Path, ...]]:
+    document, text = _parsed(file, limits)
+    if any(file.samefile(other) for other in seen):
         raise MappingError("mapping files extend each other in a circle", where=file, field="extends")
-    document, text = _parsed(file)
     base = document.pop("extends", None)
     if base is None:
-        return document, text
+        return document, text, (file,)
     if not isinstance(base, str):
         raise MappingError("must be a file name", where=file, field="extends", value=base)
-    below, text_below = _extended(file.parent / base, (*seen, file.resolve()))
-    return merged(below, document), f"{text_below}\n# --- {file.name}, which extends it\n{text}"
+    below, text_below, files = _extended(file.parent / base, (*seen, file), limits)
+    return merged(below, document), f"{text_below}\n# --- {file.name}, which extends it\n{text}", (file, *files)
 
 
-def _parsed(file: Path) -> tuple[dict[str, Any], str]:
+def _parsed(file: Path, limits: Limits) -> tuple[dict[str, Any], str]:
+    content = read_whole(file, most_bytes=limits.document_bytes, error=MappingError)
     try:
-        text = file.read_text(encoding="utf-8-sig")
+        text = content.decode("utf-8-sig")
         return tomllib.loads(text), text
-    except OSError as problem:
-        reason = problem.strerror or str(problem)
-        raise MappingError("cannot read the mapping", where=file, value=reason, hint="check the path") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
         raise MappingError(f"not valid TOML: {problem}", where=file, hint="see docs/howto/import.md") from None
 
@@ -210,7 +217,8 @@ def _layout(section: TomlTable, key: str) -> tuple[Name, ...]:
     layout = section.any(key, [])
     words = {"time", "value", "{person}", "{point}"}
     good = isinstance(layout, list) and all(
-        item in words or (isinstance(item, int) and not isinstance(item, bool)) for item in layout
+        item in words if isinstance(item, str) else isinstance(item, int) and not isinstance(item, bool)
+        for item in layout
     )
     if not good or (layout and layout.count("time") != 1):
         hint = 'name every axis of the array, "time" once: ["time", "{person}", "{point}", "value"], or an index'
@@ -297,7 +305,7 @@ def load_mapping(
     """
     file = Path(path)
     base = file.parent if data_dir is None else Path(data_dir)
-    document, text = read_document(file, parameters or {})
+    document, text, files = read_document(file, parameters or {})
     top = TomlTable(document, Document(file, MappingError, "docs/howto/import.md", largest=math.inf))
     top.only(_SECTIONS)
     sources = {name: read_source(name, section) for name, section in top.tables_by_name("sources").items()}
@@ -307,6 +315,7 @@ def load_mapping(
     mapping = ImportMapping(
         name=about.text("name", file.stem),
         file=file,
+        files=files,
         data_dir=base,
         about=_about(about, text),
         timeline=_timeline(top.table("time")),

@@ -194,7 +194,7 @@ def _landmarks(section: TomlTable, key: str, mapped: Collection[str]) -> tuple[s
     value = section.any(key)
     names = value if isinstance(value, list) else [value]
     for name in names:
-        if name not in mapped:
+        if not isinstance(name, str) or name not in mapped:
             raise UnknownNameError("mapped landmark", str(name), mapped, where=f"{section.place}.{key}")
     if not names:
         raise section.error("names no landmark", key, value)

@@ -7,7 +7,6 @@ room's.
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Callable, Sequence
 from collections.abc import Mapping as AnyMapping
 from dataclasses import dataclass
@@ -16,11 +15,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.common.array_files import ArrayFile
 from taskgist.common.arrays import Array, Mask
-from taskgist.errors import MappingError, UnknownNameError
+from taskgist.common.files import shown_path
+from taskgist.errors import MappingError
 from taskgist.importing.csv import CsvPart, CsvTable
 from taskgist.importing.mapping import Columns, Frame, ImportMapping, Name, PointRef, Rotation, SignalColumn, Source
 from taskgist.importing.table_values import Part, Tokens, Track, check_zeros, read_times, smoothed, wxyz_from_numbers
+from taskgist.settings import DEFAULT, Limits
 from taskgist.world.geometry.transforms import changed_frame, matrix_from_wxyz
 
 # --- Tables as NumPy arrays: one array with an axis for time, or several (NPZ).
@@ -40,40 +42,36 @@ class ArrayTable:
     Args:
         file: The file.
         where: The mapping and source that name it, for messages.
+        most_bytes: What the arrays that are asked for may take together.
 
     Raises:
         MappingError: The file is missing or holds no plain arrays.
     """
 
-    def __init__(self, file: Path, where: str) -> None:
-        self.where = f"{where}: {file}"
-        try:
-            self._arrays = _loaded(file)
-        except OSError as problem:
-            reason = problem.strerror or str(problem)
-            hint = "check file, person and point, and the data folder"
-            raise MappingError("cannot read the arrays", where=self.where, value=reason, hint=hint) from None
-        except (ValueError, EOFError, zipfile.BadZipFile):
-            hint = "save plain arrays of numbers with numpy.savez or numpy.save"
-            raise MappingError("not a file of plain arrays", where=self.where, hint=hint) from None
+    def __init__(self, file: Path, where: str, *, most_bytes: int = DEFAULT.limits.table_bytes) -> None:
+        self.where = f"{where}: {shown_path(file)}"
+        self._arrays = ArrayFile(file, most_bytes=most_bytes, where=self.where, error=MappingError)
 
     def array(self, name: str | None) -> NDArray[np.generic]:
         """An array by name; ``None`` is the only one.
 
         Raises:
             UnknownNameError: There is no such array.
-            MappingError: It holds no numbers; or no name is given, and there are several.
+            MappingError: It holds no numbers, nothing, or more than may be loaded; or no name is given, and there are
+                several.
         """
-        if name is None and len(self._arrays) == 1:
-            name = next(iter(self._arrays))
+        names = self._arrays.names
+        if name is None and len(names) == 1:
+            name = names[0]
         if name is None:
-            hint = f'add array = "NAME" (known: {", ".join(self._arrays)})'
+            hint = f'add array = "NAME" (known: {", ".join(names)})'
             raise MappingError("the file holds several arrays", where=self.where, field="array", hint=hint)
-        if name not in self._arrays:
-            raise UnknownNameError("array", name, self._arrays, where=self.where)
-        array = self._arrays[name]
+        array = self._arrays.array(name)
         if array.dtype.kind not in "fiu":
             raise MappingError("not an array of numbers", where=self.where, field=name, value=str(array.dtype))
+        if not array.size:
+            hint = "the table is empty: check the file"
+            raise MappingError("holds no numbers", where=self.where, field=name, value=array.shape, hint=hint)
         return array
 
 
@@ -151,12 +149,22 @@ class ArrayPart:
         return index
 
 
-def _loaded(file: Path) -> dict[str, NDArray[np.generic]]:
-    with file.open("rb") as stream:  # opened here, because numpy leaves broken archives open
-        loaded = np.load(stream, allow_pickle=False)
-        if isinstance(loaded, np.ndarray):
-            return {file.name: loaded}
-        return {name: loaded[name] for name in loaded.files}
+def input_files(mapping: ImportMapping) -> tuple[Path, ...]:
+    """Every file that an import reads: mappings, tables and meshes. None of them may be written over.
+
+    Args:
+        mapping: A loaded mapping.
+    """
+    refs = [(ref.source, person.token, ref.point) for person in mapping.people for p in person.points for ref in p.refs]
+    refs += [(t.pose.source, "", t.pose.point) for t in mapping.objects if isinstance(t.pose, PointRef)]
+    refs += [(signal.source, "", signal.name) for signal in mapping.signals]
+    tables = [
+        mapping.data_dir / Tokens(source, person, point, "").filled(source.file)
+        for name, person, point in refs
+        for source in [mapping.source(name)]
+    ]
+    meshes = [shape.mesh for thing in mapping.objects for shape in thing.shapes if shape.mesh is not None]
+    return tuple(dict.fromkeys([*mapping.files, *tables, *meshes]))
 
 
 Samples = AnyMapping[str, tuple[tuple[PointRef, Track], ...]]
@@ -168,10 +176,12 @@ class Tables:
 
     Args:
         mapping: A loaded mapping.
+        limits: How much is read of a table.
     """
 
-    def __init__(self, mapping: ImportMapping) -> None:
+    def __init__(self, mapping: ImportMapping, *, limits: Limits = DEFAULT.limits) -> None:
         self._mapping = mapping
+        self._most_bytes = limits.table_bytes
         self._opened: dict[tuple[Path, str], CsvTable | ArrayTable] = {}
 
     def track(self, ref: PointRef, person: Name = "") -> Track:
@@ -192,6 +202,7 @@ class Tables:
         lost = _lost(part, tokens, position)
         wxyz = None if source.rotation is None else _orientations(part, tokens, source.rotation, lost)
         position[lost] = np.nan
+        _check_near(part, position, source.frame.scale_m)
         times_s = read_times(part, source.clock, len(position))
         track = _in_room(times_s, position, wxyz, source.frame, ref, part.where)
         return smoothed(track, source.smooth_s, max_gap_s=self._mapping.timeline.max_gap_s)
@@ -221,8 +232,11 @@ class Tables:
     def _table(self, file: Path, source: Source, where: str) -> CsvTable | ArrayTable:
         key = (file, source.name)
         if key not in self._opened:
-            is_text = source.kind == "csv"
-            self._opened[key] = CsvTable(file, source.table, where) if is_text else ArrayTable(file, where)
+            self._opened[key] = (
+                CsvTable(file, source.table, where, most_bytes=self._most_bytes)
+                if source.kind == "csv"
+                else ArrayTable(file, where, most_bytes=self._most_bytes)
+            )
         return self._opened[key]
 
 
@@ -274,6 +288,23 @@ def _check_finite(part: Part, numbers: Array, field: str) -> None:
             field=field,
             value=[float(number) for number in numbers[row]],
             hint="leave the cell empty, or write NaN, where the tracker knew nothing",
+        )
+
+
+FARTHEST_M = 1e6
+"""Nothing that is tracked is farther away; squares of larger numbers would be infinite at some time (ours)."""
+
+
+def _check_near(part: Part, position: Array, scale_m: float) -> None:
+    far = (np.abs(position) * scale_m > FARTHEST_M).any(axis=1)
+    if far.any():
+        row = int(np.argmax(far))
+        raise MappingError(
+            "is too far away",
+            where=f"{part.where}, {part.place(row)}",
+            field="position",
+            value=[float(number) for number in position[row]],
+            hint="check units, or declare by missing what stands for not tracked",
         )
 
 

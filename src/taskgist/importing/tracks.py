@@ -29,6 +29,7 @@ from taskgist.importing.mapping_people import HEAD_POINTS, PARTS
 from taskgist.importing.table_values import Track
 from taskgist.importing.tables import Samples, Tables
 from taskgist.recording.recording import Signal
+from taskgist.settings import DEFAULT
 from taskgist.world.geometry.transforms import IDENTITY_WXYZ, about_z, changed_frame, matrix_from_wxyz, slerp
 
 # --- Tracked motion: what a mapping makes of someone's tables, in our axes, units and frames.
@@ -431,7 +432,22 @@ def _frames(mapping: ImportMapping, tracks: list[Track]) -> Array:
         problem = f"fewer than two frames lie between {first_s:g} and {last_s:g} s"
         hint = "check start_s, end_s and the times of the sources"
         raise MappingError(problem, where=mapping.file, field="time", hint=hint)
+    _check_count(mapping, count)
     return np.asarray(first_s + np.arange(count) / line.rate_hz)
+
+
+NUMBERS_OF_A_PERSON = 200
+"""Numbers that a frame holds of a person: landmarks, directions and joints."""
+NUMBERS_OF_A_THING = 14
+
+
+def _check_count(mapping: ImportMapping, count: int) -> None:
+    """Refuse more frames than are held in memory."""
+    numbers = NUMBERS_OF_A_PERSON * len(mapping.people) + NUMBERS_OF_A_THING * len(mapping.objects)
+    most = DEFAULT.limits.frame_bytes // (8 * numbers)
+    if count > most:
+        hint = f"check times, rate_hz, start_s and end_s: at most {most:,} are held (setting limits.frame_bytes)"
+        raise MappingError("too many frames", where=mapping.file, field="time", value=f"{count:,}", hint=hint)
 
 
 def _object(thing: Thing, moving: AnyMapping[str, Track], frames_s: Array, mapping: ImportMapping) -> ObjectTrack:

@@ -15,7 +15,6 @@ where joint limits and collisions allow it. Where a point differs from an object
 from __future__ import annotations
 
 import json
-import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +24,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.common.array_files import ArrayFile
 from taskgist.common.arrays import Indices, Mask
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.maps.configurations import Configuration, configurations
@@ -36,7 +36,7 @@ from taskgist.perspective.occlusion import BOXED, CLEAR, HIDDEN
 from taskgist.perspective.reach import PARTS as HAND_PARTS
 from taskgist.perspective.see import PARTS as EYE_PARTS
 from taskgist.perspective.viewpoint import Viewpoint
-from taskgist.settings import DEFAULT, Settings
+from taskgist.settings import DEFAULT, Limits, Settings
 from taskgist.world.stage import Stage
 
 UNKNOWN_LEVEL = -1
@@ -230,6 +230,8 @@ def _perhaps(judge: CellJudge, configuration: Configuration, places: Indices, ce
 # --- Ability maps on disk: one ``.npz`` file that numpy opens, with arrays, grid and names.
 
 VERSION = 1
+ARRAYS = ("about", "agents", "abilities", "levels", "solid")
+"""Those that are read again."""
 HINT = "write it with taskgist map --npz"
 
 
@@ -272,18 +274,23 @@ def write_maps(stream: IO[bytes], maps: Sequence[AbilityMap]) -> None:
     )
 
 
-def read_maps(path: str | Path) -> tuple[AbilityMap, ...]:
+def read_maps(path: str | Path, *, limits: Limits = DEFAULT.limits) -> tuple[AbilityMap, ...]:
     """The maps in a file.
+
+    Args:
+        path: The file.
+        limits: How much is read of it.
 
     Raises:
         InputError: It cannot be read, or holds no maps of this version.
     """
+    file = ArrayFile(Path(path), most_bytes=limits.table_bytes)
+    if not set(ARRAYS) <= set(file.names):
+        raise InputError("holds no ability maps", where=path, hint=HINT)
+    arrays = {name: file.array(name) for name in ARRAYS}
     try:
-        with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
-            return _maps(dict(arrays), path)
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror or error}", where=path, hint="check the path") from error
-    except (ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
+        return _maps(arrays, path)
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise InputError("holds no ability maps", where=path, hint=HINT) from error
 
 

@@ -18,12 +18,14 @@ from typing import Any, Protocol
 import numpy as np
 
 from taskgist.common.files import writing
+from taskgist.common.packed_json import read_packed_json
 from taskgist.common.workers import Progress, in_order, silent
 from taskgist.errors import InputError, TaskgistError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.learning.explanation import Context
 from taskgist.pipeline.explain import explain_recording
 from taskgist.recording.recording import Recording
+from taskgist.settings import DEFAULT
 from taskgist_lab.evaluation.noise import CONDITIONS
 from taskgist_lab.evaluation.values import CLEAN, Failure, Sample, Spread, rounded
 from taskgist_lab.generator.simulation import TASKS, simulate
@@ -197,13 +199,12 @@ def read_pool(path: Path) -> Pool:
     Raises:
         InputError: The file cannot be read, or is no pool.
     """
+    hint = "name a pool that taskgist evaluate made, or another file to make one"
+    document = read_packed_json(path, most_bytes=DEFAULT.limits.document_bytes, problem="not a pool", hint=hint)
     try:
-        document = json.loads(gzip.decompress(path.read_bytes()))
-        pool = _pool(document)
-    except (OSError, EOFError, zlib.error, ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
-        hint = "name a pool that taskgist evaluate made, or another file to make one"
+        return _pool(document)
+    except (ValueError, KeyError, TypeError, IndexError, RecursionError) as error:
         raise InputError(f"not a pool: {error!r}", where=path, field="pool", hint=hint) from error
-    return pool
 
 
 def _document(pool: Pool) -> dict[str, Any]:
@@ -233,22 +234,47 @@ def _pool(document: dict[str, Any]) -> Pool:
     stored = document.pop("digest")
     if stored != _digest({"format": FORMAT, **document}):
         raise ValueError("damaged: the digest does not fit")
-    table = [*document["values"], None]  # the last is what -1 means
+    nodes, table = _texts(document["nodes"]), _texts(document["values"])
     return Pool(
-        context=Context(document["settings"], document["tree"]),
-        source=document["source"],
-        seed=document["seed"],
-        nodes=tuple(document["nodes"]),
-        samples=tuple(
-            Sample(task, number, condition, means, tuple(table[code] for code in codes))
-            for task, number, condition, means, codes in document["samples"]
+        context=Context(*_texts([document["settings"], document["tree"]])),
+        source=_text(document["source"]),
+        seed=_whole(document["seed"]),
+        nodes=nodes,
+        samples=tuple(_sample(row, len(nodes), (*table, None)) for row in document["samples"]),
+        failures=tuple(
+            Failure(_text(task), _whole(number), _text(condition), _text(problem))
+            for task, number, condition, problem in document["failures"]
         ),
-        failures=tuple(Failure(*fields) for fields in document["failures"]),
     )
 
 
+def _sample(row: Any, count: int, table: tuple[str | None, ...]) -> Sample:
+    """A sample; the last entry of the table is what −1 means."""
+    task, number, condition, means, codes = row
+    if len(codes) != count or not all(-1 <= _whole(code) < len(table) - 1 for code in codes):
+        raise ValueError(f"{count} values expected")
+    return Sample(_text(task), _whole(number), _text(condition), _text(means), tuple(table[code] for code in codes))
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{value!r:.60} is no text")
+    return value
+
+
+def _texts(values: Any) -> tuple[str, ...]:
+    return tuple(map(_text, values))
+
+
+def _whole(value: Any) -> int:
+    if type(value) is not int:
+        raise TypeError(f"{value!r:.60} is no whole number")
+    return value
+
+
 def _digest(content: dict[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(content, ensure_ascii=False, sort_keys=True).encode()).hexdigest()[:16]
+    text = json.dumps(content, ensure_ascii=False, sort_keys=True)
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
 # --- Where demonstrations come from: the generator, or the paper's own study with everything displaced.

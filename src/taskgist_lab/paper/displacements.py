@@ -12,7 +12,6 @@ import hashlib
 import json
 import math
 import re
-import zlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -23,6 +22,7 @@ from typing import Any
 
 from taskgist.common.files import writing
 from taskgist.common.frozen import FrozenMap, Json
+from taskgist.common.packed_json import read_packed_json
 from taskgist.common.workers import Progress, in_order, silent
 from taskgist.errors import KnowledgeError, TaskgistError
 from taskgist.facts.standard import STANDARD_TREE
@@ -31,6 +31,7 @@ from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Context, Explanation
 from taskgist.learning.understanding import clause_of, understand
 from taskgist.pipeline.explain import explain_recording
+from taskgist.settings import DEFAULT
 from taskgist_lab.paper.demonstrations import STUDY
 from taskgist_lab.paper.judging import Judged
 from taskgist_lab.paper.published import CLAUSES, Goal, PublishedClause, Result, Section
@@ -201,20 +202,23 @@ def read_displacements(path: Path) -> Displacements:
     Raises:
         KnowledgeError: The file cannot be read, or holds something else.
     """
+    most_bytes = DEFAULT.limits.document_bytes
+    document = read_packed_json(
+        path, most_bytes=most_bytes, problem="no displacements", hint=AGAIN, error=KnowledgeError
+    )
     try:
-        document: dict[str, Any] = json.loads(gzip.decompress(path.read_bytes()))
         if document["format"] != FORMAT:
-            raise ValueError(f"its format is {document['format']!r}, not {FORMAT!r}")
+            raise ValueError(f"its format is {document['format']!r:.60}, not {FORMAT!r}")
         if (document["distance_m"], document["angle_rad"]) != (DISTANCE_M, ANGLE_RAD):
             raise ValueError("people and things were moved by other amounts")
         values = [UNKNOWN if value is None else str(value) for value in document["values"]]
         tasks = {
-            str(task): tuple(_displacement(displacement, values) for displacement in displaced)
+            task: tuple(_displacement(displacement, values, len(document["nodes"])) for displacement in displaced)
             for task, displaced in document["draws"].items()
         }
         context = Context(str(document["settings"]), str(document["tree"]))
         return Displacements(str(document["study"]), context, tasks)
-    except (OSError, EOFError, zlib.error, KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError, RecursionError) as error:
         raise KnowledgeError(f"no displacements: {error}", where=path, hint=AGAIN) from error
 
 
@@ -242,8 +246,14 @@ def _packed(outcome: Outcome, values: dict[str | None, int]) -> list[int] | str:
     return [values.setdefault(value, len(values)) for value in plain]
 
 
-def _displacement(packed: list[Any], values: list[Value]) -> Displacement:
-    return tuple(each if isinstance(each, str) else tuple(values[int(number)] for number in each) for each in packed)
+def _displacement(packed: list[Any], values: list[Value], count: int) -> Displacement:
+    return tuple(each if isinstance(each, str) else _outcome(each, values, count) for each in packed)
+
+
+def _outcome(numbers: list[Any], values: list[Value], count: int) -> Outcome:
+    if len(numbers) != count or not all(type(number) is int and number >= 0 for number in numbers):
+        raise ValueError(f"an outcome is {count} whole numbers")
+    return tuple(values[number] for number in numbers)
 
 
 # --- Learning from many displacements: those that agree and dissent alike are learned from but once.
