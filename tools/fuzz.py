@@ -36,17 +36,20 @@ def main() -> int:
     parser.add_argument("--cases", type=int, default=10_000, help="how many")
     parser.add_argument("--seed", type=int, default=0, help="other seeds, other cases")
     parser.add_argument("--case", type=int, help="only this one")
-    parser.add_argument("--only", help="only this kind of inputs")
+    parser.add_argument("--only", action="append", help="only this kind of inputs")
+    parser.add_argument("--skip", action="append", default=[], help="all kinds of inputs but this one")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="cases at a time")
     parser.add_argument("--keep", type=Path, help="folder for the inputs of cases that fail")
     parser.add_argument("--json", action="store_true", help="print one document instead of text")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="taskgist-fuzz-") as name:
         bases = warmed(Path(name))
-        if options.only and options.only not in {base.kind for base in bases}:
-            parser.error(f"--only: known are {', '.join(dict.fromkeys(base.kind for base in bases))}")
+        known = dict.fromkeys(base.kind for base in bases)
+        if unknown := {*(options.only or ()), *options.skip} - known.keys():
+            parser.error(f"no kind {', '.join(unknown)}; known are {', '.join(known)}")
+        kinds = set(options.only or known) - set(options.skip)
         numbers: Iterable[int] = itertools.count() if options.case is None else [options.case]
-        cases = itertools.islice(chosen(options.seed, numbers, bases, options.only), options.cases)
+        cases = itertools.islice(chosen(options.seed, numbers, bases, kinds), options.cases)
         started, found = time.monotonic(), []
         for outcome in outcomes(cases, Path(name) / "cases", options.jobs, options.keep):
             found.append(outcome)

@@ -20,7 +20,7 @@ import stat
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -44,6 +44,8 @@ LIMIT_BYTES = 2 * 2**30
 """Memory that a case may take beyond what this process has."""
 RESERVED_BYTES = 16 * 2**30
 """Addresses that a case may reserve beyond that; libraries reserve more than they use."""
+GUARDED = 3
+"""Exit status of a command that ends in an error that nobody expected."""
 UNEXPECTED = 70
 """Exit status of a fork that ends in an error that nobody caught."""
 OUT, ERR = "out", "err"
@@ -236,6 +238,8 @@ class _Running:
             os.environ["XDG_CACHE_HOME"] = str(self.folder)
             os.chdir(self._work)
             status = run(self.command)
+            if status == GUARDED:
+                run((*self.command, "--debug"))  # again, and where it happens
         except BaseException:
             traceback.print_exc()
         finally:
@@ -282,10 +286,10 @@ class _Running:
             return "hang"
         if code < 0:
             return f"ended by {signal.Signals(-code).name}"
-        if "Traceback (most recent call last)" in told:
-            return "traceback"
-        if code not in (0, 1, 2):
+        if code == GUARDED:
             return "unexpected error"
+        if code not in (0, 1, 2) or "Traceback (most recent call last)" in told:
+            return "traceback"
         files = self.case.base.files.keys() | self._written
         named = [Path(name).stem for name in (*self._spoiled, *(set(self.command) & files))]
         return _odd_texts(code, out, told, named if self._spoiled else [""], self.command) or self._changed(code)
@@ -396,9 +400,9 @@ def _raised_at(told: str) -> str:
     return f"{file}:{line} {last}"
 
 
-def chosen(seed: int, numbers: Iterable[int], bases: Sequence[Seed], only: str | None) -> Iterator[Case]:
-    """Cases by number; of one kind, if only that is wanted."""
+def chosen(seed: int, numbers: Iterable[int], bases: Sequence[Seed], kinds: Collection[str]) -> Iterator[Case]:
+    """Cases by number, of some kinds."""
     for number in numbers:
         base = bases[number % len(bases)]
-        if only is None or base.kind == only:
+        if base.kind in kinds:
             yield Case(seed, number, base)
