@@ -13,7 +13,7 @@ export NO_MKDOCS_2_WARNING := 1
 QUICK := $(addprefix tests/, test_architecture.py facts learning language store recognition pipeline/test_symmetries.py \
 	perspective/test_perspective_laws.py perspective/test_perspective_queries.py cli/test_query.py cli/test_surface.py)
 
-.PHONY: help setup demo test quick coverage lint types format docs wheel bench record twins recordings clean
+.PHONY: help setup demo test quick coverage lint types format docs wheel bench record twins fuzz recordings clean
 
 help:  ## list the commands
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 12
@@ -70,6 +70,9 @@ record: $(READY)  ## keep the ratios of the last bench as those that the next on
 
 twins: $(READY)  ## compare fast and slow answers of perspective in COUNT random rooms
 	$(BIN)/python -m tools.twins --count $(or $(COUNT),200)
+
+fuzz: $(READY)  ## spoil inputs of every kind, CASES of them (10,000) from SEED on, and look what commands make of them
+	$(BIN)/python -m tools.fuzz --cases $(or $(CASES),10000) --seed $(or $(SEED),0)
 
 recordings: $(READY)  ## make the shipped recordings anew; KTH=FOLDER for the real ones too
 	$(BIN)/python tools/make_recordings.py $(if $(KTH),--kth $(KTH))

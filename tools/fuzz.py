@@ -72,10 +72,9 @@ def warmed(folder: Path) -> tuple[Seed, ...]:
     made = folder / "made"
     made.mkdir()
     bases, before = seeds(made), Path.cwd()
-    for number, base in enumerate(bases):
+    for base in bases:
         for command in base.commands:
-            work = folder / f"warm-{number}"
-            work.mkdir(exist_ok=True)
+            work = Path(tempfile.mkdtemp(dir=folder))
             for name, content in base.files.items():
                 (work / name).write_bytes(content)
             os.chdir(work)
