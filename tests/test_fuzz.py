@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from tools.fuzz_mutations import OF_BYTES, OF_SUFFIX, OF_TEXT, Mutation, mutated
+from tools.fuzz_mutations import OF_SUFFIX, mutated
+from tools.fuzz_tokens import OF_BYTES, OF_TEXT, Mutation
 
 ROOT = Path(__file__).parent.parent
 CASES, SEED = 500, 11

@@ -4,8 +4,8 @@
     python -m tools.fuzz --seed 7 --case 1234      # one of them again, and what it says
 
 Nothing may end in an unexpected error, hang, take memory without bound, change what is only read, or bring control
-characters to the terminal; what is refused is refused by name. ``fuzz_seeds`` has the inputs, ``fuzz_mutations`` how
-they are spoiled, ``fuzz_cases`` how one is run and judged.
+characters to the terminal; what is refused is refused by name. ``fuzz_seeds`` has the inputs, ``fuzz_tokens``
+and ``fuzz_mutations`` how they are spoiled, ``fuzz_cases`` how one is run and judged.
 """
 
 from __future__ import annotations

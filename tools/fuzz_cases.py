@@ -29,8 +29,9 @@ from taskgist.errors import TaskgistError
 from taskgist.maps.ability_map import read_maps
 from taskgist_lab.evaluation.pool import read_pool
 from taskgist_lab.paper.displacements import read_displacements
-from tools.fuzz_mutations import NUMBERS, WORDS, mutated
+from tools.fuzz_mutations import mutated
 from tools.fuzz_seeds import Command, Seed
+from tools.fuzz_tokens import NUMBERS, WORDS
 
 READERS: dict[str, Callable[[Path], object]] = {
     "read-maps": read_maps,
@@ -113,23 +114,24 @@ class Outcome:
 def _options_spoiled(rng: random.Random, command: Command) -> tuple[Command, tuple[str, ...]]:
     """A command with other arguments."""
     words = list(command)
+    harmless = [word for word in (*WORDS, *NUMBERS, *NUMBERS) if "/etc" not in word]  # it might be a target
     for _ in range(rng.choice((1, 1, 2))):
         at = rng.randrange(1, len(words)) if len(words) > 1 else 0
         what = rng.randrange(8)
         if what == 0:
             words.pop(at)
         elif what == 1:
-            words.insert(at, rng.choice((*WORDS, *NUMBERS, *command, "--json", "--at", "--agent", "--every", "-o")))
+            words.insert(at, rng.choice((*harmless, *command, "--json", "--at", "--agent", "--every", "-o")))
         elif what == 2:
             depth = rng.choice((10, 500, 3000))
             words += ["--where", "not " * depth + "P1 sees"] if rng.random() < 0.5 else ["--where", "(" * depth]
         else:
-            words[at] = rng.choice((*WORDS, *NUMBERS, *NUMBERS))
+            words[at] = rng.choice(harmless)
     plain = [word.replace("\x00", "\\0") for word in words]  # no system passes a NUL on
     return tuple(word for word in plain if len(word) < 100_000), ("arguments",)
 
 
-def _other(path: Path) -> None:
+def _circle(path: Path) -> None:
     """A circle of two links."""
     path.symlink_to("other")
     path.with_name("other").symlink_to(path.name)
@@ -145,7 +147,7 @@ PATHS: dict[str, Callable[[Path], object]] = {
     "folder": Path.mkdir,
     "pipe": os.mkfifo,
     "itself": lambda path: path.symlink_to(path.name),
-    "circle": _other,
+    "circle": _circle,
     "zeros": lambda path: path.symlink_to("/dev/zero"),
     "full": lambda path: path.symlink_to("/dev/full"),
     "null": lambda path: path.symlink_to("/dev/null"),
@@ -325,6 +327,7 @@ def run(command: Command) -> int:
 
 def _limit() -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (LIMIT_S, LIMIT_S + 5))
+    signal.alarm(4 * LIMIT_S)  # should nobody watch it any longer
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     most = pages * resource.getpagesize() + RESERVED_BYTES
@@ -395,9 +398,9 @@ def _raised_at(told: str) -> str:
     places = re.findall(r'File "[^"]*/(taskgist(?:_lab)?/[^"]+)", line (\d+)', told)
     if not places:
         return ""
-    last = told.strip().splitlines()[-1].partition(":")[0][:60]
+    errors = re.findall(r"^([\w.]*(?:Error|Exception|Warning))\b", told, re.MULTILINE) or ["?"]
     file, line = places[-1]
-    return f"{file}:{line} {last}"
+    return f"{file}:{line} {errors[-1]}"
 
 
 def chosen(seed: int, numbers: Iterable[int], bases: Sequence[Seed], kinds: Collection[str]) -> Iterator[Case]:
