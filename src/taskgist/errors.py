@@ -46,8 +46,8 @@ class InputError(TaskgistError):
         return (_rebuild, (type(self), self.problem, self.where, self.field, self.value, self.hint))
 
     def __str__(self) -> str:
-        place = ": ".join(part for part in (self.where, self.field) if part)
-        text = f"{place}: {self.problem}" if place else self.problem
+        place = ": ".join(_shortened(part) for part in (self.where, self.field) if part)
+        text = f"{place}: {_shortened(self.problem)}" if place else _shortened(self.problem)
         if self.value is not None:
             text += f" (got {_shortened(repr(self.value))})"
         if not self.hint:
@@ -115,7 +115,7 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 LONGEST = 600
-"""Letters of a value that a message shows."""
+"""Letters of a value, a name or a place that a message shows."""
 
 
 def _shortened(text: str) -> str:
