@@ -31,7 +31,7 @@ $(READY): pyproject.toml constraints.txt
 setup: $(READY)  ## install everything into .venv
 
 demo: $(READY)  ## learn give, show and hide from the shipped recordings
-	@$(BIN)/taskgist demo
+	@$(BIN)/taskgist demo --replace
 
 lint: $(READY)  ## linters
 	$(BIN)/ruff check .

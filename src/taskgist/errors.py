@@ -6,7 +6,7 @@ The text is built in ``__str__`` from plain fields, so that an error survives pi
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 
@@ -46,8 +46,8 @@ class InputError(TaskgistError):
         return (_rebuild, (type(self), self.problem, self.where, self.field, self.value, self.hint))
 
     def __str__(self) -> str:
-        place = ": ".join(part for part in (self.where, self.field) if part)
-        text = f"{place}: {self.problem}" if place else self.problem
+        place = ": ".join(_shortened(part) for part in (self.where, self.field) if part)
+        text = f"{place}: {_shortened(self.problem)}" if place else _shortened(self.problem)
         if self.value is not None:
             text += f" (got {_shortened(repr(self.value))})"
         if not self.hint:
@@ -84,7 +84,7 @@ class KnowledgeError(InputError):
 
 
 class UnknownNameError(InputError):
-    """A name that does not exist; the message offers the nearest one and lists the known ones.
+    """A name that does not exist; the message offers the one that was meant, and lists the nearest known ones.
 
     Args:
         kind: What was looked for: "agent", "object", "task".
@@ -95,10 +95,8 @@ class UnknownNameError(InputError):
 
     def __init__(self, kind: str, name: str, known: Iterable[str], where: str | Path | None = None) -> None:
         self.kind, self.name, self.known = kind, name, tuple(sorted(known))
-        near = nearest(name, self.known)
-        guess = f"did you mean {near!r}? " if near else ""
-        listed = ", ".join(self.known) or "none"
-        super().__init__(f"no {kind} {name!r}", where=where, hint=f"{guess}(known: {listed})")
+        problem = f"no {kind} {_shortened(repr(name))}"
+        super().__init__(problem, where=where, hint=f"{_guess(name, self.known)}(known: {_listed(name, self.known)})")
 
     def __reduce__(self) -> tuple[object, ...]:
         """Restore from the constructor's own arguments when unpickled."""
@@ -117,7 +115,7 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 LONGEST = 600
-"""Letters of a value that a message shows."""
+"""Letters of a value, a name or a place that a message shows."""
 
 
 def _shortened(text: str) -> str:
@@ -130,12 +128,33 @@ def _rebuild(
     return kind(problem, where=where, field=field, value=value, hint=hint)
 
 
-# --- The way out of a wrong name: the nearest right one, and all of them.
+# --- The way out of a wrong name: the one that was meant, and the nearest others.
+
+MOST_NAMES = 5
+"""Names that a message lists."""
 
 
 def allowed_names(given: object, allowed: Iterable[str]) -> str:
     """Text such as "did you mean 'Sitting'? (allowed: Standing, Sitting)"."""
     names = tuple(allowed)
-    near = nearest(str(given), names)
-    guess = f"did you mean {near!r}? " if near else ""
-    return f"{guess}(allowed: {', '.join(names)})"
+    return f"{_guess(str(given), names)}(allowed: {_listed(str(given), names)})"
+
+
+def _guess(given: str, names: Sequence[str]) -> str:
+    near = nearest(given, names)
+    return f"did you mean {near!r}? " if near else ""
+
+
+def _listed(given: str, names: Sequence[str]) -> str:
+    """Names in their order; of many only the nearest, and how many more there are."""
+    if len(names) <= MOST_NAMES:
+        return ", ".join(map(_shortened, names)) or "none"
+    folded = given[:LONGEST].casefold()
+    by_likeness = sorted(names, key=lambda name: -_likeness(folded, name[:LONGEST].casefold()))
+    kept = set(by_likeness[:MOST_NAMES])
+    listed = ", ".join(_shortened(name) for name in names if name in kept)
+    return f"{listed} and {len(names) - MOST_NAMES} more"
+
+
+def _likeness(one: str, other: str) -> float:
+    return difflib.SequenceMatcher(None, one, other).ratio()

@@ -63,7 +63,7 @@ def test_the_picture_shows_the_body_and_its_reach(tmp_path: Path) -> None:
     picture = tmp_path / "human.png"
     assert run(f"agent check human -o {picture}").endswith(f"saved {picture}\n")
     first = picture.read_bytes()
-    run(f"agent check human -o {picture}")
+    run(f"agent check human -o {picture} --replace")
     assert picture.read_bytes() == first, "the same body gives the same picture"
     with Image.open(picture) as image:
         colours = {colour for _, colour in image.convert("RGB").getcolors(1 << 24)}  # type: ignore[union-attr]

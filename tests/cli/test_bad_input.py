@@ -230,7 +230,7 @@ CASES: dict[str, list[str]] = {
     "see none.toml --agent P1": ["none.toml: cannot be read: ", NO_FILE, "check the path"],
     "see syntax.toml --agent P1": ["syntax.toml: not valid TOML: ", "line 1"],
     "see sound.toml --agent P1 --at 1": ["sound.toml: --at: a scene has no time (got 1.0); leave --at out"],
-    "see field.toml --agent P1": ["field.toml: [agents.P1]: no field 'postur'; did you mean 'posture'? (known: body, "],
+    "see field.toml --agent P1": ["field.toml: [agents.P1]: no field 'postur'; did you mean 'posture'? (known: "],
     "see profile.toml --agent P1": [
         "profile.toml: agents.P1: no profile 'humen'; did you mean 'human'? (known: hrp2, human"
     ],
@@ -299,28 +299,28 @@ CASES: dict[str, list[str]] = {
     "import map_sound.toml -o empty": ["empty: --out: cannot be written: it is a folder; name a file"],
     "import map_sound.toml -o out.mcap --set take": ["--set: not a parameter (got 'take'); write NAME=VALUE"],
     "import map_sound.toml -o out.mcap --set take=1": ["map_sound.toml: no parameter 'take' (known"],
-    "import map_missing.toml -o good.mcap": ["map_missing.toml: ", "none.npz: ", NO_FILE],
-    "import map_key.toml -o good.mcap": ["map_key.toml: [sources.body]: no field 'unit'", "did you mean 'units'"],
-    "import map_landmark.toml -o good.mcap": [
+    "import map_missing.toml -o new.mcap": ["map_missing.toml: ", "none.npz: ", NO_FILE],
+    "import map_key.toml -o new.mcap": ["map_key.toml: [sources.body]: no field 'unit'", "did you mean 'units'"],
+    "import map_landmark.toml -o new.mcap": [
         "map_landmark.toml: people.P1.points",
         "'pelvic'",
         "did you mean 'pelvis'",
     ],
-    "import map_millimetres.toml -o good.mcap": ["map_millimetres.toml: people.P1", "m across", "units"],
-    "import map_timeless.toml -o good.mcap": ["map_timeless.toml: ", "timeless.npz", "frame 7: time: t: ", "nan"],
-    "import map_reversed.toml -o good.mcap": ["map_reversed.toml: ", "reversed.npz", "times run backwards", "; "],
-    "import map_unseen.toml -o good.mcap": ["map_unseen.toml: people.P1", "never"],
-    "import map_several.toml -o good.mcap": [
+    "import map_millimetres.toml -o new.mcap": ["map_millimetres.toml: people.P1", "m across", "units"],
+    "import map_timeless.toml -o new.mcap": ["map_timeless.toml: ", "timeless.npz", "frame 7: time: t: ", "nan"],
+    "import map_reversed.toml -o new.mcap": ["map_reversed.toml: ", "reversed.npz", "times run backwards", "; "],
+    "import map_unseen.toml -o new.mcap": ["map_unseen.toml: people.P1", "never"],
+    "import map_several.toml -o new.mcap": [
         "map_several.toml: label: target_agent: several",
         "['P1', 'P2']",
         "label one",
     ],
-    "import map_late.toml -o good.mcap": [
+    "import map_late.toml -o new.mcap": [
         "map_late.toml: label: end_s: the label reaches outside",
         "(got 99",
         "give a time",
     ],
-    "import map_stranger.toml -o good.mcap": [f"map_stranger.toml: label: no agent 'P3'; {AGENTS}"],
+    "import map_stranger.toml -o new.mcap": [f"map_stranger.toml: label: no agent 'P3'; {AGENTS}"],
     # demonstrating
     "demo -o room.xml": ["room.xml: --out: cannot be made: File exists; name a folder"],
     "demo -o room.xml/demo": ["room.xml/demo: --out: cannot be made: Not a directory; name a folder"],

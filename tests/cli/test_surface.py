@@ -12,8 +12,8 @@ from tests.cli.running import Result, run
 from tests.command_lines import commands, parse
 
 SURFACE: dict[str, set[str]] = {
-    "demo": {"--out", "-o"},
-    "import": {"mapping", "--out", "-o", "--data", "--set"},
+    "demo": {"--out", "-o", "--replace"},
+    "import": {"mapping", "--out", "-o", "--replace", "--data", "--set"},
     "label": {
         *("recording", "--task", "--performer", "--target", "--object", "--start", "--end"),
         *("--propose", "--dry-run"),
@@ -22,21 +22,21 @@ SURFACE: dict[str, set[str]] = {
     "facts": {"recording", "--agent", "--object", "--at", "--every"},
     "learn": {"demonstrations", "--knowledge", "-k", "--replace"},
     "explain": {"task", "--knowledge", "-k", "--why", "--band"},
-    "agent check": {"profile", "--out", "-o"},
-    "see": {"where", "--agent", "--at", "--object", "--out", "-o"},
+    "agent check": {"profile", "--out", "-o", "--replace"},
+    "see": {"where", "--agent", "--at", "--object", "--out", "-o", "--replace"},
     "query": {"where", "--agent", "--ability", "--object", "--actions", "--where", "--why", "--at"},
-    "paper": {"--displacements", "--save", "--out", "-o"},
+    "paper": {"--displacements", "--save", "--out", "-o", "--replace"},
     "simulate": {
         *("task", "--count", "-n", "--seed", "-s", "--means", "--out", "-o"),
         *("--replace", "--processes", "--picture", "--list"),
     },
     "evaluate": {
         *("experiments", "--pool", "--demonstrations", "-n", "--seed", "--runs"),
-        *("--source", "--processes", "--out", "-o"),
+        *("--source", "--processes", "--out", "-o", "--replace"),
     },
     "map": {
         *("where", "--agent", "--ability", "--level", "--where", "--size"),
-        *("--out", "-o", "--npz", "--at"),
+        *("--out", "-o", "--npz", "--at", "--replace"),
     },
 }
 

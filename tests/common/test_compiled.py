@@ -1,7 +1,9 @@
 """Compiled functions: whoever waits for them is told, and machine code is as new as its sources."""
 
+import os
 import pickle
 import shutil
+import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -69,7 +71,9 @@ def test_what_an_earlier_version_left_behind_is_made_anew(tmp_path: Path, suffix
     assert run(tmp_path, source)[0] == "0"
 
 
-UNKEPT = """
+NOWHERE_ELSE = """
+import sys, tempfile
+tempfile.tempdir = sys.argv[1]
 from taskgist.common.compile_notice import when_compiling
 from taskgist.world.geometry.linkage import rotated
 told = []
@@ -79,15 +83,39 @@ print(told)
 """
 
 
-def test_without_a_folder_to_write_to_functions_are_compiled_for_this_run_only(tmp_path: Path) -> None:
+def told_where_only_a_temporary_folder_may_be_written_to(tmp_path: Path, folder: Path) -> str:
     (tmp_path / "file").touch()
     environment = {
         "NUMBA_CACHE_DIR": str(tmp_path / "file/below"),
         "NUMBA_CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator",  # as if the others had found nothing to write to
         "PYTHONPATH": str(Path(__file__).parents[2] / "src"),
     }
-    done = subprocess.run([sys.executable, "-c", UNKEPT], env=environment, capture_output=True, text=True, check=True)
-    assert done.stdout == "[False]\n"
+    line = [sys.executable, "-c", NOWHERE_ELSE, str(folder)]
+    return subprocess.run(line, env=environment, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def test_machine_code_is_kept_in_a_temporary_folder_where_nothing_else_can_be_written_to(tmp_path: Path) -> None:
+    assert told_where_only_a_temporary_folder_may_be_written_to(tmp_path, tmp_path) == "[True]"
+    assert stat.S_IMODE((tmp_path / f"taskgist-{os.getuid()}").stat().st_mode) == 0o700
+    assert told_where_only_a_temporary_folder_may_be_written_to(tmp_path, tmp_path) == "[]"
+
+
+@pytest.mark.parametrize("kind", ["open to others", "a link", "a file"])
+def test_what_others_may_have_put_there_is_not_run(tmp_path: Path, kind: str) -> None:
+    folder = tmp_path / f"taskgist-{os.getuid()}"
+    if kind == "a link":
+        (tmp_path / "elsewhere").mkdir()
+        folder.symlink_to("elsewhere")
+    elif kind == "a file":
+        folder.touch()
+    else:
+        folder.mkdir()
+        folder.chmod(0o777)
+    assert told_where_only_a_temporary_folder_may_be_written_to(tmp_path, tmp_path) == "[False]"
+
+
+def test_without_a_folder_to_write_to_functions_are_compiled_for_this_run_only(tmp_path: Path) -> None:
+    assert told_where_only_a_temporary_folder_may_be_written_to(tmp_path, tmp_path / "file/below") == "[False]"
 
 
 SHARED = """

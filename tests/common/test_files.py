@@ -14,7 +14,15 @@ from pathlib import Path
 
 import pytest
 
-from taskgist.common.files import changing, check_no_input, check_replaceable, read_whole, reading, writing
+from taskgist.common.files import (
+    changing,
+    check_no_input,
+    check_replaceable,
+    keeping_inputs,
+    read_whole,
+    reading,
+    writing,
+)
 from taskgist.errors import InputError, RecordingError
 
 
@@ -177,6 +185,22 @@ def test_an_input_is_no_target_by_whatever_name(tmp_path: Path) -> None:
         with pytest.raises(RecordingError, match="read by the same command"):
             check_no_input(tmp_path / name, [tmp_path / "in"], RecordingError)
     check_no_input(tmp_path / "new", [tmp_path / "in"])
+
+
+def test_what_a_command_read_it_does_not_overwrite(tmp_path: Path) -> None:
+    (tmp_path / "in").write_bytes(b"1")
+    (tmp_path / "link").symlink_to("in")
+    (tmp_path / "extended").write_bytes(b"1")
+    with keeping_inputs():
+        assert read_whole(tmp_path / "in", most_bytes=10) == b"1"
+        with pytest.raises(InputError, match="read by the same command"):
+            put(tmp_path / "link", b"2", replace=True)
+        read_whole(tmp_path / "extended", most_bytes=10, is_input=False)
+        put(tmp_path / "extended", b"2", replace=True)
+        with changing(tmp_path / "extended"):
+            put(tmp_path / "extended", b"3", replace=True)
+    assert (tmp_path / "in").read_bytes() == b"1"
+    put(tmp_path / "in", b"2", replace=True)
 
 
 def test_what_is_too_large_is_not_read(tmp_path: Path) -> None:

@@ -44,7 +44,7 @@ def error_of(folder: Path, text: str) -> str:
 MISTAKES = {
     "unknown field": ('units = "m"', 'units = "m"\naxis = { x = "y" }',
                       r"\[sources.body\]: no field 'axis'; did you mean 'axes'"),
-    "unknown section": ("[people.P1]", "[persons.P1]", r"mapping.toml: no field 'persons' .known: about.*people"),
+    "unknown section": ("[people.P1]", "[persons.P1]", r"mapping.toml: no field 'persons' .known: .*people"),
     "unknown unit": ('units = "m"', 'units = "meter"', r"sources.body.units: .*got 'meter'.*cm, inch, m, mm"),
     "no unit": ('units = "m"', "", r"sources.body.units: is missing"),
     "no time": ('time = { column = "t", unit = "s" }', "", r"sources.body.time: .*neither a time.*rate_hz"),

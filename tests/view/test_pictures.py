@@ -137,7 +137,7 @@ def test_a_picture_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch: pyte
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Figure, "savefig", broken)
-    with pytest.raises(InputError, match=r"picture.png: cannot be written: No space left on device; name a file in"):
+    with pytest.raises(InputError, match=r"picture.png: cannot be written: No space left on device; free some space"):
         save_figure(Figure(), path)
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
@@ -159,7 +159,7 @@ def test_pictures_can_be_read_by_others(tmp_path: Path) -> None:
 @pytest.mark.parametrize("target", ["nowhere/picture.png", "folder"])
 def test_places_that_cannot_be_written(target: str, tmp_path: Path) -> None:
     (tmp_path / "folder").mkdir()
-    with pytest.raises(InputError, match=rf"{target}: cannot be written: .*; name a file in a folder that exists"):
+    with pytest.raises(InputError, match=rf"{target}: cannot be written: .*; name a file"):
         save_figure(Figure(), tmp_path / target)
     assert [path.name for path in tmp_path.rglob("*")] == ["folder"]
 

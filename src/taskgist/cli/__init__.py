@@ -14,6 +14,10 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without our signs shows "?" rather than an error
-    from taskgist.cli.app import app
+    from taskgist.cli.app import app, take_debug_option, unexpected
 
-    app()
+    take_debug_option()
+    try:
+        app()
+    except Exception as error:  # no command may end in a traceback
+        sys.exit(unexpected(error))

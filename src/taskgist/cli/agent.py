@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 from rich.text import Text
 
-from taskgist.cli.common import FAILED, OK, JsonOption, check_target, command, console, print_json
+from taskgist.cli.common import FAILED, OK, JsonOption, ReplaceOption, check_target, command, console, print_json
 from taskgist.errors import InputError, UnknownNameError, nearest
 from taskgist.perspective.image import view_of
 from taskgist.world.bodies.profile import DERIVED_M, Axis
@@ -176,6 +176,7 @@ def agent() -> None:
 def check(
     profile: Annotated[str, typer.Argument(help="A built-in profile, or a file (.toml).", show_default=False)],
     out: Annotated[Path | None, typer.Option("--out", "-o", help="A PNG file for a picture of the body.")] = None,
+    replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> int:
     """Say whether an agent profile is fit to use, and what it has.
@@ -189,9 +190,7 @@ def check(
     Example: taskgist agent check my_robot.toml
     """
     if out is not None:
-        check_target(out, "--out")
-        if out.suffix.lower() != ".png":
-            raise InputError("pictures are PNG", where=out, field="--out", hint="name it .png")
+        check_target(out, "--out", replace=replace, suffix=".png", what="pictures")
     result = check_body(profile)
     found = found_in(result)
     if out is not None and result.scene is not None:

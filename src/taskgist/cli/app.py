@@ -13,6 +13,8 @@ import ast
 import importlib.util
 import inspect
 import sys
+import traceback
+import warnings
 from collections.abc import Iterator, Mapping
 from importlib import metadata
 from importlib.machinery import PathFinder
@@ -22,6 +24,7 @@ import typer
 from typer.core import TyperGroup
 
 from taskgist.common.compile_notice import when_compiling
+from taskgist.common.text import escaped
 
 GROUP = "taskgist.commands"
 """The entry points by which packages add commands."""
@@ -177,15 +180,66 @@ def options(
     _version: Annotated[
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version and exit.")
     ] = False,
+    _debug: Annotated[
+        bool, typer.Option("--debug", help="Show where errors arise; may stand anywhere on the command line.")
+    ] = False,
 ) -> None:
     """Take the options that stand before a command."""
+    silence_libraries()
     when_compiling(_say_that_it_compiles)
 
 
 def _say_that_it_compiles(kept: bool) -> None:
     """Explain the wait before the first answers after installation."""
-    from taskgist.cli.common import errors  # with rich, which only what is printed should wait for
-
-    if errors.is_terminal:
+    if sys.stderr.isatty():
         how_often = "once" if kept else "for this run only, as no cache can be written (set NUMBA_CACHE_DIR)"
-        errors.print(f"Preparing inner loops for this machine, {how_often}: about ten seconds.", style="dim")
+        sys.stderr.write(f"Preparing inner loops for this machine, {how_often}: about ten seconds.\n")
+
+
+# --- The frame of all commands: what nobody expected ends in one line, and in an exit code of its own.
+
+UNEXPECTED, INTERRUPTED = 3, 130
+"""Exit codes: a fault of ours; ended by Ctrl-C."""
+DEBUG = "--debug"
+LONGEST = 300
+
+
+class Debugging:
+    """Whether to show where errors arise.
+
+    Attributes:
+        on: Whether.
+    """
+
+    on = False
+
+
+def take_debug_option() -> None:
+    """Take ``--debug``, which may stand anywhere, from the command line."""
+    Debugging.on = DEBUG in sys.argv[1:]
+    sys.argv[1:] = [argument for argument in sys.argv[1:] if argument != DEBUG]
+
+
+def silence_libraries() -> None:
+    """Let libraries warn of nothing but where errors are looked for: what users need to know, we say."""
+    import logging  # which --version need not wait for
+
+    if not Debugging.on:
+        logging.getLogger().addHandler(logging.NullHandler())
+        if not sys.warnoptions:
+            warnings.simplefilter("ignore")
+
+
+def show_where(error: BaseException) -> None:
+    """Print the traceback of an error, if that is asked for."""
+    if Debugging.on:
+        sys.stderr.write(escaped("".join(traceback.format_exception(error))))
+
+
+def unexpected(error: Exception) -> int:
+    """Tell of an error that is our fault; the exit code."""
+    show_where(error)
+    said = " ".join(f"{type(error).__name__}: {error}".split())[:LONGEST]
+    report = "please report it with what it says above" if Debugging.on else f"please report it with {DEBUG}'s output"
+    sys.stderr.write(f"unexpected: {escaped(said)}; this is our fault, {report}\n")
+    return UNEXPECTED

@@ -1,16 +1,15 @@
 """What the commands share, and what commands of other packages may use: arguments, output, errors, exit codes.
 
 A command is a function as typer takes it, under ``@command``: expected errors become one line on standard error and
-exit code 2, what it returns is the exit code. It prints with ``console``, or with ``print_json`` where ``--json`` asks
-for a document, and shows long work by ``progress_bar``.
+exit code 2, what it returns is the exit code, and what it reads it never overwrites. It prints with ``console``, or
+with ``print_json`` where ``--json`` asks for a document, and shows long work by ``progress_bar``.
 """
 
 from __future__ import annotations
 
 import json
-import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
@@ -18,10 +17,14 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ParamSpec
 
 import typer
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.segment import Segment
 from rich.text import Text
 
+from taskgist.cli.app import INTERRUPTED, show_where
+from taskgist.common.files import check_no_input, check_replaceable, keeping_inputs, shown_path
+from taskgist.common.text import COMMANDS, escaped, escaped_in_json
 from taskgist.errors import InputError, RecordingError, TaskgistError
 
 if TYPE_CHECKING:  # recordings and scenes bring numpy and MuJoCo, which not every command needs
@@ -40,20 +43,34 @@ KnowledgeOption = Annotated[
     str, typer.Option("--knowledge", "-k", help="The knowledge file, or the URL of a shared database.")
 ]
 KNOWLEDGE = "knowledge.db"
+ReplaceOption = Annotated[bool, typer.Option("--replace", help="Replace files that are there already.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
 NO_OPTIONS: Mapping[str, str] = MappingProxyType({})
 
 OK, FAILED, MISUSED = 0, 1, 2
 """Exit codes: done; done, and the answer is no; bad input or use."""
 
-console = Console(highlight=False, soft_wrap=True, markup=False, emoji=False)
-errors = Console(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)
+
+class SafeConsole(Console):
+    """Shows control characters in texts, which others may have written, as escapes."""
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+        """Render, as rich does."""
+        for segment in super().render(renderable, options):
+            if segment.control is None and COMMANDS.search(segment.text):
+                yield Segment(escaped(segment.text), segment.style)
+            else:
+                yield segment
+
+
+console = SafeConsole(highlight=False, soft_wrap=True, markup=False, emoji=False)
+errors = SafeConsole(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)
 """Names and paths of users may hold brackets and colons: nothing in a text is markup, styles are given apart."""
 
 
 def print_json(document: Any) -> None:
     """Print one JSON document on standard output."""
-    sys.stdout.write(json.dumps(document, ensure_ascii=False, indent=2) + "\n")
+    sys.stdout.write(escaped_in_json(json.dumps(document, ensure_ascii=False, indent=2)) + "\n")
 
 
 @contextmanager
@@ -79,19 +96,24 @@ def command(function: Callable[P, int | None]) -> Callable[P, None]:
     @wraps(function)
     def run(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
-            code = function(*args, **kwargs)
+            with keeping_inputs():
+                code = function(*args, **kwargs)
         except TaskgistError as error:
             raise _refused(error) from error
         except BrokenPipeError:
             raise  # whoever reads has seen enough; the command line's frame ends quietly
         except OSError as error:
             raise _refused(error) from error
+        except KeyboardInterrupt as error:
+            errors.print("interrupted")
+            raise typer.Exit(INTERRUPTED) from error
         raise typer.Exit(code or OK)
 
     return run
 
 
 def _refused(error: Exception) -> typer.Exit:
+    show_where(error)
     errors.print(Text.assemble(("error:", "bold red"), f" {error}"))
     return typer.Exit(MISUSED)
 
@@ -135,36 +157,52 @@ def about(path: Path | str, options: Mapping[str, str] = NO_OPTIONS) -> Iterator
         raise
 
 
-def make_folder(folder: Path, option: str) -> None:
-    """Make a folder unless it is there, before any long work.
+def make_folder(folder: Path, option: str, *, replace: bool) -> None:
+    """Make a folder for pictures unless it is there, before any long work.
 
     Raises:
-        InputError: It cannot be made.
+        InputError: It cannot be made, or holds pictures already, which are not to be replaced.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
+        pictures = sorted(path.name for path in folder.glob("*.png"))
+    except (OSError, ValueError) as error:
+        reason = (error.strerror if isinstance(error, OSError) else None) or error
         raise InputError(
-            f"cannot be made: {error.strerror}", where=folder, field=option, hint="name a folder"
+            f"cannot be made: {reason}", where=shown_path(folder), field=option, hint="name a folder"
         ) from error
+    if pictures and not replace:
+        hint = "name another folder, or add --replace"
+        raise InputError(f"holds {pictures[0]} already", where=folder, field=option, hint=hint)
 
 
-def check_target(path: Path, option: str) -> None:
+def check_target(
+    path: Path, option: str, *, replace: bool, suffix: str = "", what: str = "", inputs: Iterable[Path] = ()
+) -> None:
     """Refuse a file that could not be written, before any long work.
 
+    Args:
+        path: The file.
+        option: The option that names it.
+        replace: Whether it may be there already.
+        suffix: How its name has to end, such as ".png"; any if empty.
+        what: What has such names.
+        inputs: Files that the command reads; what it has read by now is known.
+
     Raises:
-        InputError: Its folder does not exist or may not be written to, or it is a folder itself.
+        InputError: Its folder does not exist or may not be written to; it is a folder, pipe or device, or an input; it
+            is there and not to be replaced; or its name ends otherwise.
     """
-    folder = path.parent
-    if path.is_dir():
-        problem = "cannot be written: it is a folder"
-    elif not folder.is_dir():
-        problem = f"cannot be written: there is no folder {str(folder)!r}"
-    elif not os.access(folder, os.W_OK):
-        problem = f"cannot be written: the folder {str(folder)!r} is read-only"
-    else:
-        return
-    raise InputError(problem, where=path, field=option, hint="name a file in a folder that you may write to")
+    try:
+        check_no_input(path, inputs)
+        check_replaceable(path, replace=replace)
+    except InputError as error:
+        error.field = option
+        if "there already" in error.problem:
+            error.hint = "name another file, or add --replace"
+        raise
+    if suffix and path.suffix.lower() != suffix:
+        raise InputError(f"{what} are {suffix[1:].upper()}", where=path, field=option, hint=f"name it {suffix}")
 
 
 def open_stage(where: Path, at: float | None) -> Stage:

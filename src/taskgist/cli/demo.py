@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.text import Text
 
-from taskgist.cli.common import JsonOption, command, console, make_folder, print_json, progress_bar
+from taskgist.cli.common import JsonOption, ReplaceOption, command, console, make_folder, print_json, progress_bar
 from taskgist.cli.explain import print_understanding, understanding_document
 from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
@@ -33,6 +33,7 @@ def demo(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for pictures and knowledge; made if new.")] = Path(
         "taskgist-demo"
     ),
+    replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Learn give, show and hide from the shipped recordings.
@@ -41,7 +42,7 @@ def demo(
 
     Example: taskgist demo -o /tmp/demo
     """
-    make_folder(out, "--out")
+    make_folder(out, "--out", replace=replace)
     from taskgist.store.database import update  # with sqlalchemy, which only knowledge should wait for
 
     update(out / "knowledge.db")  # what lies there must be usable, before any long work

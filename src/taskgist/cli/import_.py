@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from taskgist.cli.common import JsonOption, check_target, command, console, print_json, progress_bar
+from taskgist.cli.common import JsonOption, ReplaceOption, check_target, command, console, print_json, progress_bar
 from taskgist.errors import MappingError
 from taskgist.importing.build import import_recording
 from taskgist.importing.mapping_file import load_mapping
@@ -24,6 +24,7 @@ def import_(
     set_: Annotated[
         list[str] | None, typer.Option("--set", help="Value of a {parameter} of the mapping: NAME=VALUE.")
     ] = None,
+    replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Turn tracked motion (CSV, NPZ tables) into a recording.
@@ -34,10 +35,11 @@ def import_(
     Example: taskgist import mapping.toml --data tables -o handover.mcap
     """
     parameters = dict(_parameter(text) for text in set_ or [])
-    check_target(out, "--out")
+    loaded = load_mapping(mapping, data_dir=data, parameters=parameters)
+    check_target(out, "--out", replace=replace, suffix=".mcap", what="recordings", inputs=[mapping])
     with progress_bar(quiet=as_json) as progress:
-        recording = import_recording(load_mapping(mapping, data_dir=data, parameters=parameters), progress)
-    write(recording, out)
+        recording = import_recording(loaded, progress)
+    write(recording, out, replace=replace)
     if as_json:
         print_json({"recording": str(out), **_document(recording)})
     else:

@@ -88,7 +88,7 @@ def _check_knowledge(knowledge: str, tree: HypothesisTree) -> None:
     elif path.is_file():
         load(knowledge, expected=Context.of(DEFAULT, tree))
     else:
-        check_target(path, "--knowledge")
+        check_target(path, "--knowledge", replace=True)
 
 
 def _kept(knowledge: str, explanations: list[Explanation], *, replace: bool) -> Knowledge:

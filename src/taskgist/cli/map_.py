@@ -14,6 +14,7 @@ from taskgist.cli.common import (
     OK,
     AtOption,
     JsonOption,
+    ReplaceOption,
     WhereArgument,
     about,
     check_target,
@@ -46,6 +47,7 @@ def map_(
     out: Annotated[Path | None, typer.Option("--out", "-o", help="The PNG file to write.")] = None,
     npz: Annotated[Path | None, typer.Option(help="A file to write the arrays to, for numpy.")] = None,
     at: AtOption = None,
+    replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> int:
     """Map where agents see and reach, and with what effort.
@@ -57,7 +59,10 @@ def map_(
 
     Example: taskgist map room.toml --where "P1 reaches and not P2 sees"
     """
-    _check_files(out, npz)
+    if out is not None:
+        check_target(out, "--out", replace=replace, suffix=".png", what="pictures", inputs=[where])
+    if npz is not None:
+        check_target(npz, "--npz", replace=replace, suffix=".npz", what="arrays", inputs=[where])
     box_m = None if size is None else _size_m(size)
     stage = open_stage(where, at)
     with about(where, {"where": "--where", "size_m": "--size"}):
@@ -65,7 +70,7 @@ def map_(
         asked = asked or _Asked.map(stage, _named(agent), _mapped(ability), level)
         places = None if box_m is None else places_for(stage, box_m, asked.zone)
     if npz is not None:
-        with writing(npz, replace=True) as stream:
+        with writing(npz, replace=replace) as stream:
             write_maps(stream, asked.maps)
     if out is not None:
         _draw(stage, asked, places or (), out)
@@ -143,15 +148,6 @@ def _document(asked: _Asked, places: tuple[Place, ...] | None, files: dict[str, 
         "places": None if places is None else [{"position_m": p.position_m, "support": p.support} for p in places],
         **{name: None if path is None else str(path) for name, path in files.items()},
     }
-
-
-def _check_files(out: Path | None, npz: Path | None) -> None:
-    for path, option, kind in ((out, "--out", "pictures are PNG"), (npz, "--npz", "arrays are NPZ")):
-        if path is not None:
-            check_target(path, option)
-            suffix = f".{kind[-3:].lower()}"
-            if path.suffix.lower() != suffix:
-                raise InputError(kind, where=path, field=option, hint=f"name it {suffix}")
 
 
 def _named(agent: str | None) -> str:

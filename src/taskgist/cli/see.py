@@ -10,6 +10,7 @@ import typer
 from taskgist.cli.common import (
     AtOption,
     JsonOption,
+    ReplaceOption,
     WhereArgument,
     about,
     check_target,
@@ -18,7 +19,6 @@ from taskgist.cli.common import (
     open_stage,
     print_json,
 )
-from taskgist.errors import InputError
 from taskgist.perspective.effort import Visibility, evidence_document
 from taskgist.perspective.image import visibility
 
@@ -30,6 +30,7 @@ def see(
     at: AtOption = None,
     object: Annotated[str | None, typer.Option("--object", help="An object to mark.")] = None,  # noqa: A002
     out: Annotated[Path | None, typer.Option("--out", "-o", help="The PNG file; default: beside, by agent.")] = None,
+    replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Save a picture of what an agent sees.
@@ -47,9 +48,7 @@ def see(
         if object is not None:
             scene.object_body(object)
     path = out or where.with_name(f"{where.stem}_{body.name}_sees.png")
-    check_target(path, "--out")
-    if path.suffix.lower() != ".png":
-        raise InputError("pictures are PNG", where=path, field="--out", hint="name it .png")
+    check_target(path, "--out", replace=replace, suffix=".png", what="pictures", inputs=[where])
     from taskgist.view.scene import see_picture  # with matplotlib, which only pictures should wait for
 
     see_picture(stage, agent, path, target=object)

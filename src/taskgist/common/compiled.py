@@ -1,15 +1,18 @@
 """Compiled functions: loops over rays and shapes that numpy can only do by way of large arrays.
 
-Numba translates them at their first call and keeps the result beside the source, or in the user's cache folder; a
-change of any source that holds compiled functions makes them anew. What is decorated is plain Python all the same: it
-can be read, and run, as such.
+Numba translates them at their first call and keeps the result beside the source, in the user's cache folder, or in a
+temporary folder of the user's, whichever can be written to first; a change of any source that holds compiled functions
+makes them anew. What is decorated is plain Python all the same: it can be read, and run, as such.
 """
 
 from __future__ import annotations
 
 import gc
 import hashlib
+import os
 import re
+import stat
+import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import lru_cache, partial
@@ -63,8 +66,26 @@ def _dispatcher(function: Callable[..., Any], **options: Any) -> Any:
     try:
         dispatcher._cache = _MachineCode(function)
     except RuntimeError:  # neither the package's folder nor the user's cache folder can be written to
-        _not_kept.append(function.__qualname__)
+        folder = _own_temporary_folder()
+        if folder is None:
+            _not_kept.append(function.__qualname__)
+        else:
+            numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
+            dispatcher._cache = _MachineCode(function)
     return dispatcher
+
+
+@lru_cache(maxsize=1)
+def _own_temporary_folder() -> Path | None:
+    """A folder for machine code that this user alone can write to: what is kept there will be run. None without one."""
+    with suppress(OSError):
+        folder = Path(tempfile.gettempdir()) / f"taskgist-{os.getuid()}"
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+        ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022
+        if ours and os.access(folder, os.W_OK | os.X_OK):
+            return folder
+    return None
 
 
 def _no_entry(*_: Any) -> None:

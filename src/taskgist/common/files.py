@@ -3,6 +3,8 @@
 A new file is written as a *draft* beside its target, synced, and given its name at the end. While a process writes a
 draft it holds a lock on it; a draft that nobody holds was left by a process that was killed, and the next that writes
 the same target takes it away.
+
+What is read in ``keeping_inputs`` is never overwritten there, by whatever name, and whatever is given.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import secrets
 import stat
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path
 from typing import BinaryIO
 
@@ -30,6 +33,18 @@ KINDS = {
     stat.S_IFBLK: "a device",
     stat.S_IFSOCK: "a socket",
 }
+_inputs: ContextVar[set[tuple[int, int]] | None] = ContextVar("inputs", default=None)
+"""Device and inode of each file that was read, where inputs are kept."""
+
+
+@contextmanager
+def keeping_inputs() -> Iterator[None]:
+    """Refuse to write what was read: the frame of a command."""
+    token = _inputs.set(set())
+    try:
+        yield
+    finally:
+        _inputs.reset(token)
 
 
 # --- Writing.
@@ -48,8 +63,8 @@ def writing(target: Path, *, replace: bool, error: type[InputError] = InputError
         error: The class of the errors.
 
     Raises:
-        InputError: There is such a file, and it may not be replaced; it is a folder, a device or a pipe; or it cannot
-            be written: no such folder, no permission, a full disk.
+        InputError: There is such a file, and it may not be replaced, or is an input; it is a folder, a device or a
+            pipe; or it cannot be written: no such folder, no permission, a full disk.
     """
     try:
         final = target.resolve()
@@ -85,13 +100,13 @@ def check_replaceable(target: Path, *, replace: bool, error: type[InputError] = 
         _replaced(final, target, replace=replace, error=error)
         if not os.access(final.parent, os.W_OK):
             final.parent.stat()
-            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+            raise PermissionError(errno.EACCES, "")
     except (OSError, ValueError, RuntimeError) as problem:
         raise _unwritable(problem, target, error) from problem
 
 
 def check_no_input(target: Path, inputs: Iterable[Path], error: type[InputError] = InputError) -> None:
-    """Refuse a target that is one of the files that are read, by whatever name.
+    """Refuse a target that is one of the files that will be read, by whatever name.
 
     Raises:
         InputError: It is.
@@ -99,7 +114,11 @@ def check_no_input(target: Path, inputs: Iterable[Path], error: type[InputError]
     for path in inputs:
         with suppress(OSError, ValueError):
             if path.samefile(target):
-                raise error("is read by the same command", where=target, hint="name another file to write")
+                raise _is_input(target, error)
+
+
+def _is_input(target: Path, error: type[InputError]) -> InputError:
+    return error("is read by the same command", where=target, hint="name another file to write")
 
 
 def _replaced(final: Path, target: Path, *, replace: bool, error: type[InputError]) -> os.stat_result | None:
@@ -111,6 +130,8 @@ def _replaced(final: Path, target: Path, *, replace: bool, error: type[InputErro
     kind = KINDS.get(stat.S_IFMT(found.st_mode))
     if kind:
         raise error(f"cannot be written: it is {kind}", where=target, hint="name a file")
+    if (found.st_dev, found.st_ino) in (_inputs.get() or ()):
+        raise _is_input(target, error)
     if not replace:
         raise error("is there already", where=target, hint="name another file, or say that it may be replaced")
     return found
@@ -165,14 +186,14 @@ def _sync_folder(folder: Path) -> None:
 
 
 def _unwritable(problem: Exception, target: Path, error: type[InputError]) -> InputError:
-    reason = (problem.strerror if isinstance(problem, OSError) else None) or str(problem)
-    hints = {
-        errno.ENOSPC: "free some space, or name a file on another disk",
-        errno.EDQUOT: "free some space, or name a file on another disk",
-        errno.ENOENT: "make its folder first, or name a file in one that is there",
-    }
+    reason, hint = _reason(problem), "name a file in a folder that you may write to"
     number = problem.errno if isinstance(problem, OSError) else None
-    hint = hints.get(number or 0, "name a file in a folder that you may write to")
+    if number in (errno.ENOSPC, errno.EDQUOT):
+        hint = "free some space, or name a file on another disk"
+    elif number in (errno.ENOENT, errno.ENOTDIR):
+        reason = f"there is no folder {str(target.parent)!r}"
+    elif number in (errno.EACCES, errno.EPERM, errno.EROFS):
+        reason = f"the folder {str(target.parent)!r} is read-only"
     return error(f"cannot be written: {reason}", where=shown_path(target), hint=hint)
 
 
@@ -180,13 +201,16 @@ def _unwritable(problem: Exception, target: Path, error: type[InputError]) -> In
 
 
 @contextmanager
-def reading(path: Path, *, error: type[InputError] = InputError, hint: str = "check the path") -> Iterator[BinaryIO]:
+def reading(
+    path: Path, *, error: type[InputError] = InputError, hint: str = "check the path", is_input: bool = True
+) -> Iterator[BinaryIO]:
     """A regular file, open for reading; pipes, devices and folders are refused by name, without waiting for them.
 
     Args:
         path: The file; links are followed.
         error: The class of the errors.
         hint: The way out if it is not there.
+        is_input: Whether the file is to be kept; what a command itself extends, such as a store, is not.
 
     Raises:
         InputError: It is no regular file, or cannot be read.
@@ -195,7 +219,11 @@ def reading(path: Path, *, error: type[InputError] = InputError, hint: str = "ch
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     except (OSError, ValueError) as problem:
         raise _unreadable(problem, path, error, hint) from problem
-    kind = KINDS.get(stat.S_IFMT(os.fstat(descriptor).st_mode))
+    found = os.fstat(descriptor)
+    kind = KINDS.get(stat.S_IFMT(found.st_mode))
+    inputs = _inputs.get()
+    if inputs is not None and is_input:
+        inputs.add((found.st_dev, found.st_ino))
     if kind:
         os.close(descriptor)
         raise error(f"cannot be read: it is {kind}", where=shown_path(path), hint="name a file")
@@ -209,7 +237,12 @@ def reading(path: Path, *, error: type[InputError] = InputError, hint: str = "ch
 
 
 def read_whole(
-    path: Path, *, most_bytes: int, error: type[InputError] = InputError, hint: str = "check the path"
+    path: Path,
+    *,
+    most_bytes: int,
+    error: type[InputError] = InputError,
+    hint: str = "check the path",
+    is_input: bool = True,
 ) -> bytes:
     """The content of a regular file.
 
@@ -218,11 +251,12 @@ def read_whole(
         most_bytes: It may not be larger.
         error: The class of the errors.
         hint: The way out if it is not there.
+        is_input: As ``reading`` has it.
 
     Raises:
         InputError: It is no regular file, cannot be read, or is too large.
     """
-    with reading(path, error=error, hint=hint) as stream:
+    with reading(path, error=error, hint=hint, is_input=is_input) as stream:
         size = os.fstat(stream.fileno()).st_size
         if size > most_bytes:
             raise error(
@@ -235,8 +269,11 @@ def read_whole(
 
 
 def _unreadable(problem: Exception, path: Path, error: type[InputError], hint: str) -> InputError:
-    reason = (problem.strerror if isinstance(problem, OSError) else None) or str(problem)
-    return error(f"cannot be read: {reason}", where=shown_path(path), hint=hint)
+    return error(f"cannot be read: {_reason(problem)}", where=shown_path(path), hint=hint)
+
+
+def _reason(problem: Exception) -> str:
+    return (problem.strerror if isinstance(problem, OSError) else None) or str(problem)
 
 
 def shown_path(path: Path) -> str:
@@ -255,7 +292,7 @@ def changing(path: Path, *, error: type[InputError] = InputError) -> Iterator[Bi
         InputError: It is no regular file, or cannot be read.
     """
     while True:
-        with reading(path, error=error) as stream:
+        with reading(path, error=error, is_input=False) as stream:
             fcntl.flock(stream, fcntl.LOCK_EX)
             if _is_same(path, stream):  # else it was replaced while this process waited
                 yield stream

@@ -9,7 +9,16 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table as RichTable
 
-from taskgist.cli.common import JsonOption, check_target, command, console, make_folder, print_json, progress_bar
+from taskgist.cli.common import (
+    JsonOption,
+    ReplaceOption,
+    check_target,
+    command,
+    console,
+    make_folder,
+    print_json,
+    progress_bar,
+)
 from taskgist.common.workers import Progress
 from taskgist.errors import InputError, UnknownNameError
 from taskgist_lab.evaluation.experiments import demonstrations_needed, transfer
@@ -57,6 +66,7 @@ def evaluate(
         int | None, typer.Option("--processes", help="Processes; one for each core by default.")
     ] = None,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Folder for pictures; made if new.")] = None,
+    replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Measure how well tasks are learned from demonstrations.
@@ -77,9 +87,9 @@ def evaluate(
     Example: taskgist evaluate needed transfer --pool pool.json.gz -o pictures
     """
     chosen = _chosen(experiments)
-    _check(demonstrations, runs, processes, out)
+    _check(demonstrations, runs, processes, out, replace=replace)
     if pool is not None:
-        check_target(pool, "--pool")
+        check_target(pool, "--pool", replace=True)
     conditions = tuple(CONDITIONS) if "robustness" in chosen else (CLEAN,)
     wanted = Wanted(source, seed, demonstrations, conditions)
     with progress_bar(quiet=as_json) as progress:
@@ -106,7 +116,7 @@ def _chosen(names: list[str] | None) -> tuple[str, ...]:
     return tuple(name for name in EXPERIMENTS if not names or name in names)
 
 
-def _check(demonstrations: int, runs: int, processes: int | None, out: Path | None) -> None:
+def _check(demonstrations: int, runs: int, processes: int | None, out: Path | None, *, replace: bool) -> None:
     if demonstrations < HELD_OUT_EVERY:
         hint = f"every {HELD_OUT_EVERY}rd is held out: give {HELD_OUT_EVERY} or more, better 30"
         raise InputError("too few", field="--demonstrations", value=demonstrations, hint=hint)
@@ -114,7 +124,7 @@ def _check(demonstrations: int, runs: int, processes: int | None, out: Path | No
         if value is not None and value < 1:
             raise InputError("too few", field=name, value=value, hint="give 1 or more")
     if out is not None:
-        make_folder(out, "--out")
+        make_folder(out, "--out", replace=replace)
 
 
 def _about(pool: Pool) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from taskgist.cli.common import (
     FAILED,
     OK,
     JsonOption,
+    ReplaceOption,
     check_target,
     command,
     console,
@@ -62,6 +63,7 @@ def paper(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Folder for pictures of scenes and trees; made if new.")
     ] = None,
+    replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> int:
     """Compare every published result with ours.
@@ -80,7 +82,7 @@ def paper(
 
     Example: taskgist paper -o pictures --json
     """
-    _check(displacements, save, out)
+    _check(displacements, save, out, replace=replace)
     with progress_bar(quiet=as_json) as progress:
         judged = judge_study(progress=progress)
         displaced = (
@@ -95,15 +97,15 @@ def paper(
     return FAILED if found.failed else OK
 
 
-def _check(displacements: int | None, save: Path | None, out: Path | None) -> None:
+def _check(displacements: int | None, save: Path | None, out: Path | None, *, replace: bool) -> None:
     """Refuse what could not be written, before any long work."""
     if save is not None:
         if displacements is None:
             hint = "add --displacements 200"
             raise InputError("there are no new displacements to keep", field="--save", value=str(save), hint=hint)
-        check_target(save, "--save")
+        check_target(save, "--save", replace=True)
     if out is not None:
-        make_folder(out, "--out")
+        make_folder(out, "--out", replace=replace)
 
 
 def _measured(

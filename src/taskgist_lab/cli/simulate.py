@@ -53,9 +53,7 @@ def simulate(
     if task is None:
         raise InputError("no task to simulate", hint="name one; 'taskgist simulate --list' names them")
     if picture is not None:
-        check_target(picture, "--picture")
-        if picture.suffix.lower() != ".png":
-            raise InputError("not a PNG file", field="--picture", value=str(picture), hint="give it a name in .png")
+        check_target(picture, "--picture", replace=replace, suffix=".png", what="pictures")
     started = time.perf_counter()
     with progress_bar(quiet=as_json) as progress:
         coming = simulate_files(

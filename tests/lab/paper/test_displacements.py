@@ -191,7 +191,7 @@ def test_files_that_cannot_be_read_or_written(tmp_path: Path) -> None:
     path.write_bytes(gzip.compress(json.dumps({**document, "distance_m": 0.1}).encode()))
     with pytest.raises(KnowledgeError, match="moved by other amounts"):
         read_displacements(path)
-    with pytest.raises(InputError, match=r"cannot be written: No such file or directory; make its folder first"):
+    with pytest.raises(InputError, match=r"cannot be written: there is no folder '.*'; name a file in a folder"):
         write_displacements(Displacements("study"), tmp_path / "nowhere" / "displacements.json.gz")
 
 
