@@ -16,7 +16,7 @@ from tools.fuzz_tokens import OF_BYTES, OF_TEXT, Mutation
 
 ROOT = Path(__file__).parent.parent
 CASES, SEED = 500, 11
-SKIPPED: tuple[str, ...] = ()
+SKIPPED = ("scene", "model", "urdf", "mesh", "profile", "recording", "knowledge", "path", "option")
 """Kinds of inputs that are not fuzzed here."""
 
 MUTATIONS = {name: each for group in (OF_BYTES, OF_TEXT, *OF_SUFFIX.values()) for name, each in group.items()}

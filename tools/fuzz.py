@@ -113,9 +113,9 @@ def summary(found: Sequence[Outcome], seconds: float) -> str:
         of_kind = [outcome for outcome in found if outcome.case.base.kind == kind]
         statuses = Counter(outcome.status for outcome in of_kind)
         faults = Counter(outcome.fault for outcome in of_kind if outcome.fault)
-        lines.append(
-            f"  {kind}: {count}, exit status {dict(sorted(statuses.items()))} {dict(faults) if faults else ''}"
-        )
+        seconds_each = sum(outcome.seconds for outcome in of_kind) / count
+        line = f"  {kind}: {count}, {seconds_each:.3f} s each, exit status {dict(sorted(statuses.items()))}"
+        lines.append(f"{line} {dict(faults)}" if faults else line)
     lines += [f"  {count} x {fault} {room}" for (fault, room), count in _groups(failed).most_common()]
     lines += [f"  {name}: {bad} of {count}" for name, (bad, count) in _by_mutation(found).items() if bad]
     slowest = max(found, key=lambda outcome: outcome.seconds)
