@@ -294,7 +294,7 @@ CASES: dict[str, list[str]] = {
     "explain show --why see.clas": ["no node 'see.clas'; did you mean 'see.class'? (known: "],
     "explain show --band wid": ["no band 'wid'; did you mean 'wide'? (known: narrow, sharp, wide)"],
     # importing
-    "import none.toml -o out.mcap": ["none.toml: cannot read the mapping", NO_FILE],
+    "import none.toml -o out.mcap": ["none.toml: cannot be read", NO_FILE],
     "import map_sound.toml -o nowhere/out.mcap": ["nowhere/out.mcap: --out: cannot be written: ", NO_FOLDER],
     "import map_sound.toml -o empty": ["empty: --out: cannot be written: it is a folder; name a file"],
     "import map_sound.toml -o out.mcap --set take": ["--set: not a parameter (got 'take'); write NAME=VALUE"],
