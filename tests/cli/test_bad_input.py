@@ -297,6 +297,8 @@ CASES: dict[str, list[str]] = {
     "import none.toml -o out.mcap": ["none.toml: cannot be read", NO_FILE],
     "import map_sound.toml -o nowhere/out.mcap": ["nowhere/out.mcap: --out: cannot be written: ", NO_FOLDER],
     "import map_sound.toml -o empty": ["empty: --out: cannot be written: it is a folder; name a file"],
+    "import map_sound.toml -o data.npz --replace": ["data.npz: --out: is read by the same command; name another file"],
+    "import map_sound.toml -o map_sound.toml --replace": ["map_sound.toml: --out: is read by the same command"],
     "import map_sound.toml -o out.mcap --set take": ["--set: not a parameter (got 'take'); write NAME=VALUE"],
     "import map_sound.toml -o out.mcap --set take=1": ["map_sound.toml: no parameter 'take' (known"],
     "import map_missing.toml -o new.mcap": ["map_missing.toml: ", "none.npz: ", NO_FILE],

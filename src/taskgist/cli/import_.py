@@ -12,6 +12,7 @@ from taskgist.cli.common import JsonOption, ReplaceOption, check_target, command
 from taskgist.errors import MappingError
 from taskgist.importing.build import import_recording
 from taskgist.importing.mapping_file import load_mapping
+from taskgist.importing.tables import input_files
 from taskgist.recording.mcap import write
 from taskgist.recording.recording import Recording
 
@@ -36,7 +37,7 @@ def import_(
     """
     parameters = dict(_parameter(text) for text in set_ or [])
     loaded = load_mapping(mapping, data_dir=data, parameters=parameters)
-    check_target(out, "--out", replace=replace, suffix=".mcap", what="recordings", inputs=[mapping])
+    check_target(out, "--out", replace=replace, suffix=".mcap", what="recordings", inputs=input_files(loaded))
     with progress_bar(quiet=as_json) as progress:
         recording = import_recording(loaded, progress)
     write(recording, out, replace=replace)
