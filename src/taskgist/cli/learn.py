@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import shlex
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +16,6 @@ from taskgist.cli.common import (
     JsonOption,
     KnowledgeOption,
     about,
-    check_target,
     command,
     console,
     print_json,
@@ -20,7 +23,8 @@ from taskgist.cli.common import (
     read_all,
 )
 from taskgist.cli.explain import print_understanding, understanding_document
-from taskgist.errors import KnowledgeError, RecordingError
+from taskgist.common.files import reading
+from taskgist.errors import InputError, KnowledgeError, RecordingError
 from taskgist.facts.elsewhere import read_facts
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
@@ -36,7 +40,10 @@ from taskgist.settings import DEFAULT
 def learn(
     demonstrations: Annotated[
         list[Path] | None,
-        typer.Argument(help="Labelled recordings (.mcap), folders of them, or files of facts from elsewhere (.json)."),
+        typer.Argument(
+            help="Labelled recordings (.mcap), folders of them, files of facts from elsewhere (.json), "
+            "or other knowledge files."
+        ),
     ] = None,
     knowledge: KnowledgeOption = KNOWLEDGE,
     replace: Annotated[
@@ -49,6 +56,7 @@ def learn(
     They are added to what the knowledge file holds; one that it knows already changes nothing.
 
     A recording that was learned from with another label is refused, unless --replace says to forget that.
+    What was explained until something is refused is kept in a knowledge file of its own, to go on from.
 
     Example: taskgist learn give_1.mcap give_2.mcap -k knowledge.db
 
@@ -58,58 +66,63 @@ def learn(
         raise RecordingError(
             "no demonstrations to learn from", hint="name at least one labelled recording or facts file"
         )
+    from taskgist.store.address import shown  # with sqlalchemy, which only knowledge should wait for
+    from taskgist.store.database import check, load, update
+
     predicates = known_predicates()
     tree = with_predicates(STANDARD_TREE, predicates)
-    _check_knowledge(knowledge, tree)
+    context = Context.of(DEFAULT, tree)
+    check(knowledge, expected=context)
+    others = Knowledge()
+    for path in (each for each in demonstrations if _is_knowledge(each)):
+        others = others.merge(load(path, expected=context))
     explanations = [_from_facts(path, tree) for path in demonstrations if path.suffix == ".json"]
-    recordings = _labelled([path for path in demonstrations if path.suffix != ".json"])
-    if recordings:
-        with progress_bar(quiet=as_json) as progress:
-            explanations += explain_all(recordings, predicates=predicates, progress=progress)
-    known = _kept(knowledge, explanations, replace=replace)
-    tasks = sorted({explanation.task for explanation in explanations})
+    recordings = _labelled([path for path in demonstrations if path.suffix != ".json" and not _is_knowledge(path)])
+    with _kept(explanations, knowledge):
+        if recordings:
+            with progress_bar(quiet=as_json) as progress:
+                explanations.extend(explain_all(recordings, predicates=predicates, progress=progress))
+        added = others.add(*explanations)
+        update(knowledge, added.explanations, added.answers, relabelled="replace" if replace else "refuse")
+    known = load(knowledge, tasks=added.tasks)
     if as_json:
-        learned = {task: understanding_document(known.understand(task, tree)) for task in tasks}
-        print_json({"knowledge": str(knowledge), "tasks": learned})
+        learned = {task: understanding_document(known.understand(task, tree)) for task in added.tasks}
+        print_json({"knowledge": shown(knowledge), "tasks": learned})
         return
-    for task in tasks:
+    for task in added.tasks:
         print_understanding(known.understand(task, tree), whole_tree=False)
         console.print()
-    console.print(f"kept in {knowledge}; for the whole tree: taskgist explain TASK -k {knowledge}")
+    console.print(f"kept in {shown(knowledge)}; for the whole tree: taskgist explain TASK -k {shown(knowledge)}")
 
 
-def _check_knowledge(knowledge: str, tree: HypothesisTree) -> None:
-    """Refuse knowledge that cannot be added to before the long work, not after it."""
-    from taskgist.store.database import file_of, load, update  # with sqlalchemy, which only knowledge should wait for
+@contextmanager
+def _kept(explanations: list[Explanation], knowledge: str) -> Iterator[None]:
+    """Keep what has been explained in a file if it cannot be added to the knowledge, and say how to go on."""
+    from taskgist.store.address import file_of, shown
+    from taskgist.store.database import create
 
-    path = file_of(knowledge)
-    if path is None:
-        update(knowledge)
-    elif path.is_file():
-        load(knowledge, expected=Context.of(DEFAULT, tree))
-    else:
-        check_target(path, "--knowledge")
+    try:
+        yield
+    except InputError as error:
+        path = file_of(knowledge)
+        beside = [] if path is None else [path.parent]
+        stem = path.stem if path else "knowledge"
+        for folder in (*beside, Path(), Path(tempfile.gettempdir())) if explanations else ():
+            names = (folder / f"{stem}.explained{number}.db" for number in ("", *map("-{}".format, range(2, 1000))))
+            with suppress(InputError):
+                kept = next(name for name in names if create(name, Knowledge().add(*explanations)))
+                again = f"taskgist learn {shlex.quote(str(kept))} -k {shlex.quote(shown(knowledge))}"
+                told = f"what was explained is kept; to go on from it: {again}"
+                error.hint = f"{error.hint}; {told}" if error.hint else told
+                break
+        raise
 
 
-def _kept(knowledge: str, explanations: list[Explanation], *, replace: bool) -> Knowledge:
-    """Add to the knowledge; nobody is counted twice because a label was moved.
-
-    Raises:
-        KnowledgeError: A recording was learned from already, with another label.
-    """
-    from taskgist.store.database import update
-
-    known = update(knowledge)
-    older = [each for explanation in explanations for each in known.rivals(explanation)]
-    if older and not replace:
-        raise KnowledgeError(
-            "was learned from already, with another label",
-            where=older[0].demonstration,
-            field="source",
-            value=older[0].source,
-            hint="add --replace to forget that",
-        )
-    return update(knowledge, explanations, forget=[each.digest for each in older])
+def _is_knowledge(path: Path) -> bool:
+    """Whether a file is a database, by its first bytes; what cannot be read is told by who needs it."""
+    with suppress(KnowledgeError), reading(path, error=KnowledgeError) as stream:
+        return stream.read(16) == b"SQLite format 3\0"
+    return False
 
 
 def _labelled(paths: list[Path]) -> list[Recording]:
