@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -31,9 +31,10 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.learning.explanation import Context, Explanation, explain
 from taskgist.learning.knowledge import Knowledge
-from taskgist.pipeline.explain import explain_all, label_of
-from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT
+
+if TYPE_CHECKING:  # recordings bring numpy and MuJoCo, which facts from elsewhere do without
+    from taskgist.recording.recording import Recording
 
 
 @command
@@ -80,6 +81,8 @@ def learn(
     recordings = _labelled([path for path in demonstrations if path.suffix != ".json" and not _is_knowledge(path)])
     with _kept(explanations, knowledge):
         if recordings:
+            from taskgist.pipeline.explain import explain_all
+
             with progress_bar(quiet=as_json) as progress:
                 explanations.extend(explain_all(recordings, predicates=predicates, progress=progress))
         added = others.add(*explanations)
@@ -97,25 +100,34 @@ def learn(
 
 @contextmanager
 def _kept(explanations: list[Explanation], knowledge: str) -> Iterator[None]:
-    """Keep what has been explained in a file if it cannot be added to the knowledge, and say how to go on."""
-    from taskgist.store.address import file_of, shown
-    from taskgist.store.database import create
+    """Keep what has been explained in a file of its own if something is refused, and say how to go on from it."""
+    from taskgist.store.address import shown
 
     try:
         yield
     except InputError as error:
-        path = file_of(knowledge)
-        beside = [] if path is None else [path.parent]
-        stem = path.stem if path else "knowledge"
-        for folder in (*beside, Path(), Path(tempfile.gettempdir())) if explanations else ():
-            names = (folder / f"{stem}.explained{number}.db" for number in ("", *map("-{}".format, range(2, 1000))))
-            with suppress(InputError):
-                kept = next(name for name in names if create(name, Knowledge().add(*explanations)))
-                again = f"taskgist learn {shlex.quote(str(kept))} -k {shlex.quote(shown(knowledge))}"
-                told = f"what was explained is kept; to go on from it: {again}"
-                error.hint = f"{error.hint}; {told}" if error.hint else told
-                break
+        path = _keep(explanations, knowledge) if explanations else None
+        if path is not None:
+            again = shlex.join(["taskgist", "learn", str(path), "-k", shown(knowledge)])
+            told = f"what was explained is kept, to go on from: {again}"
+            error.hint = f"{error.hint}; {told}" if error.hint else told
         raise
+
+
+def _keep(explanations: list[Explanation], knowledge: str) -> Path | None:
+    """A new knowledge file with these: beside the knowledge, else here, else among temporary files; None if nowhere."""
+    from taskgist.store.address import file_of
+    from taskgist.store.database import create
+
+    path = file_of(knowledge)
+    stem = path.stem if path else "knowledge"
+    for folder in ([path.parent] if path else []) + [Path(), Path(tempfile.gettempdir())]:
+        with suppress(InputError):
+            for number in range(1, 1000):
+                kept = folder / f"{stem}.explained{f'-{number}' if number > 1 else ''}.db"
+                if create(kept, Knowledge().add(*explanations)):
+                    return kept
+    return None
 
 
 def _is_knowledge(path: Path) -> bool:
@@ -126,6 +138,10 @@ def _is_knowledge(path: Path) -> bool:
 
 
 def _labelled(paths: list[Path]) -> list[Recording]:
+    if not paths:
+        return []
+    from taskgist.pipeline.explain import label_of
+
     recordings = read_all(paths)
     for path, recording in recordings.items():
         with about(path):

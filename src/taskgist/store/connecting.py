@@ -38,6 +38,8 @@ T = TypeVar("T")
 
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.02, 1.0
 """Pauses between attempts double from the first to the longest; each is shortened at random, so that many spread."""
+LONGEST_TURN_S = 0.03
+"""The longest pause until a writer looks again whether it is its turn: a few times what another takes."""
 LOCK = 0x7A5C6157
 """The advisory lock of PostgreSQL that writers hold: any number that others hardly use."""
 DRIVERS = {"postgresql": 'pip install "taskgist[postgres]"', "mysql": "pip install mysqlclient"}
@@ -134,9 +136,35 @@ def _of_file(path: Path, *, writing: bool, wait_s: float) -> Engine:
 
     @event.listens_for(engine, "begin")
     def _(connection: Connection) -> None:
-        connection.exec_driver_sql("BEGIN IMMEDIATE" if writing else "BEGIN")
+        if writing:
+            _begin_in_turn(connection, wait_s)
+        else:
+            connection.exec_driver_sql("BEGIN")
 
     return engine
+
+
+def _begin_in_turn(connection: Connection, wait_s: float) -> None:
+    """Begin as the one writer of a file.
+
+    SQLite's own waiting comes to look but every 100 ms, so that whoever has just written is first again and others
+    wait for seconds. Pauses that are short and at random let all of them have their turn.
+    """
+    driver, deadline, pause_s = connection.connection.driver_connection, time.monotonic() + wait_s, 0.001
+    assert isinstance(driver, sqlite3.Connection), driver
+    driver.execute("PRAGMA busy_timeout = 0")
+    while time.monotonic() < deadline:
+        try:
+            driver.execute("BEGIN IMMEDIATE")
+        except sqlite3.OperationalError as error:
+            if not error.sqlite_errorname.startswith("SQLITE_BUSY"):
+                break
+            time.sleep(random.uniform(0.0, pause_s))
+            pause_s = min(2 * pause_s, LONGEST_TURN_S)
+        else:
+            driver.execute(f"PRAGMA busy_timeout = {round(1000 * wait_s)}")  # for readers, who are soon done
+            return
+    connection.exec_driver_sql("BEGIN IMMEDIATE")  # once more: what is wrong is told as all other faults are
 
 
 def _of_server(url: URL, *, writing: bool, wait_s: float) -> Engine:
