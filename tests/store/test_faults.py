@@ -294,8 +294,8 @@ def test_who_waits_in_vain_is_told_for_how_long(tmp_path: Path) -> None:
         with pytest.raises(KnowledgeError) as caught:
             use()
         assert str(caught.value) == (
-            f"{path}: waited in vain for another who writes for 0.2 s: database is locked; do it again when that is "
-            "done, or wait longer (setting limits.knowledge_wait_s)"
+            f"{path}: waited 0.2 s in vain: another writes this knowledge: database is locked; do it again when that "
+            "is done, or wait longer (setting limits.knowledge_wait_s)"
         )
     holding.execute("COMMIT")
     holding.close()
@@ -327,7 +327,7 @@ def test_each_fault_of_a_server_has_its_own_way_out(server: str, database: str) 
     assert "; check the name, or make it: createdb NAME" in told(of(server, name="birds"))
     assert "the server does not let this user in: " in told(of(server, user="bob"))
     assert "; check user and password: " in told(of(server, user="bob"))
-    assert "a database, but not of taskgist; " in told(database)
+    assert "a database without knowledge; learn something first: " in told(database)
     save(KNOWLEDGE, database)
     with psycopg.connect(database, autocommit=True) as connection:
         reader = f"reader_{os.urandom(4).hex()}"
@@ -340,7 +340,7 @@ def test_each_fault_of_a_server_has_its_own_way_out(server: str, database: str) 
         assert "is read-only: " in told(standby, check)
         assert "; give the address of the server that takes changes" in told(standby, check)
         connection.execute("SELECT pg_advisory_lock(%s)", [0x7A5C6157])
-        assert "waited in vain for another who writes for 0.2 s: " in told(database, check)
+        assert "waited 0.2 s in vain: another writes this knowledge: " in told(database, check)
         assert load(database, limits=IMPATIENT) == KNOWLEDGE, "readers need not wait"
         connection.execute("SELECT pg_advisory_unlock(%s)", [0x7A5C6157])
         connection.execute("DROP TABLE taskgist_answers")

@@ -158,6 +158,11 @@ def test_knowledge_files_are_learned_from() -> None:
     assert len(load("knowledge.db").explanations) == 3
     other = replace(explanation(3), context=Context("other", "tree"))
     save(Knowledge().add(other), "other.db")
+    with pytest.MonkeyPatch.context() as patch:
+        failing(patch)
+        assert going_on(run("learn", "ann.db", "two.json")[1])[1] == "knowledge.explained.db"
+        assert "explained" not in run("learn", "ann.db", "bob.db")[1], "they are files already"
+    assert len(load("knowledge.explained.db").explanations) == 2
     code, output = run("learn", "other.db")
     assert code == 2
     assert "other.db: made with settings other, tree tree, while " in output
@@ -165,6 +170,14 @@ def test_knowledge_files_are_learned_from() -> None:
         connection.execute("CREATE TABLE birds (name TEXT)")
     connection.close()
     assert "birds.db: a database, but not of taskgist" in run("learn", "birds.db")[1]
+
+
+@pytest.mark.usefixtures("folder")
+def test_blanks_around_a_task_and_its_spelling_do_not_matter() -> None:
+    facts("party", task="fête", demonstration="party")
+    assert run("learn", "party.json", "one.json")[0] == 0
+    assert run("explain", " show ")[1] == run("explain", "show")[1]
+    assert run("explain", "fe\u0302te")[0] == 0
 
 
 SECRET = "Geheim7"

@@ -136,7 +136,7 @@ def test_a_connection_that_is_lost_again_and_again_is_told(
     monkeypatch.setattr(tables, "add", cutting(server, 1000, "after"))
     with pytest.raises(KnowledgeError) as caught:
         update(database, [explanation(8)], limits=replace(DEFAULT.limits, knowledge_wait_s=0.3))
-    assert "the connection to the database was lost for 0.3 s: " in str(caught.value)
+    assert "waited 0.3 s in vain: the connection to the database was lost: " in str(caught.value)
     assert "; do it again when the server is back, or wait longer (" in str(caught.value)
     assert load(database) == KNOWLEDGE
 

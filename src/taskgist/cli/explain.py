@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -161,6 +162,7 @@ def explain(
         _list_tasks(known.tasks, as_json=as_json)
         return
     with about(shown(knowledge)):
+        task = task if task in known.tasks else unicodedata.normalize("NFC", task.strip())
         understanding = known.understand(task, tree, replace(DEFAULT.learning, band=band))
     if node is not None:
         sentence = why(understanding, node)

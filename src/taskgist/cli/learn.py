@@ -6,6 +6,7 @@ import shlex
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -74,12 +75,11 @@ def learn(
     tree = with_predicates(STANDARD_TREE, predicates)
     context = Context.of(DEFAULT, tree)
     check(knowledge, expected=context)
-    others = Knowledge()
-    for path in (each for each in demonstrations if _is_knowledge(each)):
-        others = others.merge(load(path, expected=context))
+    databases = [path for path in demonstrations if _is_knowledge(path)]
+    others = reduce(Knowledge.merge, (load(path, expected=context) for path in databases), Knowledge())
     explanations = [_from_facts(path, tree) for path in demonstrations if path.suffix == ".json"]
-    recordings = _labelled([path for path in demonstrations if path.suffix != ".json" and not _is_knowledge(path)])
-    with _kept(explanations, knowledge):
+    recordings = _labelled([path for path in demonstrations if path.suffix != ".json" and path not in databases])
+    with _kept(others, explanations, knowledge):
         if recordings:
             from taskgist.pipeline.explain import explain_all
 
@@ -99,14 +99,14 @@ def learn(
 
 
 @contextmanager
-def _kept(explanations: list[Explanation], knowledge: str) -> Iterator[None]:
-    """Keep what has been explained in a file of its own if something is refused, and say how to go on from it."""
+def _kept(others: Knowledge, explanations: list[Explanation], knowledge: str) -> Iterator[None]:
+    """If something is refused, keep what was explained, and was to be added with it, and say how to go on from it."""
     from taskgist.store.address import shown
 
     try:
         yield
     except InputError as error:
-        path = _keep(explanations, knowledge) if explanations else None
+        path = _keep(others, explanations, knowledge) if explanations else None
         if path is not None:
             again = shlex.join(["taskgist", "learn", str(path), "-k", shown(knowledge)])
             told = f"what was explained is kept, to go on from: {again}"
@@ -114,7 +114,7 @@ def _kept(explanations: list[Explanation], knowledge: str) -> Iterator[None]:
         raise
 
 
-def _keep(explanations: list[Explanation], knowledge: str) -> Path | None:
+def _keep(others: Knowledge, explanations: list[Explanation], knowledge: str) -> Path | None:
     """A new knowledge file with these: beside the knowledge, else here, else among temporary files; None if nowhere."""
     from taskgist.store.address import file_of
     from taskgist.store.database import create
@@ -125,7 +125,7 @@ def _keep(explanations: list[Explanation], knowledge: str) -> Path | None:
         with suppress(InputError):
             for number in range(1, 1000):
                 kept = folder / f"{stem}.explained{f'-{number}' if number > 1 else ''}.db"
-                if create(kept, Knowledge().add(*explanations)):
+                if create(kept, others.add(*explanations)):
                     return kept
     return None
 

@@ -103,9 +103,9 @@ def _connected(engine: Engine, address: Address) -> Connection:
 def _refusal(error: SQLAlchemyError, fault: Fault, address: Address, waited_s: float | None) -> KnowledgeError:
     reason = str(error.orig if isinstance(error, DBAPIError) else error).strip()
     lines = " ".join(without_secrets(reason, address).split())
-    waited = "" if waited_s is None else f" for {waited_s:g} s"
+    waited = "" if waited_s is None else f"waited {waited_s:g} s in vain: "
     hint = fault.hint if waited_s is None else f"{fault.hint}, or wait longer (setting limits.knowledge_wait_s)"
-    return KnowledgeError(f"{fault.problem}{waited}: {lines}", where=shown(address), hint=hint)
+    return KnowledgeError(f"{waited}{fault.problem}: {lines}", where=shown(address), hint=hint)
 
 
 def _engine(address: Address, *, writing: bool, wait_s: float) -> Engine:

@@ -27,7 +27,7 @@ FOREIGN = Fault("cannot be used as knowledge", "give a knowledge file that taskg
 DAMAGED = Fault(
     "is damaged knowledge", "restore it from a copy, or learn anew from the recordings into another file or database"
 )
-WAITING = Fault("waited in vain for another who writes", "do it again when that is done", passing=True)
+WAITING = Fault("another writes this knowledge", "do it again when that is done", passing=True)
 LOST = Fault("the connection to the database was lost", "do it again when the server is back", passing=True)
 OTHER = Fault("the database refuses", "what it says names the reason; the address may be wrong")
 

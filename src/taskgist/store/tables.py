@@ -41,6 +41,7 @@ from taskgist.learning.understanding import Answer, answer_from_json
 
 SCHEMA_VERSION = "2"
 """Version of these tables; ``migrations`` brings older ones up to it."""
+READABLE = ("1", SCHEMA_VERSION)
 
 METADATA = MetaData()
 
@@ -101,21 +102,24 @@ def version(connection: Connection, where: str) -> str:
     Raises:
         KnowledgeError: The database is not ours, or of a newer release.
     """
-    if not exist(connection):
+    there, of_file = inspect(connection), connection.dialect.name == "sqlite"
+    lost = [name for name in METADATA.tables if not there.has_table(name)]
+    if PROPERTIES.name in lost and of_file:
         hint = "give a file that taskgist wrote, or a name that is not taken"
         raise KnowledgeError("a database, but not of taskgist", where=where, hint=hint)
-    there = inspect(connection)
-    lost = [name for name in METADATA.tables if not there.has_table(name)]
+    if PROPERTIES.name in lost:
+        hint = "learn something first: its tables are made by learning"
+        raise KnowledgeError("a database without knowledge", where=where, hint=hint)
     if lost:
         hint = "restore it from a copy, or learn anew from the recordings into another file or database"
         raise KnowledgeError(f"is damaged knowledge: no table {', '.join(lost)}", where=where, hint=hint)
-    if connection.dialect.name == "sqlite":  # what a file computes when it is read or written is not ours
+    if of_file:  # what a file computes when it is read or written is not ours
         strange = connection.scalar(text("SELECT name FROM sqlite_master WHERE type IN ('view', 'trigger') LIMIT 1"))
         if strange is not None:
             hint = "give a file that nobody but taskgist wrote"
             raise KnowledgeError("a view or trigger, which taskgist never makes", where=where, value=strange, hint=hint)
     found = connection.scalar(select(PROPERTIES.c.value).where(PROPERTIES.c.name == "schema"))
-    if found not in (*map(str, range(1, int(SCHEMA_VERSION))), SCHEMA_VERSION):
+    if found not in READABLE:
         hint = f"this release reads version {SCHEMA_VERSION} and older: use the release that wrote it, or a newer one"
         raise KnowledgeError("another version of the tables", where=where, field="schema", value=found, hint=hint)
     return str(found)
