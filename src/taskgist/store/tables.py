@@ -12,6 +12,7 @@ import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import islice
+from operator import itemgetter
 from typing import Any, Literal, TypeVar
 
 from sqlalchemy import (
@@ -235,16 +236,17 @@ def add(
     for each in (one for one in wanted.explanations if before.get(one.digest, one) != one):
         changed = update(EXPLANATIONS).where(EXPLANATIONS.c.digest == each.digest)
         connection.execute(changed.values(explanation_row(each)))
-    _insert(connection, EXPLANATIONS, [explanation_row(e) for e in wanted.explanations if e.digest not in before])
-    _insert(connection, ANSWERS, [answer_row(each) for each in added.answers])
+    fresh = (each for each in wanted.explanations if each.digest not in before)
+    _insert(connection, EXPLANATIONS, map(explanation_row, fresh))
+    _insert(connection, ANSWERS, sorted(map(answer_row, added.answers), key=itemgetter("digest")))
 
 
 def write(connection: Connection, knowledge: Knowledge) -> None:
     """Let the tables hold this knowledge, and nothing else."""
     connection.execute(delete(EXPLANATIONS))
     connection.execute(delete(ANSWERS))
-    _insert(connection, EXPLANATIONS, [explanation_row(each) for each in knowledge.explanations])
-    _insert(connection, ANSWERS, [answer_row(each) for each in knowledge.answers])
+    _insert(connection, EXPLANATIONS, map(explanation_row, knowledge.explanations))
+    _insert(connection, ANSWERS, sorted(map(answer_row, knowledge.answers), key=itemgetter("digest")))
 
 
 def forget(connection: Connection, digests: Iterable[str]) -> None:
@@ -316,23 +318,19 @@ def _distinct(connection: Connection, column: Column[Any], *conditions: ColumnEl
         last = found
 
 
-def _insert(connection: Connection, table: Table, listed: list[dict[str, str]]) -> None:
+def _insert(connection: Connection, table: Table, rows: Iterable[dict[str, str]]) -> None:
     """Insert rows; those that are there already stay as they are, where the database can do that in one step."""
-    statement = insert(table)
+    digest, statement = table.c.digest, insert(table)
     if connection.dialect.name == "postgresql":
         statement = postgresql.insert(table).on_conflict_do_nothing()
     elif connection.dialect.name == "sqlite":
         statement = sqlite.insert(table).on_conflict_do_nothing()
-    else:
-        digests = [row["digest"] for row in listed]
-        known = {
-            digest
-            for some in batches(digests)
-            for digest in connection.scalars(select(table.c.digest).where(table.c.digest.in_(some)))
-        }
-        listed = [row for row in listed if row["digest"] not in known]
-    if listed:
-        connection.execute(statement, sorted(listed, key=lambda row: row["digest"]))
+    for some in batches(rows):
+        if connection.dialect.name not in ("postgresql", "sqlite"):
+            known = set(connection.scalars(select(digest).where(digest.in_([row["digest"] for row in some]))))
+            some = [row for row in some if row["digest"] not in known]
+        if some:
+            connection.execute(statement, some)
 
 
 def found_by(explanation: Explanation) -> dict[str, str]:
