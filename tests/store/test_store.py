@@ -6,6 +6,7 @@ import dataclasses
 from pathlib import Path
 
 import pytest
+from sqlalchemy import StaticPool, create_engine
 
 from taskgist.errors import KnowledgeError
 from taskgist.facts import Episode, Observation
@@ -138,6 +139,17 @@ def test_an_addition_reads_only_what_it_needs(address: str, many: int) -> None:
         update(address, [relabelled(0, 1.0), relabelled(1, 2.0)], relabelled="replace")
     assert len(looked_at) == 4, "those of the same recordings, the same demonstration again, one for the context"
     assert len(load(address).explanations) == many
+
+
+def test_databases_of_other_kinds_get_plain_sql(monkeypatch: pytest.MonkeyPatch) -> None:
+    engine = create_engine("sqlite://", poolclass=StaticPool)
+    monkeypatch.setattr(engine.dialect, "name", "birds")
+    with engine.begin() as connection:
+        tables.create(connection)
+        tables.write(connection, Knowledge().add(explanation(1)).answer(ANSWER))
+        tables.add(connection, KNOWLEDGE, "here")
+        tables.add(connection, KNOWLEDGE, "here")
+        assert tables.knowledge(*tables.rows(connection, "here"), "here") == KNOWLEDGE
 
 
 def test_a_failed_update_writes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
