@@ -5,9 +5,11 @@ from __future__ import annotations
 import dataclasses
 import multiprocessing
 import sqlite3
+import tempfile
 import threading
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import psycopg
@@ -18,6 +20,7 @@ from taskgist.errors import KnowledgeError
 from taskgist.learning import Explanation, Knowledge
 from taskgist.settings import DEFAULT
 from taskgist.store import load, save, tables, update
+from tests.store import postgres
 from tests.store.test_store import KNOWLEDGE, explanation
 
 WRITERS, ADDITIONS, SHARED = 4, 6, 3
@@ -139,6 +142,30 @@ def test_a_connection_that_is_lost_again_and_again_is_told(
     assert "waited 0.3 s in vain: the connection to the database was lost: " in str(caught.value)
     assert "; do it again when the server is back, or wait longer (" in str(caught.value)
     assert load(database) == KNOWLEDGE
+
+
+@pytest.mark.skipif(postgres.missing() is not None, reason=str(postgres.missing()))
+def test_a_server_that_restarts_refuses_nobody_who_was_connected() -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o711)
+        server = postgres.Server(Path(folder) / "server")
+        server.start()
+        try:
+            adding, restarts = tables.add, [1]
+
+            def add(connection: Connection, *args: Any, **options: Any) -> None:
+                if restarts:
+                    restarts.pop()
+                    server.stop()
+                    threading.Timer(0.3, server.start).start()
+                adding(connection, *args, **options)
+
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setattr(tables, "add", add)
+                update(server.url, [explanation(8)])
+            assert load(server.url) == Knowledge().add(explanation(8))
+        finally:
+            server.stop()
 
 
 @pytest.mark.parametrize("state", ["40001", "40P01", "57P03", "53300"])
