@@ -59,7 +59,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "common": {"numpy", "numba"},
     "facts": set(),
     "learning": set(),
-    "store": {"sqlalchemy"},
+    "store": {"sqlalchemy", "alembic"},
     "world": {"numpy", "numba", "mujoco", "mink", "coacd", "tomli_w"},
     "moving": {"numpy", "scipy"},
     "perspective": {"numpy"},

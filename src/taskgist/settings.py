@@ -162,6 +162,8 @@ class Limits:
     """Longest edge of the box around an object; what is longer is mostly given in millimetres."""
     body_shapes: int = 1_000
     """Shapes of one body, room and objects apart; the published robots that ship have up to 200."""
+    knowledge_wait_s: float = 30.0
+    """Longest that knowledge is waited for while others write it, which takes each of them milliseconds."""
 
 
 UNSHAPING = ("maps", "learning", "limits")

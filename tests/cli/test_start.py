@@ -33,6 +33,16 @@ import sys
 sys.modules.update(dict.fromkeys(("mujoco", "numba", "numpy")))  # importing one raises ImportError
 """
 RUN = "from taskgist.cli import main; main()"
+FACTS = {
+    "schema": "taskgist.facts/1",
+    "task": "show",
+    "demonstration": "annotated",
+    "performing_agent": "P1",
+    "target_agent": "P2",
+    "target_object": "cup",
+    "start": {"see.effort": "Head_Effort"},
+    "end": {"see.effort": "No_Effort_Required"},
+}
 
 
 def python(code: str, *words: str, path: str = "", status: int = 0) -> subprocess.CompletedProcess[str]:
@@ -53,23 +63,19 @@ def test_few_modules_are_loaded(option: str) -> None:
 
 @pytest.fixture
 def knowledge(tmp_path: Path) -> str:
-    document = {
-        "schema": "taskgist.facts/1",
-        "task": "show",
-        "demonstration": "annotated",
-        "performing_agent": "P1",
-        "target_agent": "P2",
-        "target_object": "cup",
-        "start": {"see.effort": "Head_Effort"},
-        "end": {"see.effort": "No_Effort_Required"},
-    }
-    update(tmp_path / "knowledge.db", [explain(parse_facts(document, STANDARD_TREE, where="here"))])
+    update(tmp_path / "knowledge.db", [explain(parse_facts(FACTS, STANDARD_TREE, where="here"))])
     return str(tmp_path / "knowledge.db")
 
 
 @pytest.mark.parametrize("words", [(), ("show",), ("show", "--why", "see.class"), ("show", "--json")])
 def test_explaining_needs_neither_mujoco_nor_numba_nor_numpy(knowledge: str, words: tuple[str, ...]) -> None:
     assert python(BLOCKED + RUN, "explain", *words, "-k", knowledge).stdout
+
+
+def test_learning_from_knowledge_and_facts_needs_them_neither(knowledge: str, tmp_path: Path) -> None:
+    (tmp_path / "told.json").write_text(json.dumps(FACTS | {"demonstration": "told"}), encoding="utf-8")
+    words = ("learn", knowledge, str(tmp_path / "told.json"), "-k", str(tmp_path / "other.db"))
+    assert "learned from 2 demonstrations" in python(BLOCKED + RUN, *words).stdout
 
 
 @pytest.mark.parametrize("room", ["facts", "learning", "store", "language"])

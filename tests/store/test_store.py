@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-import multiprocessing
-import sqlite3
-import stat
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from sqlalchemy import StaticPool, create_engine
 
 from taskgist.errors import KnowledgeError
 from taskgist.facts import Episode, Observation
@@ -28,29 +25,131 @@ def explanation(index: int, task: str = "show", posture: str = "Sitting") -> Exp
 KNOWLEDGE = Knowledge().add(explanation(1), explanation(2), explanation(3, "hide")).answer(ANSWER)
 
 
-def test_what_is_saved_is_loaded(tmp_path: Path) -> None:
-    path = tmp_path / "knowledge.db"
-    save(KNOWLEDGE, path)
-    assert load(path) == KNOWLEDGE
-    assert load(path, expected=Context.of()) == KNOWLEDGE
-    assert load(f"sqlite:///{path}") == KNOWLEDGE
-    assert [each.name for each in tmp_path.iterdir()] == ["knowledge.db"]
-
-
-def test_saving_replaces(tmp_path: Path) -> None:
-    path = tmp_path / "knowledge.db"
-    save(KNOWLEDGE, path)
+def test_what_is_saved_is_loaded(address: str) -> None:
+    save(KNOWLEDGE, address)
+    assert load(address) == KNOWLEDGE
+    assert load(address, expected=Context.of()) == KNOWLEDGE
     less = KNOWLEDGE.remove("hide", explanation(3, "hide").digest)
-    save(less, path)
-    assert load(path) == less
+    save(less, address)
+    assert load(address) == less, "saving replaces"
 
 
-def test_updates_are_unions(tmp_path: Path) -> None:
+def test_a_file_is_alone_in_its_folder_and_has_a_url(tmp_path: Path) -> None:
     path = tmp_path / "knowledge.db"
-    assert update(path, [explanation(1)]) == Knowledge().add(explanation(1))
-    update(path, [explanation(1), explanation(2)], [ANSWER])
-    got = update(path, [explanation(3, "hide")], [ANSWER])
-    assert got == load(path) == KNOWLEDGE
+    save(KNOWLEDGE, path)
+    update(path, [explanation(7)])
+    assert [each.name for each in tmp_path.iterdir()] == ["knowledge.db"]
+    assert load(f"sqlite:///{path}") == load(path)
+
+
+def test_one_task_can_be_loaded_alone(address: str) -> None:
+    save(KNOWLEDGE, address)
+    assert load(address, tasks=["hide"]).tasks == ("hide",)
+    assert load(address, tasks=["hide", "give"]).experience("hide") == KNOWLEDGE.experience("hide")
+    assert load(address, tasks=[]).tasks == ()
+    assert load(address, tasks=["hide"]).answers == {ANSWER}
+
+
+def test_updates_are_unions(address: str) -> None:
+    update(address, [explanation(1)])
+    assert load(address) == Knowledge().add(explanation(1))
+    update(address, [explanation(1), explanation(2)], [ANSWER])
+    update(address, [explanation(3, "hide")], [ANSWER])
+    assert load(address) == KNOWLEDGE
+    update(address, forget=[explanation(2).digest])
+    assert load(address) == KNOWLEDGE.remove("show", explanation(2).digest)
+
+
+def test_which_of_two_copies_stays_does_not_depend_on_the_order(address: str, tmp_path: Path) -> None:
+    one = explanation(1)
+    other = dataclasses.replace(one, demonstration="another name")
+    update(address, [one])
+    update(address, [other])
+    update(tmp_path / "turned.db", [other])
+    update(tmp_path / "turned.db", [one])
+    assert load(address) == load(tmp_path / "turned.db") == Knowledge().add(one, other)
+
+
+def relabelled(index: int, end_s: float, task: str = "show", object_: str = "cup") -> Explanation:
+    source = f"recording{index} 0.0000-{end_s:.4f} s"
+    return dataclasses.replace(explanation(index), task=task, source=source, target_object=object_)
+
+
+def told(source: str, task: str = "show") -> Explanation:
+    return dataclasses.replace(explanation(4), task=task, source=f"facts:{source}")
+
+
+KNOWN = [relabelled(1, 2.0), relabelled(2, 2.0), relabelled(2, 2.0, object_="box"), explanation(1), told("a")]
+CANDIDATES = {
+    "known": (relabelled(1, 2.0), 0),
+    "other times": (relabelled(1, 2.5), 1),
+    "another task": (relabelled(1, 2.0, "hide"), 1),
+    "one of two objects": (relabelled(2, 2.5), 1),
+    "another object": (relabelled(1, 2.5, object_="box"), 0),
+    "another recording": (relabelled(3, 2.0), 0),
+    "corrected facts": (told("b"), 1),
+    "facts of another task": (told("b", "hide"), 0),
+}
+
+
+@pytest.mark.parametrize("kind", CANDIDATES)
+def test_a_recording_under_another_label_is_told_from_others(address: str, kind: str) -> None:
+    """The store's question to its index is that of ``Knowledge.rivals``, which looks at everything."""
+    added, count = CANDIDATES[kind]
+    save(Knowledge().add(*KNOWN), address)
+    rivals = Knowledge().add(*KNOWN).rivals(added)
+    assert len(rivals) == count
+    if count:
+        with pytest.raises(KnowledgeError, match="learned from already, with another label"):
+            update(address, [explanation(9), added], relabelled="refuse")
+        assert load(address) == Knowledge().add(*KNOWN)
+    else:
+        update(address, [added], relabelled="refuse")
+    update(address, [added], relabelled="replace")
+    assert set(load(address).explanations) == {*KNOWN, added} - set(rivals)
+    update(address, KNOWN)
+    assert set(load(address).explanations) == {*KNOWN, added}, "who does not ask counts both"
+
+
+def test_two_labels_of_one_recording_at_once_are_refused_as_one_after_the_other(tmp_path: Path) -> None:
+    path = tmp_path / "knowledge.db"
+    both = [relabelled(1, 2.0), relabelled(1, 2.5)]
+    ways: tuple[tables.Relabelled, ...] = ("refuse", "replace")
+    for way in ways:
+        with pytest.raises(KnowledgeError, match="the same recording as 'Vorführung 1', with another label"):
+            update(path, both, relabelled=way)
+    assert not path.exists()
+    update(path, both)
+    assert len(load(path).explanations) == 2, "who does not ask counts both"
+
+
+@pytest.mark.parametrize("many", [10, 300])
+def test_an_addition_reads_only_what_it_needs(address: str, many: int) -> None:
+    """The same few rows, whatever else is there."""
+    save(Knowledge().add(*(relabelled(index, 1.0) for index in range(many))), address)
+    looked_at: list[str] = []
+    found = tables.explanation_of
+
+    def counted(row: tables.AnyRow, where: str) -> Explanation:
+        looked_at.append(row.digest)
+        return found(row, where)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tables, "explanation_of", counted)
+        update(address, [relabelled(0, 1.0), relabelled(1, 2.0)], relabelled="replace")
+    assert len(looked_at) == 4, "those of the same recordings, the same demonstration again, one for the context"
+    assert len(load(address).explanations) == many
+
+
+def test_databases_of_other_kinds_get_plain_sql(monkeypatch: pytest.MonkeyPatch) -> None:
+    engine = create_engine("sqlite://", poolclass=StaticPool)
+    monkeypatch.setattr(engine.dialect, "name", "birds")
+    with engine.begin() as connection:
+        tables.create(connection)
+        tables.write(connection, Knowledge().add(explanation(1)).answer(ANSWER))
+        tables.add(connection, KNOWLEDGE, "here")
+        tables.add(connection, KNOWLEDGE, "here")
+        assert tables.knowledge(*tables.rows(connection, "here"), "here") == KNOWLEDGE
 
 
 def test_a_failed_update_writes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -66,7 +165,7 @@ def test_a_failed_update_writes_nothing(tmp_path: Path, monkeypatch: pytest.Monk
     def failing(_: object) -> dict[str, str]:
         raise RuntimeError("power cut")
 
-    monkeypatch.setattr(tables, "_answer_row", failing)  # after the explanations have been inserted
+    monkeypatch.setattr(tables, "answer_row", failing)  # after the explanations have been inserted
     other = dataclasses.replace(ANSWER, author="bob")
     with pytest.raises(RuntimeError, match="power cut"):
         update(path, [explanation(8)], [other])
@@ -74,6 +173,7 @@ def test_a_failed_update_writes_nothing(tmp_path: Path, monkeypatch: pytest.Monk
         save(KNOWLEDGE.add(explanation(8)), path)
     with pytest.raises(RuntimeError, match="power cut"):
         save(KNOWLEDGE, tmp_path / "new.db")
+    monkeypatch.undo()
     assert load(path) == KNOWLEDGE
     assert [each.name for each in tmp_path.iterdir()] == ["knowledge.db"]
 
@@ -94,100 +194,3 @@ def test_knowledge_of_another_context_is_refused_with_both_named(tmp_path: Path)
     text = str(caught.value)
     assert text.startswith(f"{path}: made with {Context.of()}, while settings mine, tree tree is in use; ")
     assert "learn anew" in text
-
-
-def foreign(path: Path) -> None:
-    with sqlite3.connect(path) as connection:
-        connection.execute("CREATE TABLE birds (name TEXT)")
-    connection.close()
-
-
-def changed(path: Path, statement: str) -> None:
-    save(KNOWLEDGE, path)
-    with sqlite3.connect(path) as connection:
-        connection.execute(statement)
-    connection.close()
-
-
-def truncated(path: Path) -> None:
-    save(KNOWLEDGE, path)
-    path.write_bytes(path.read_bytes()[:5000])
-
-
-DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
-    "missing": (lambda path: path.unlink(missing_ok=True), "no such knowledge file; learn something first"),
-    "no database": (lambda path: path.write_text("give me the mug\n" * 99), "cannot be used as knowledge"),
-    "empty": (lambda path: path.write_bytes(b""), "a database, but not of taskgist"),
-    "foreign": (foreign, "a database, but not of taskgist"),
-    "truncated": (truncated, "cannot be used as knowledge"),
-    "folder": (lambda path: path.mkdir(), "no such knowledge file"),
-    "newer": (
-        lambda path: changed(path, "UPDATE taskgist_properties SET value = '99'"),
-        "schema: another version of the tables (got '99'); this release reads version 1",
-    ),
-    "bad text": (lambda path: changed(path, "UPDATE taskgist_explanations SET document = '{'"), "damaged document"),
-    "bad digest": (
-        lambda path: changed(path, "UPDATE taskgist_explanations SET document = replace(document, 'P2', 'P3')"),
-        "digest: damaged explanation",
-    ),
-    "bad answer": (lambda path: changed(path, "UPDATE taskgist_answers SET document = '{}'"), "not an answer"),
-    "lost table": (lambda path: changed(path, "DROP TABLE taskgist_answers"), "cannot be used as knowledge"),
-}
-
-
-@pytest.mark.parametrize("kind", DAMAGE)
-def test_what_is_no_knowledge_is_refused_and_left_as_it_is(tmp_path: Path, kind: str) -> None:
-    path = tmp_path / "knowledge.db"
-    damage, message = DAMAGE[kind]
-    damage(path)
-    before = path.read_bytes() if path.is_file() else None
-    with pytest.raises(KnowledgeError) as caught:
-        load(path)
-    assert str(caught.value).startswith(f"{path}: ")
-    assert message in str(caught.value)
-    if before is not None:
-        with pytest.raises(KnowledgeError):
-            update(path, [explanation(9)])
-        assert path.read_bytes() == before
-    else:
-        assert not path.is_file()
-
-
-def test_a_foreign_file_is_not_overwritten(tmp_path: Path) -> None:
-    path = tmp_path / "birds.db"
-    foreign(path)
-    before = path.read_bytes()
-    with pytest.raises(KnowledgeError, match="not of taskgist"):
-        save(KNOWLEDGE, path)
-    assert path.read_bytes() == before
-
-
-def test_a_read_only_file_can_be_read(tmp_path: Path) -> None:
-    path = tmp_path / "knowledge.db"
-    save(KNOWLEDGE, path)
-    path.chmod(stat.S_IRUSR)
-    assert load(path) == KNOWLEDGE
-
-
-def test_unusable_addresses(tmp_path: Path) -> None:
-    with pytest.raises(KnowledgeError, match="cannot be written: No such file or directory; choose a folder"):
-        save(KNOWLEDGE, tmp_path / "nowhere" / "knowledge.db")
-    with pytest.raises(KnowledgeError, match="would not last"):
-        save(KNOWLEDGE, "sqlite://")
-    with pytest.raises(KnowledgeError, match="no driver"):
-        load("nosuchdatabase://user:secret@host/name")
-    with pytest.raises(KnowledgeError) as caught:
-        load("postgresql://user:secret@localhost:1/name")
-    assert "secret" not in str(caught.value)
-
-
-def _add(path: str, index: int) -> None:
-    update(path, [explanation(index)])
-
-
-def test_many_may_add_at_once(tmp_path: Path) -> None:
-    path = tmp_path / "knowledge.db"
-    context = multiprocessing.get_context("spawn")
-    with context.Pool(3) as pool:
-        pool.starmap(_add, [(str(path), index) for index in range(12)])
-    assert load(path) == Knowledge().add(*(explanation(index) for index in range(12)))

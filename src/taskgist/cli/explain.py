@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -151,7 +152,8 @@ def explain(
     if band not in BANDS:
         raise UnknownNameError("band", band, BANDS)
     tree = with_predicates(STANDARD_TREE)
-    from taskgist.store.database import load  # with sqlalchemy, which only knowledge should wait for
+    from taskgist.store.address import shown  # with sqlalchemy, which only knowledge should wait for
+    from taskgist.store.database import load
 
     if node is not None and task is None:
         raise KnowledgeError("of which task?", field="--why", value=node, hint="taskgist explain TASK --why NODE")
@@ -159,7 +161,8 @@ def explain(
     if task is None:
         _list_tasks(known.tasks, as_json=as_json)
         return
-    with about(knowledge):
+    with about(shown(knowledge)):
+        task = task if task in known.tasks else unicodedata.normalize("NFC", task.strip())
         understanding = known.understand(task, tree, replace(DEFAULT.learning, band=band))
     if node is not None:
         sentence = why(understanding, node)

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import shlex
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import reduce
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,7 +17,6 @@ from taskgist.cli.common import (
     JsonOption,
     KnowledgeOption,
     about,
-    check_target,
     command,
     console,
     print_json,
@@ -20,23 +24,28 @@ from taskgist.cli.common import (
     read_all,
 )
 from taskgist.cli.explain import print_understanding, understanding_document
-from taskgist.errors import KnowledgeError, RecordingError
+from taskgist.common.files import reading
+from taskgist.errors import InputError, KnowledgeError, RecordingError
 from taskgist.facts.elsewhere import read_facts
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.learning.explanation import Context, Explanation, explain
 from taskgist.learning.knowledge import Knowledge
-from taskgist.pipeline.explain import explain_all, label_of
-from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT
+
+if TYPE_CHECKING:  # recordings bring numpy and MuJoCo, which facts from elsewhere do without
+    from taskgist.recording.recording import Recording
 
 
 @command
 def learn(
     demonstrations: Annotated[
         list[Path] | None,
-        typer.Argument(help="Labelled recordings (.mcap), folders of them, or files of facts from elsewhere (.json)."),
+        typer.Argument(
+            help="Labelled recordings (.mcap), folders of them, files of facts from elsewhere (.json), "
+            "or other knowledge files."
+        ),
     ] = None,
     knowledge: KnowledgeOption = KNOWLEDGE,
     replace: Annotated[
@@ -49,6 +58,7 @@ def learn(
     They are added to what the knowledge file holds; one that it knows already changes nothing.
 
     A recording that was learned from with another label is refused, unless --replace says to forget that.
+    What was explained until something is refused is kept in a knowledge file of its own, to go on from.
 
     Example: taskgist learn give_1.mcap give_2.mcap -k knowledge.db
 
@@ -58,61 +68,80 @@ def learn(
         raise RecordingError(
             "no demonstrations to learn from", hint="name at least one labelled recording or facts file"
         )
+    from taskgist.store.address import shown  # with sqlalchemy, which only knowledge should wait for
+    from taskgist.store.database import check, load, update
+
     predicates = known_predicates()
     tree = with_predicates(STANDARD_TREE, predicates)
-    _check_knowledge(knowledge, tree)
+    context = Context.of(DEFAULT, tree)
+    check(knowledge, expected=context)
+    databases = [path for path in demonstrations if _is_knowledge(path)]
+    others = reduce(Knowledge.merge, (load(path, expected=context) for path in databases), Knowledge())
     explanations = [_from_facts(path, tree) for path in demonstrations if path.suffix == ".json"]
-    recordings = _labelled([path for path in demonstrations if path.suffix != ".json"])
-    if recordings:
-        with progress_bar(quiet=as_json) as progress:
-            explanations += explain_all(recordings, predicates=predicates, progress=progress)
-    known = _kept(knowledge, explanations, replace=replace)
-    tasks = sorted({explanation.task for explanation in explanations})
+    recordings = _labelled([path for path in demonstrations if path.suffix != ".json" and path not in databases])
+    with _kept(others, explanations, knowledge):
+        if recordings:
+            from taskgist.pipeline.explain import explain_all
+
+            with progress_bar(quiet=as_json) as progress:
+                explanations.extend(explain_all(recordings, predicates=predicates, progress=progress))
+        added = others.add(*explanations)
+        update(knowledge, added.explanations, added.answers, relabelled="replace" if replace else "refuse")
+    known = load(knowledge, tasks=added.tasks)
     if as_json:
-        learned = {task: understanding_document(known.understand(task, tree)) for task in tasks}
-        print_json({"knowledge": str(knowledge), "tasks": learned})
+        learned = {task: understanding_document(known.understand(task, tree)) for task in added.tasks}
+        print_json({"knowledge": shown(knowledge), "tasks": learned})
         return
-    for task in tasks:
+    for task in added.tasks:
         print_understanding(known.understand(task, tree), whole_tree=False)
         console.print()
-    console.print(f"kept in {knowledge}; for the whole tree: taskgist explain TASK -k {knowledge}")
+    console.print(f"kept in {shown(knowledge)}; for the whole tree: taskgist explain TASK -k {shown(knowledge)}")
 
 
-def _check_knowledge(knowledge: str, tree: HypothesisTree) -> None:
-    """Refuse knowledge that cannot be added to before the long work, not after it."""
-    from taskgist.store.database import file_of, load, update  # with sqlalchemy, which only knowledge should wait for
+@contextmanager
+def _kept(others: Knowledge, explanations: list[Explanation], knowledge: str) -> Iterator[None]:
+    """If something is refused, keep what was explained, and was to be added with it, and say how to go on from it."""
+    from taskgist.store.address import shown
+
+    try:
+        yield
+    except InputError as error:
+        path = _keep(others, explanations, knowledge) if explanations else None
+        if path is not None:
+            again = shlex.join(["taskgist", "learn", str(path), "-k", shown(knowledge)])
+            told = f"what was explained is kept, to go on from: {again}"
+            error.hint = f"{error.hint}; {told}" if error.hint else told
+        raise
+
+
+def _keep(others: Knowledge, explanations: list[Explanation], knowledge: str) -> Path | None:
+    """A new knowledge file with these: beside the knowledge, else here, else among temporary files; None if nowhere."""
+    from taskgist.store.address import file_of
+    from taskgist.store.database import create
 
     path = file_of(knowledge)
-    if path is None:
-        update(knowledge)
-    elif path.is_file():
-        load(knowledge, expected=Context.of(DEFAULT, tree))
-    else:
-        check_target(path, "--knowledge", replace=True)
+    stem = path.stem if path else "knowledge"
+    for folder in ([path.parent] if path else []) + [Path(), Path(tempfile.gettempdir())]:
+        with suppress(InputError):
+            for number in range(1, 1000):
+                kept = folder / f"{stem}.explained{f'-{number}' if number > 1 else ''}.db"
+                if create(kept, others.add(*explanations)):
+                    return kept
+    return None
 
 
-def _kept(knowledge: str, explanations: list[Explanation], *, replace: bool) -> Knowledge:
-    """Add to the knowledge; nobody is counted twice because a label was moved.
-
-    Raises:
-        KnowledgeError: A recording was learned from already, with another label.
-    """
-    from taskgist.store.database import update
-
-    known = update(knowledge)
-    older = [each for explanation in explanations for each in known.rivals(explanation)]
-    if older and not replace:
-        raise KnowledgeError(
-            "was learned from already, with another label",
-            where=older[0].demonstration,
-            field="source",
-            value=older[0].source,
-            hint="add --replace to forget that",
-        )
-    return update(knowledge, explanations, forget=[each.digest for each in older])
+def _is_knowledge(path: Path) -> bool:
+    """Whether a file is a database, by its first bytes; what cannot be read is told by who needs it."""
+    with suppress(KnowledgeError), reading(path, error=KnowledgeError) as stream:
+        return stream.read(16) == b"SQLite format 3\0"
+    return False
 
 
 def _labelled(paths: list[Path]) -> list[Recording]:
+    if not paths:
+        return []
+    from taskgist.pipeline.explain import label_of
+
     recordings = read_all(paths)
     for path, recording in recordings.items():
         with about(path):

@@ -70,6 +70,17 @@ class Explanation:
         object.__setattr__(self, "digest", hashlib.sha256(canonical_text(identity).encode()).hexdigest()[:16])
 
     @property
+    def recording(self) -> tuple[str, ...]:
+        """Which recording it explains, for which agent and object; the label's words and times stay out of it.
+
+        A source begins with the digest of what was recorded; the labelled interval follows. Facts from elsewhere
+        (``facts:``) are told by task and name of their demonstration.
+        """
+        elsewhere = self.source.startswith("facts:")
+        observed = ("facts", self.task, self.demonstration) if elsewhere else (self.source.partition(" ")[0],)
+        return (*observed, self.target_agent, self.target_object)
+
+    @property
     def content(self) -> str:
         """Digest of the nodes with their evidence, 16 hexadecimal digits: a changed copy is noticed by it."""
         nodes: dict[str, Json] = {name: node.to_json() for name, node in self.nodes.items()}
@@ -129,20 +140,23 @@ def explanation_from_json(document: object, *, where: str | Path | None = None) 
             nodes={_text(name): _observation(node) for name, node in data["nodes"].items()},
         )
         stored = {name: _text(data[name]) for name in ("digest", "content")}
-    except (KeyError, TypeError, AttributeError, RecursionError) as error:
+        found = {name: getattr(explanation, name) for name in stored}
+    except (KeyError, TypeError, AttributeError, ValueError, RecursionError) as error:
         raise KnowledgeError(f"not an explanation: {error!r}", where=where, hint=hint) from error
     for name, value in stored.items():
-        if value != getattr(explanation, name):
+        if value != found[name]:
             raise KnowledgeError("damaged explanation", where=where, field=name, value=value, hint=hint)
     return explanation
 
 
 def _observation(data: Mapping[str, Any]) -> Observation[Value]:
     value = UNKNOWN if data["value"] is None else _text(data["value"])
+    if not isinstance(data["evidence"], dict):
+        raise TypeError("evidence that is no object")
     return Observation(value, data["evidence"])
 
 
 def _text(value: object) -> str:
     if not isinstance(value, str):
-        raise TypeError(f"{value!r} is no text")
+        raise TypeError(f"a {type(value).__name__} where a text is wanted")
     return value

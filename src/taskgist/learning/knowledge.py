@@ -75,23 +75,11 @@ class Knowledge:
         return replace(self, experiences=FrozenMap(experiences))
 
     def rivals(self, explanation: Explanation) -> tuple[Explanation, ...]:
-        """Explanations of the same recording with the same people and object, but another label or other times.
-
-        A source begins with the digest of what was recorded; the labelled interval follows. Facts from elsewhere
-        (``facts:``) are told by the name of their demonstration.
-        """
-
-        def recorded(one: Explanation) -> tuple[str, str]:
-            elsewhere = one.source.startswith("facts:")
-            return ("facts", f"{one.task} {one.demonstration}") if elsewhere else ("", one.source.partition(" ")[0])
-
+        """Explanations of the same recording, for the same agent and object, with another label or other times."""
         return tuple(
             each
             for each in self.explanations
-            if recorded(each) == recorded(explanation)
-            and each.digest != explanation.digest
-            and each.target_agent == explanation.target_agent
-            and each.target_object == explanation.target_object
+            if each.recording == explanation.recording and each.digest != explanation.digest
         )
 
     def remove(self, task: str, digest: str) -> Knowledge:

@@ -98,6 +98,9 @@ def answer_from_json(document: object, *, where: str | Path | None = None) -> An
     try:
         data = dict(document)  # type: ignore[call-overload] # what does not fit is caught below
         verdict = data.pop("verdict")
+        strange = [name for name, text in data.items() if not isinstance(text, str) and (name, text) != ("value", None)]
+        if strange:
+            raise TypeError(f"{', '.join(strange)}: no text")
         return Answer(verdict=None if verdict is None else Verdict(verdict), **data)
     except (KeyError, TypeError, ValueError) as error:
         raise KnowledgeError(f"not an answer: {error!r}", where=where, hint=hint) from error

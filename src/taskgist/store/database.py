@@ -1,71 +1,80 @@
 """Knowledge that lasts: saved, loaded, and added to, so that a failure loses nothing.
 
 Knowledge lies in a SQLite file, which a path means, or in a shared database (PostgreSQL), which a URL means. A file
-comes into being complete, under its name, or not at all. Whatever is added later, by one process or several, is added
-in one transaction, as a union.
+comes into being complete, under its name, or not at all. Whatever is added later, by one process or many, is added in
+one transaction, as a union.
 """
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+import sqlite3
+from collections.abc import Iterable
 from pathlib import Path
 
-from sqlalchemy import Engine, create_engine, event
-from sqlalchemy.engine import URL, Connection, make_url
-from sqlalchemy.engine.interfaces import DBAPIConnection
-from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, SQLAlchemyError
+from sqlalchemy import create_engine
+from sqlalchemy.engine import Connection
 from sqlalchemy.pool import NullPool
 
+from taskgist.common.files import check_replaceable, writing
 from taskgist.errors import KnowledgeError
 from taskgist.learning.explanation import Context, Explanation
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.understanding import Answer
+from taskgist.settings import DEFAULT, Limits
 from taskgist.store import tables
+from taskgist.store.address import Address, file_of, is_there, shown
+from taskgist.store.connecting import transact
 
-Address = str | Path
-"""Path of a file, or a URL such as ``postgresql://user@host/name``."""
 
-
-def load(address: Address, *, expected: Context | None = None) -> Knowledge:
-    """Knowledge as it was saved.
+def load(
+    address: Address,
+    *,
+    expected: Context | None = None,
+    tasks: Iterable[str] | None = None,
+    limits: Limits = DEFAULT.limits,
+) -> Knowledge:
+    """Knowledge as it was saved, by this release or an earlier one; nothing is changed by reading.
 
     Args:
         address: Path of a knowledge file, or URL of a database.
         expected: Settings and tree that its explanations must have been made with; None takes any.
+        tasks: Only what was learned of these; None takes all.
+        limits: How long to wait for writers.
 
     Raises:
-        KnowledgeError: There is none, it is damaged, foreign, of another version, or made with other settings or
+        KnowledgeError: There is none, it is damaged, foreign, of a newer version, or made with other settings or
             another tree than expected.
     """
-    path = file_of(address)
-    if path is not None and not path.is_file():
+    where, path = shown(address), file_of(address)
+    if path is not None and not is_there(path):
         hint = "learn something first: it is made by learning"
-        raise KnowledgeError("no such knowledge file", where=shown(address), hint=hint)
-    with transaction(address, writing=False) as connection:
-        tables.check(connection, shown(address))
-        knowledge = tables.read(connection, shown(address))
-    _check_context(knowledge, expected, shown(address))
+        raise KnowledgeError("no such knowledge file", where=where, hint=hint)
+    wanted = None if tasks is None else list(tasks)
+    # What was fetched is looked into when the transaction is over, so that nobody waits for it.
+    fetched = transact(address, lambda held: tables.rows(held, where, tasks=wanted), writing=False, limits=limits)
+    knowledge = tables.knowledge(*fetched, where)
+    _check_contexts(knowledge.contexts, expected, where)
     return knowledge
 
 
-def save(knowledge: Knowledge, address: Address) -> None:
+def save(knowledge: Knowledge, address: Address, *, limits: Limits = DEFAULT.limits) -> None:
     """Let a file or database hold this knowledge, in place of what it held.
 
     Args:
         knowledge: What is to be kept.
         address: Path of a knowledge file, new or to be replaced, or URL of a database.
+        limits: How long to wait for other writers.
 
     Raises:
         KnowledgeError: What lies there is not taskgist's, or cannot be written.
     """
-    path = file_of(address)
-    if path is not None and not path.exists() and _created(path, knowledge):
-        return
-    with transaction(address) as connection:
+
+    def write(connection: Connection) -> None:
         _prepare(connection, address)
         tables.write(connection, knowledge)
+
+    if not _is_new(address, knowledge):
+        transact(address, write, limits=limits)
 
 
 def update(
@@ -74,145 +83,110 @@ def update(
     answers: Iterable[Answer] = (),
     *,
     forget: Iterable[str] = (),
+    relabelled: tables.Relabelled = "add",
     allow_mixed: bool = False,
-) -> Knowledge:
+    limits: Limits = DEFAULT.limits,
+) -> None:
     """Add to the knowledge at an address, which is made if it does not exist; all is added, or nothing.
+
+    It costs what is added, whatever the knowledge holds. When it returns, what was added is on the disk.
 
     Args:
         address: Path of a knowledge file, or URL of a database.
         explanations: Demonstrations to add; those that are known already change nothing.
         answers: Answers to add.
         forget: Digests of explanations to remove in the same step.
+        relabelled: What becomes of a recording that was learned from already, for the same agent and object, with
+            another label or other times: "add" counts both, "refuse" raises, "replace" forgets the older one.
         allow_mixed: Add explanations that were made with other settings or another tree.
-
-    Returns:
-        The knowledge as it is now.
+        limits: How long to wait for other writers.
 
     Raises:
         KnowledgeError: As ``load`` and ``Knowledge.add``. Nothing has been written then.
     """
     added = Knowledge().add(*explanations, allow_mixed=allow_mixed).answer(*answers)
-    path = file_of(address)
-    if path is not None and not path.exists() and _created(path, added):
-        return added
-    with transaction(address) as connection:
+    tables.check_rivals(added, relabelled)
+    gone = list(forget)
+
+    def add(connection: Connection) -> None:
         _prepare(connection, address)
-        tables.forget(connection, forget)
-        known = tables.read(connection, shown(address))
-        wanted = known.merge(added, allow_mixed=allow_mixed)
-        tables.append(connection, known=known, wanted=wanted)
-    return wanted
+        tables.forget(connection, gone)
+        tables.add(connection, added, shown(address), relabelled=relabelled, allow_mixed=allow_mixed)
+
+    if not _is_new(address, added):
+        transact(address, add, limits=limits)
+
+
+def check(address: Address, *, expected: Context | None = None, limits: Limits = DEFAULT.limits) -> None:
+    """Refuse an address at which ``update`` would fail, before any long work. Nothing is changed.
+
+    Args:
+        address: Path of a knowledge file, which need not exist, or URL of a database.
+        expected: Settings and tree that its explanations must have been made with; None takes any.
+        limits: How long to wait for other writers.
+
+    Raises:
+        KnowledgeError: As ``load``, or it cannot be written.
+    """
+    path, where = file_of(address), shown(address)
+    if path is not None and not is_there(path):
+        check_replaceable(path, replace=True, error=KnowledgeError)
+        return
+
+    def rehearse(connection: Connection) -> frozenset[Context]:
+        _prepare(connection, address)
+        tables.touch(connection)
+        found = frozenset(each.context for each in tables.contexts(connection, where))
+        connection.rollback()
+        return found
+
+    _check_contexts(transact(address, rehearse, limits=limits), expected, where)
+
+
+def create(path: Path, knowledge: Knowledge) -> bool:
+    """Make a new knowledge file, whole or not at all; false if the name is taken.
+
+    Raises:
+        KnowledgeError: It cannot be written.
+    """
+    if is_there(path):
+        return False
+    with create_engine("sqlite://", poolclass=NullPool).connect() as connection:
+        tables.create(connection)
+        tables.write(connection, knowledge)
+        connection.commit()
+        made = connection.connection.driver_connection
+        assert isinstance(made, sqlite3.Connection), made
+        content = made.serialize()
+    try:
+        with writing(path, replace=False, error=KnowledgeError) as stream:
+            stream.write(content)
+    except KnowledgeError:
+        if is_there(path):  # another was faster
+            return False
+        raise
+    return True
+
+
+def _is_new(address: Address, knowledge: Knowledge) -> bool:
+    """Whether the address is a file that was not there, and now is."""
+    path = file_of(address)
+    return path is not None and create(path, knowledge)
 
 
 def _prepare(connection: Connection, address: Address) -> None:
     """A server's database may be empty and gets the tables; a file must have them, lest a foreign one be changed."""
-    if file_of(address) is None:
+    if file_of(address) is None and not tables.exist(connection):
         tables.create(connection)
-    tables.check(connection, shown(address))
+    if tables.version(connection, shown(address)) != tables.SCHEMA_VERSION:
+        from taskgist.store.migrations import upgrade  # with alembic, which hardly anybody needs twice
+
+        upgrade(connection, shown(address))
 
 
-def _created(path: Path, knowledge: Knowledge) -> bool:
-    """Make a new file, whole or not at all; false if somebody else made one of this name meanwhile."""
-    try:
-        with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
-            draft = Path(folder) / "draft"
-            with transaction(draft) as connection:
-                tables.create(connection)
-                tables.write(connection, knowledge)
-            return _named(draft, path)
-    except OSError as error:
-        hint = "choose a folder that exists and that you may write to"
-        raise KnowledgeError(f"cannot be written: {error.strerror}", where=path, hint=hint) from error
-
-
-def _named(draft: Path, path: Path) -> bool:
-    try:
-        path.hardlink_to(draft)  # unlike a renaming, this never replaces what another process has just made
-    except FileExistsError:
-        return False
-    except OSError:  # a file system without links
-        draft.replace(path)
-    return True
-
-
-def _check_context(knowledge: Knowledge, expected: Context | None, where: str) -> None:
-    others = knowledge.contexts - {expected}
+def _check_contexts(contexts: frozenset[Context], expected: Context | None, where: str) -> None:
+    others = contexts - {expected}
     if expected is not None and others:
         hint = "use the settings and the tree that made it, or learn anew from the recordings into another file"
         made = "; ".join(sorted(map(str, others)))
         raise KnowledgeError(f"made with {made}, while {expected} is in use", where=where, hint=hint)
-
-
-def file_of(address: Address) -> Path | None:
-    """The file that an address means, or None for a database server."""
-    if isinstance(address, Path) or "://" not in address:
-        return Path(address)
-    url = _url(address)
-    if url.get_backend_name() != "sqlite":
-        return None
-    if url.database in (None, "", ":memory:"):
-        raise KnowledgeError("would not last", where=address, hint="give the path of a file: sqlite:///knowledge.db")
-    return Path(str(url.database))
-
-
-def shown(address: Address) -> str:
-    """The address as text, without its password."""
-    if isinstance(address, Path) or "://" not in address:
-        return str(address)
-    return _url(address).render_as_string(hide_password=True)
-
-
-@contextmanager
-def transaction(address: Address, *, writing: bool = True) -> Iterator[Connection]:
-    """A connection inside a transaction: all of it is kept, or nothing.
-
-    Args:
-        address: Path or URL.
-        writing: Whether to keep other writers of a file out from the start; a file to be read may be read-only.
-
-    Raises:
-        KnowledgeError: The database cannot be reached, is none, or refuses.
-    """
-    engine = _engine(address, writing=writing)
-    try:
-        with engine.begin() as connection:
-            yield connection
-    except SQLAlchemyError as error:
-        reason = error.orig if isinstance(error, DBAPIError) else error
-        hint = "give a knowledge file that taskgist wrote, or the URL of a database that you may use"
-        raise KnowledgeError(f"cannot be used as knowledge: {reason}", where=shown(address), hint=hint) from error
-    finally:
-        engine.dispose()
-
-
-def _engine(address: Address, *, writing: bool) -> Engine:
-    path = file_of(address)
-    url = _url(str(address)) if path is None else URL.create("sqlite", database=str(path))
-    try:
-        engine = create_engine(url, poolclass=NullPool)
-    except (ImportError, NoSuchModuleError) as error:
-        drivers = {"postgresql": 'pip install "psycopg[binary]"', "mysql": "pip install mysqlclient"}
-        hint = f"install its driver: {drivers.get(url.get_backend_name(), 'see the documentation of SQLAlchemy')}"
-        raise KnowledgeError(f"no driver: {error}", where=shown(address), hint=hint) from error
-    if path is not None:
-        _begin_explicitly(engine, "BEGIN IMMEDIATE" if writing else "BEGIN")
-    return engine
-
-
-def _begin_explicitly(engine: Engine, statement: str) -> None:
-    """Begin transactions ourselves; as writers at once, so that two who add wait for each other instead of failing."""
-
-    @event.listens_for(engine, "connect")
-    def _(connection: DBAPIConnection, _record: object) -> None:
-        connection.isolation_level = None  # the driver must not begin on its own
-
-    @event.listens_for(engine, "begin")
-    def _(connection: Connection) -> None:
-        connection.exec_driver_sql(statement)
-
-
-def _url(address: str) -> URL:
-    try:
-        return make_url(address)
-    except ArgumentError as error:
-        raise KnowledgeError("not a URL", where=address, hint="give a path, or postgresql://user@host/name") from error

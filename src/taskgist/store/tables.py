@@ -1,127 +1,367 @@
-"""Tables of the knowledge database, of types that every database has."""
+"""Tables of the knowledge database, of types that every database has.
+
+An explanation's row holds its document and three *keys*, short digests that are indexed: of its task, of its context
+(settings and tree), and of its recording with target agent and object. By these an addition finds what it has to do
+with, whatever else the knowledge holds: the same demonstration, the same recording under another label, and one
+explanation of each context of its tasks.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import islice
+from operator import itemgetter
+from typing import Any, Literal, TypeVar
 
-from sqlalchemy import Column, MetaData, String, Table, Text, delete, insert, inspect, select
+from sqlalchemy import (
+    Column,
+    ColumnElement,
+    Index,
+    MetaData,
+    Row,
+    String,
+    Table,
+    Text,
+    delete,
+    insert,
+    inspect,
+    select,
+    text,
+    update,
+)
+from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.engine import Connection
 
 from taskgist.common.frozen import canonical_text
 from taskgist.errors import KnowledgeError
-from taskgist.learning.explanation import Explanation, explanation_from_json
+from taskgist.learning.explanation import Context, Explanation, explanation_from_json
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.understanding import Answer, answer_from_json
 
-SCHEMA_VERSION = "1"
-"""Version of these tables."""
+SCHEMA_VERSION = "2"
+"""Version of these tables; ``migrations`` brings older ones up to it."""
+READABLE = ("1", SCHEMA_VERSION)
 
-_METADATA = MetaData()
+METADATA = MetaData()
 
 PROPERTIES = Table(
     "taskgist_properties",
-    _METADATA,
+    METADATA,
     Column("name", String(64), primary_key=True),
     Column("value", String(64), nullable=False),
 )
 EXPLANATIONS = Table(
     "taskgist_explanations",
-    _METADATA,
+    METADATA,
     Column("digest", String(64), primary_key=True),
     Column("task", Text, nullable=False),
     Column("document", Text, nullable=False),
+    Column("task_key", String(16), nullable=False),
+    Column("context_key", String(16), nullable=False),
+    Column("recording_key", String(16), nullable=False),
+    Index("taskgist_by_task", "task_key", "context_key"),
+    Index("taskgist_by_recording", "recording_key"),
 )
 ANSWERS = Table(
     "taskgist_answers",
-    _METADATA,
+    METADATA,
     Column("digest", String(64), primary_key=True),
     Column("task", Text, nullable=False),
     Column("document", Text, nullable=False),
 )
+KEYS = ("task_key", "context_key", "recording_key")
+
+Relabelled = Literal["add", "refuse", "replace"]
+"""What becomes of a recording that taught something under another label: both count, it is refused, the older goes."""
+
+AT_ONCE = 500
+"""Values in one statement: far below what any database takes."""
+
+T = TypeVar("T")
+AnyRow = Row[*tuple[Any, ...]]
+
+
+# --- Making and checking.
 
 
 def create(connection: Connection) -> None:
-    """Make the tables where there are none yet."""
-    if not inspect(connection).has_table(PROPERTIES.name):
-        _METADATA.create_all(connection)
-        connection.execute(insert(PROPERTIES).values(name="schema", value=SCHEMA_VERSION))
+    """Make the tables."""
+    METADATA.create_all(connection)
+    connection.execute(insert(PROPERTIES).values(name="schema", value=SCHEMA_VERSION))
 
 
-def check(connection: Connection, where: str) -> None:
-    """Refuse a database that is not ours, or of another version.
+def exist(connection: Connection) -> bool:
+    """Whether there are any tables of taskgist."""
+    return inspect(connection).has_table(PROPERTIES.name)
+
+
+def version(connection: Connection, where: str) -> str:
+    """Version of the tables.
 
     Raises:
-        KnowledgeError: It is.
+        KnowledgeError: The database is not ours, or of a newer release.
     """
-    if not inspect(connection).has_table(PROPERTIES.name):
+    there, of_file = inspect(connection), connection.dialect.name == "sqlite"
+    lost = [name for name in METADATA.tables if not there.has_table(name)]
+    if PROPERTIES.name in lost and of_file:
         hint = "give a file that taskgist wrote, or a name that is not taken"
         raise KnowledgeError("a database, but not of taskgist", where=where, hint=hint)
-    version = connection.scalar(select(PROPERTIES.c.value).where(PROPERTIES.c.name == "schema"))
-    if version != SCHEMA_VERSION:
-        hint = f"this release reads version {SCHEMA_VERSION}: use the release that wrote it, or learn anew"
-        raise KnowledgeError("another version of the tables", where=where, field="schema", value=version, hint=hint)
+    if PROPERTIES.name in lost:
+        hint = "learn something first: its tables are made by learning"
+        raise KnowledgeError("a database without knowledge", where=where, hint=hint)
+    if lost:
+        hint = "restore it from a copy, or learn anew from the recordings into another file or database"
+        raise KnowledgeError(f"is damaged knowledge: no table {', '.join(lost)}", where=where, hint=hint)
+    if of_file:  # what a file computes when it is read or written is not ours
+        strange = connection.scalar(text("SELECT name FROM sqlite_master WHERE type IN ('view', 'trigger') LIMIT 1"))
+        if strange is not None:
+            hint = "give a file that nobody but taskgist wrote"
+            raise KnowledgeError("a view or trigger, which taskgist never makes", where=where, value=strange, hint=hint)
+    found = connection.scalar(select(PROPERTIES.c.value).where(PROPERTIES.c.name == "schema"))
+    if found not in READABLE:
+        hint = f"this release reads version {SCHEMA_VERSION} and older: use the release that wrote it, or a newer one"
+        raise KnowledgeError("another version of the tables", where=where, field="schema", value=found, hint=hint)
+    return str(found)
 
 
-def read(connection: Connection, where: str) -> Knowledge:
-    """All knowledge in the tables.
+def touch(connection: Connection) -> None:
+    """A change that changes nothing: it fails where changes are not possible."""
+    connection.execute(update(PROPERTIES).where(PROPERTIES.c.name == "schema").values(name="schema"))
+
+
+# --- Reading.
+
+
+def rows(
+    connection: Connection, where: str, *, tasks: Iterable[str] | None = None
+) -> tuple[Sequence[AnyRow], Sequence[AnyRow]]:
+    """What the tables hold, not looked into yet: rows of explanations and of answers; of any version.
+
+    Args:
+        connection: Inside a transaction.
+        where: For errors.
+        tasks: Only explanations of these; None takes all.
+    """
+    old = version(connection, where) != SCHEMA_VERSION
+    columns = EXPLANATIONS.c
+    wanted = select(*(column for column in columns if not old or column.name not in KEYS))
+    if tasks is not None:
+        listed = list(tasks)
+        wanted = wanted.where(columns.task.in_(listed) if old else columns.task_key.in_(map(_key, listed)))
+    return connection.execute(wanted).all(), connection.execute(select(ANSWERS)).all()
+
+
+def knowledge(explanations: Iterable[AnyRow], answers: Iterable[AnyRow], where: str) -> Knowledge:
+    """What rows hold.
 
     Raises:
-        KnowledgeError: A document is damaged.
+        KnowledgeError: One is damaged; names it.
     """
-    explanations = [
-        explanation_from_json(_decoded(text, where), where=where)
-        for text in connection.scalars(select(EXPLANATIONS.c.document))
-    ]
-    answers = [
-        answer_from_json(_decoded(text, where), where=where) for text in connection.scalars(select(ANSWERS.c.document))
-    ]
+    read = [explanation_of(row, where) for row in explanations]
+    given = [_answer(row, where) for row in answers]
     # What was stored together was allowed to be mixed then; who loads is asked anew.
-    return Knowledge().add(*explanations, allow_mixed=True).answer(*answers)
+    return Knowledge().add(*read, allow_mixed=True).answer(*given)
+
+
+def explanation_of(row: AnyRow, where: str) -> Explanation:
+    """The explanation that a row holds, of any version of the tables.
+
+    Raises:
+        KnowledgeError: It is damaged; names the row.
+    """
+    return _read(row, explanation_from_json, found_by, where)
+
+
+def _answer(row: AnyRow, where: str) -> Answer:
+    return _read(row, answer_from_json, answer_row, where)
+
+
+def _read(row: AnyRow, parse: Callable[..., T], as_row: Callable[[T], dict[str, str]], where: str) -> T:
+    """What the document of a row says; the row's other columns follow from it."""
+    place = f"{where}: row {repr(row.digest)[:80]}"
+    hint = "restore the file from a copy, or learn anew from the recordings"
+    try:
+        document = json.loads(row.document)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise KnowledgeError(f"damaged document: {error}", where=place, hint=hint) from error
+    found = parse(document, where=place)
+    expected = as_row(found)
+    for name, value in row._mapping.items():
+        if name != "document" and value != expected[name]:
+            raise KnowledgeError("does not fit its document", where=place, field=name, value=value, hint=hint)
+    return found
+
+
+# --- Adding.
+
+
+def check_rivals(added: Knowledge, relabelled: Relabelled) -> None:
+    """Refuse one recording under two labels at once, unless both are to be counted.
+
+    Raises:
+        KnowledgeError: There is one.
+    """
+    by_recording: dict[tuple[str, ...], Explanation] = {}
+    for each in added.explanations if relabelled != "add" else ():
+        other = by_recording.setdefault(each.recording, each)
+        if other is not each:
+            raise KnowledgeError(
+                f"the same recording as {other.demonstration!r}, with another label",
+                where=each.demonstration,
+                field="source",
+                value=each.source,
+                hint="learn from one of them",
+            )
+
+
+def add(
+    connection: Connection, added: Knowledge, where: str, *, relabelled: Relabelled = "add", allow_mixed: bool = False
+) -> None:
+    """Let the tables hold this knowledge, too. Reads only what it has to do with.
+
+    Raises:
+        KnowledgeError: As ``Knowledge.merge``, or a recording was learned from already with another label and that is
+            to be refused. Nothing has been written then.
+    """
+    if relabelled != "add":
+        older = list(_rivals(connection, added, where))
+        if older and relabelled == "refuse":
+            raise _learned_already(older[0])
+        forget(connection, (each.digest for each in older))
+    known = _concerned(connection, added, where)
+    wanted = known.merge(added, allow_mixed=allow_mixed)
+    before = {each.digest: each for each in known.explanations}
+    for each in (one for one in wanted.explanations if before.get(one.digest, one) != one):
+        changed = update(EXPLANATIONS).where(EXPLANATIONS.c.digest == each.digest)
+        connection.execute(changed.values(explanation_row(each)))
+    fresh = (each for each in wanted.explanations if each.digest not in before)
+    _insert(connection, EXPLANATIONS, map(explanation_row, fresh))
+    _insert(connection, ANSWERS, sorted(map(answer_row, added.answers), key=itemgetter("digest")))
 
 
 def write(connection: Connection, knowledge: Knowledge) -> None:
     """Let the tables hold this knowledge, and nothing else."""
     connection.execute(delete(EXPLANATIONS))
     connection.execute(delete(ANSWERS))
-    _insert(connection, EXPLANATIONS, (_explanation_row(each) for each in knowledge.explanations))
-    _insert(connection, ANSWERS, (_answer_row(each) for each in knowledge.answers))
+    _insert(connection, EXPLANATIONS, map(explanation_row, knowledge.explanations))
+    _insert(connection, ANSWERS, sorted(map(answer_row, knowledge.answers), key=itemgetter("digest")))
 
 
 def forget(connection: Connection, digests: Iterable[str]) -> None:
     """Remove explanations."""
-    for digest in digests:
-        connection.execute(delete(EXPLANATIONS).where(EXPLANATIONS.c.digest == digest))
+    for some in batches(digests):
+        connection.execute(delete(EXPLANATIONS).where(EXPLANATIONS.c.digest.in_(some)))
 
 
-def append(connection: Connection, *, known: Knowledge, wanted: Knowledge) -> None:
-    """Add the rows that ``wanted`` has beyond ``known``, which the tables hold."""
-    old = {each.digest for each in known.explanations}
-    fresh = (each for each in wanted.explanations if each.digest not in old)
-    _insert(connection, EXPLANATIONS, (_explanation_row(each) for each in fresh))
-    _insert(connection, ANSWERS, (_answer_row(each) for each in wanted.answers - known.answers))
+def contexts(connection: Connection, where: str, tasks: Iterable[str] | None = None) -> Iterator[Explanation]:
+    """One explanation of each task and context, found without a look at the others.
+
+    Args:
+        connection: Inside a transaction.
+        where: For errors.
+        tasks: Only of these; None takes all.
+
+    Raises:
+        KnowledgeError: It is damaged.
+    """
+    columns = EXPLANATIONS.c
+    for task in _distinct(connection, columns.task_key) if tasks is None else map(_key, tasks):
+        of_task = columns.task_key == task
+        for context in _distinct(connection, columns.context_key, of_task):
+            one = select(EXPLANATIONS).where(of_task, columns.context_key == context).limit(1)
+            for row in connection.execute(one):
+                yield explanation_of(row, where)
+
+
+def _concerned(connection: Connection, added: Knowledge, where: str) -> Knowledge:
+    """The part of the knowledge that decides whether, and how, something is added."""
+    same = _found(connection, EXPLANATIONS.c.digest, (each.digest for each in added.explanations), where)
+    others = contexts(connection, where, added.tasks)
+    return Knowledge().add(*same, *others, allow_mixed=True)
+
+
+def _rivals(connection: Connection, added: Knowledge, where: str) -> Iterator[Explanation]:
+    """Stored explanations of the recordings that are added, with other labels or times; see ``Knowledge.rivals``."""
+    digests = {_key(*each.recording): each.digest for each in added.explanations}
+    for stored in _found(connection, EXPLANATIONS.c.recording_key, digests, where):
+        if stored.digest != digests[_key(*stored.recording)]:
+            yield stored
+
+
+def _learned_already(older: Explanation) -> KnowledgeError:
+    return KnowledgeError(
+        "was learned from already, with another label",
+        where=older.demonstration,
+        field="source",
+        value=older.source,
+        hint="add --replace to forget that",
+    )
+
+
+def _found(connection: Connection, column: Column[Any], values: Iterable[str], where: str) -> Iterator[Explanation]:
+    for some in batches(values):
+        for row in connection.execute(select(EXPLANATIONS).where(column.in_(some))).all():
+            yield explanation_of(row, where)
+
+
+def _distinct(connection: Connection, column: Column[Any], *conditions: ColumnElement[bool]) -> Iterator[str]:
+    """The values of an indexed column, each looked up beyond the last: the rows between are not read."""
+    last = ""
+    while True:
+        beyond = select(column).where(column > last, *conditions).order_by(column).limit(1)
+        found = connection.scalar(beyond)
+        if found is None:
+            return
+        yield found
+        last = found
 
 
 def _insert(connection: Connection, table: Table, rows: Iterable[dict[str, str]]) -> None:
-    listed = sorted(rows, key=lambda row: row["digest"])
-    if listed:
-        connection.execute(insert(table), listed)
+    """Insert rows; those that are there already stay as they are, where the database can do that in one step."""
+    digest, statement = table.c.digest, insert(table)
+    if connection.dialect.name == "postgresql":
+        statement = postgresql.insert(table).on_conflict_do_nothing()
+    elif connection.dialect.name == "sqlite":
+        statement = sqlite.insert(table).on_conflict_do_nothing()
+    for some in batches(rows):
+        if connection.dialect.name not in ("postgresql", "sqlite"):
+            known = set(connection.scalars(select(digest).where(digest.in_([row["digest"] for row in some]))))
+            some = [row for row in some if row["digest"] not in known]
+        if some:
+            connection.execute(statement, some)
 
 
-def _explanation_row(explanation: Explanation) -> dict[str, str]:
-    document = canonical_text(explanation.to_json())
-    return {"digest": explanation.digest, "task": explanation.task, "document": document}
+def found_by(explanation: Explanation) -> dict[str, str]:
+    """The row of an explanation without its document."""
+    context: Context = explanation.context
+    return {
+        "digest": explanation.digest,
+        "task": explanation.task,
+        "task_key": _key(explanation.task),
+        "context_key": _key(context.settings_digest, context.tree_version),
+        "recording_key": _key(*explanation.recording),
+    }
 
 
-def _answer_row(answer: Answer) -> dict[str, str]:
+def explanation_row(explanation: Explanation) -> dict[str, str]:
+    """The row of an explanation."""
+    return {**found_by(explanation), "document": canonical_text(explanation.to_json())}
+
+
+def answer_row(answer: Answer) -> dict[str, str]:
+    """The row of an answer."""
     document = canonical_text(answer.to_json())
     return {"digest": hashlib.sha256(document.encode()).hexdigest(), "task": answer.task, "document": document}
 
 
-def _decoded(text: str, where: str) -> object:
-    try:
-        return json.loads(text)
-    except ValueError as error:
-        hint = "restore the file from a copy, or learn anew from the recordings"
-        raise KnowledgeError(f"damaged document: {error}", where=where, hint=hint) from error
+def _key(*parts: str) -> str:
+    return hashlib.sha256(canonical_text(parts).encode()).hexdigest()[:16]
+
+
+def batches(values: Iterable[T]) -> Iterator[list[T]]:
+    """Values, as many at a time as fit into one statement."""
+    left = iter(values)
+    while some := list(islice(left, AT_ONCE)):
+        yield some
