@@ -14,7 +14,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import demonstrations, growth, judging, learning, maps, profiled, rooms, scenes, sight, start
+from benchmarks import demonstrations, growth, judging, learning, maps, memory, profiled, rooms, scenes, sight, start
 from benchmarks.figure import Figure, seconds_text
 from benchmarks.machine import machine
 from benchmarks.record import compared, recorded, yardstick
@@ -29,6 +29,7 @@ TOPICS: Mapping[str, Callable[[], Iterator[Figure]]] = {
     "maps": maps.figures,
     "learning": learning.figures,
     "judging": judging.figures,
+    "memory": memory.figures,
 }
 GROWTH, PROFILE = "growth", "profile"
 

@@ -17,10 +17,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, cast
 
 from mcap.writer import Writer
 
+from taskgist.common.arrays import Array
 from taskgist.common.documents import DocumentError, parse_json
 from taskgist.common.files import changing, reading, writing
 from taskgist.common.names import clean_name
@@ -82,7 +83,7 @@ def _read(stream: IO[bytes], source: Path, limits: Limits) -> Recording:
         return Recording(
             scene=scene,
             times_s=times_s,
-            qpos=qpos,
+            qpos=cast(Array, qpos),  # packed, and read as one
             tracked=tracked,
             label=_label(label) if label else None,
             provenance=Provenance(**provenance),

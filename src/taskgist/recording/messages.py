@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.columns import Columns
+from taskgist.common.columns import Columns, PackedRows
 from taskgist.common.documents import DocumentError, parse_json
 from taskgist.errors import RecordingError, UnknownNameError
 from taskgist.recording.container import Message
-from taskgist.recording.recording import Signal, free_slices, trackable
+from taskgist.recording.recording import Signal, decimals, free_slices, trackable
 from taskgist.settings import Limits
 from taskgist.world.scene import Scene
 
@@ -177,7 +177,7 @@ class FrameColumns:
         self._names, self._units = sorted(trackable(scene)), dict(units)
         self._row = np.empty(scene.nq)
         self._times_s = Columns(None, np.float64)
-        self._qpos = Columns(scene.nq, np.float64)
+        self._qpos = PackedRows(np.power(10.0, decimals(scene)))
         self._lost = Columns(len(self._names), np.bool_)
         self._signals = Columns(len(self._units), np.float64)
         self._most = limits.frame_bytes // (8 * (1 + scene.nq + len(self._units)) + len(self._names))
@@ -226,14 +226,14 @@ class FrameColumns:
             hint = f"cut the recording, or hold more than {limit} (setting limits.frame_bytes)"
             raise RecordingError(f"more than {self._most:,} frames", hint=hint)
 
-    def finished(self) -> tuple[Array, Array, dict[str, Mask], dict[str, Signal]]:
+    def finished(self) -> tuple[Array, PackedRows, dict[str, Mask], dict[str, Signal]]:
         """Times (N,), positions (N, nq), flags (N,) of what was tracked, by name, and signals."""
         lost, values = self._lost.finished(), self._signals.finished()
         tracked: dict[str, Mask] = {
             name: ~lost[:, column] for column, name in enumerate(self._names) if lost[:, column].any()
         }
         signals = {name: Signal(values[:, column], unit) for column, (name, unit) in enumerate(self._units.items())}
-        return self._times_s.finished(), self._qpos.finished(), tracked, signals
+        return self._times_s.finished(), self._qpos, tracked, signals
 
 
 def _at(message: Document, keys: Keys) -> Any:

@@ -10,12 +10,13 @@ import math
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
+from taskgist.common.columns import PackedRows
 from taskgist.common.names import clean_name, unseen_in
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.world.scene import Scene
@@ -315,13 +316,13 @@ def check_positions(scene: Scene, times_s: Array, qpos: Array) -> None:
                 value=value,
                 hint="give any finite filler and say in tracked that it is unknown",
             )
-    for free in free_slices(scene):
-        length = np.linalg.norm(qpos[:, free][:, 3:], axis=1)
-        if (length < 0.5).any():
-            frame = int(np.argmax(length < 0.5))
-            problem = f"frame {frame}, columns {free.start + 3} to {free.stop - 1} hold no unit quaternion"
-            value = qpos[frame, free][3:].tolist()
-            raise RecordingError(problem, field="qpos", value=value, hint="give w, x, y, z of length 1")
+        for free in free_slices(scene):
+            short = np.linalg.norm(block[:, free][:, 3:], axis=1) < 0.5
+            if short.any():
+                frame = int(np.argmax(short))
+                problem = f"frame {first + frame}, columns {free.start + 3} to {free.stop - 1} hold no unit quaternion"
+                value = block[frame, free][3:].tolist()
+                raise RecordingError(problem, field="qpos", value=value, hint="give w, x, y, z of length 1")
 
 
 def trackable(scene: Scene) -> frozenset[str]:
@@ -362,7 +363,8 @@ class Recording:
     Attributes:
         scene: Room, objects and agents.
         times_s: Times of the frames, (N,), seconds since the recording's origin, not negative, strictly increasing.
-        qpos: Positions of each frame, (N, nq), in the scene's order.
+        qpos: Positions of each frame, (N, nq), in the scene's order. Those of a file are packed (``PackedRows``), and
+            read as an array is.
         tracked: Frames in which something was tracked, (N,), by its name as in ``State.untracked`` ("box", "P1",
             "P1/left_arm"). What is not named was always tracked.
         label: What it demonstrates, if someone said so.
@@ -404,7 +406,7 @@ class Recording:
     def __reduce__(self) -> tuple[object, ...]:
         """Rebuild through the constructor: arrays stay read-only, and a read-only mapping cannot be pickled."""
         tracked = {name: np.array(flags) for name, flags in self.tracked.items()}
-        fields = (self.scene, np.array(self.times_s), np.array(self.qpos), tracked, self.label, self.provenance)
+        fields = (self.scene, self.times_s, self.qpos, tracked, self.label, self.provenance)
         return (Recording, (*fields, self.name, dict(self.signals)))
 
     def __len__(self) -> int:
@@ -487,9 +489,11 @@ def _json_of(lists: Mapping[str, Indices]) -> Iterator[str]:
     yield "}"
 
 
-def _read_only(values: ArrayLike) -> Array:
+def _read_only(values: ArrayLike | PackedRows) -> Array:
     """A read-only array: a copy, unless it is one already, and a view of no other."""
     match values:
+        case PackedRows():
+            return cast(Array, values)  # it is read as one
         case np.ndarray() if values.dtype == np.float64 and values.flags.owndata and not values.flags.writeable:
             return values
     array = np.array(values, dtype=np.float64)
