@@ -81,4 +81,4 @@ def _check_characters(value: Any) -> None:
         json.dumps(value, ensure_ascii=False).encode("utf-8")
     except UnicodeEncodeError as error:
         half = error.object[error.start : error.end]
-        raise DocumentError(f"{half!r} is half of a character") from error
+        raise DocumentError(f"a text that is no Unicode: {half!r}") from error
