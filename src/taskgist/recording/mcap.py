@@ -299,8 +299,8 @@ def relabel(path: str | Path, change: Callable[[Recording], Label], *, limits: L
     source = Path(path)
     with changing(source, error=RecordingError) as stream:
         recording = _read(stream, source, limits)
-        label = change(recording)
-        recording.with_label(label)
+        label = recording.with_label(change(recording)).label
+        assert label
         if label != recording.label:
             record = _texts(vars(label))
             with writing(source, replace=True, error=RecordingError) as target:

@@ -108,6 +108,20 @@ class Label:
                 )
 
 
+def _spelled(label: Label, scene: Scene) -> Label:
+    """The same label with agents and object spelled as in a scene, whose models may write an accent apart."""
+    spelling = {clean_name(name): name for name in (*scene.agents, *scene.objects)}
+    changed = {
+        field: spelling[name]
+        for field in ("performing_agent", "target_agent", "target_object")
+        if spelling.get(name := getattr(label, field), name) != name
+    }
+    if changed:
+        label = copy.copy(label)
+        vars(label).update(changed)  # the constructor would spell them in the one way again
+    return label
+
+
 def _checked_name(field: str, value: object) -> str:
     """A name in its one spelling."""
     if isinstance(value, list | tuple | set | frozenset):
@@ -396,6 +410,7 @@ class Recording:
         object.__setattr__(self, "tracked", checked_tracking(self.scene, len(self.times_s), self.tracked))
         object.__setattr__(self, "signals", checked_signals(len(self.times_s), self.signals))
         if self.label is not None:
+            object.__setattr__(self, "label", _spelled(self.label, self.scene))
             self.label.check(
                 agents=self.scene.agents,
                 objects=self.scene.objects,
