@@ -89,7 +89,7 @@ MISTAKES: dict[str, tuple[dict[str, Any], str]] = {
     "shape": ({"qpos": recording().qpos[:, :-1]}, r"qpos: wrong shape .* need the shape \(5, \d+\)"),
     "nan": ({"qpos": broken(3, 7, np.nan)}, r"frame 3, column 7 is not finite \(got nan\)"),
     "far": ({"qpos": broken(1, 0, 1e7)}, r"frame 1, column 0 is beyond 1,000,000 metres or radians"),
-    "without end": ({"times_s": [0, 1, 2, 3, 1e10]}, "times are too large"),
+    "without end": ({"times_s": [0, 1, 1e10, 3, 4]}, "times are too large"),
     "infinite": ({"qpos": broken(1, 0, np.inf)}, r"frame 1, column 0 is not finite \(got inf\)"),
     "no rotation": ({"qpos": without_rotation()}, r"frame 2, columns \d+ to \d+ hold no unit quaternion"),
     "flags": ({"tracked": {"box": [True]}}, r"tracked\['box'\]: wrong shape .* each of the 5 frames"),

@@ -296,9 +296,9 @@ def check_times(times_s: Array) -> None:
     if times_s[0] < 0.0:
         hint = "count seconds from the start of the recording"
         raise RecordingError("times are negative", field="times_s", value=float(times_s[0]), hint=hint)
-    if not times_s[-1] < LATEST_S:
+    if not times_s.max() < LATEST_S:
         hint = "count seconds from the start of the recording"
-        raise RecordingError("times are too large", field="times_s", value=float(times_s[-1]), hint=hint)
+        raise RecordingError("times are too large", field="times_s", value=float(times_s.max()), hint=hint)
     forwards = np.diff(nanoseconds(times_s)) > 0
     if not forwards.all():
         frame = int(np.argmin(forwards)) + 1
