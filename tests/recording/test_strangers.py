@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import shutil
 import struct
 import tracemalloc
 import zlib
@@ -23,11 +24,12 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import Writer
 
 from taskgist.errors import InputError, RecordingError
-from taskgist.recording import read, write
+from taskgist.recording import Recording, read, write
 from taskgist.recording.container import MAGIC
 from taskgist.settings import Limits
+from taskgist.world import Scene
 from tests.cli.tampering import tampered
-from tests.importing.recordings import LABEL, recording
+from tests.importing.recordings import LABEL, recording, room
 
 Change = Callable[[dict[str, dict[str, Any]]], object]
 
@@ -160,18 +162,41 @@ def with_attachments(source: Path, target: Path, *added: tuple[str, bytes]) -> P
             writer.add_attachment(0, 0, name, "", data)
         for record in content.iter_metadata():
             writer.add_metadata(record.name, record.metadata)
+        channel = writer.register_channel("/taskgist/state", "json", 0)
+        for _, _, message in content.iter_messages(topics=["/taskgist/state"]):
+            writer.add_message(channel, message.log_time, message.data, message.publish_time)
         writer.finish()  # type: ignore[no-untyped-call]  # the one function that mcap leaves untyped
     return target
 
 
-NAMES = ["../x", "/etc/passwd", "a/../../x", "a\\..\\x", "C:/x", "a\0b", "a//b", "./a", "", "a/", "x\x1b[2J"]
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_attachments_that_lead_out(name: str, file: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["", "a\0b", "x\x1b[2J", "\u202egnp.x"])
+def test_names_that_nobody_gives(name: str, file: Path, tmp_path: Path) -> None:
     text = refusal(with_attachments(file, tmp_path / "out.mcap", ("scene/" + name, b"x")))
-    assert "attachment: an attachment has a name that leads out of the recording" in text
+    assert "attachment: an attachment without a name, or with control characters in it" in text
     assert "\x1b" not in text
+
+
+@pytest.mark.parametrize("name", ["../../etc/passwd", "/etc/passwd", "..\\x", "C:/x"])
+def test_names_lead_nowhere(name: str, file: Path, tmp_path: Path) -> None:
+    """They are keys among the attachments: nothing is opened or written by such a name, and what it holds is kept."""
+    recorded = read(with_attachments(file, tmp_path / "out.mcap", ("scene/" + name, b"root:x")))
+    assert recorded.scene.bundle[name] == b"root:x"
+    assert recorded.digest != read(file).digest
+
+
+def test_a_model_beside_the_scenes_folder(tmp_path: Path) -> None:
+    """The scene of a user may name ``../models/room.xml``; the recording holds that file, and is read anywhere."""
+    for folder in ("models", "scenes"):
+        (tmp_path / folder).mkdir()
+    world = room()
+    (tmp_path / "models" / "room.xml").write_bytes(world.bundle["room.xml"])
+    text = world.bundle["scene.toml"].decode().replace("room.xml", "../models/room.xml")
+    (tmp_path / "scenes" / "scene.toml").write_text(text, encoding="utf-8")
+    beside = Scene.load(tmp_path / "scenes" / "scene.toml")
+    write(Recording(beside, recording().times_s, recording().qpos), tmp_path / "beside.mcap")
+    shutil.rmtree(tmp_path / "models")
+    assert read(tmp_path / "beside.mcap").scene.bundle == beside.bundle
+    assert "../models/room.xml" in beside.bundle
 
 
 def test_attachments_that_stand_twice(file: Path, tmp_path: Path) -> None:

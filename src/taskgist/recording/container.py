@@ -27,6 +27,7 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Metadata
 
+from taskgist.common.names import unseen_in
 from taskgist.errors import RecordingError
 from taskgist.settings import Limits
 
@@ -259,15 +260,18 @@ def _fields(data: bytes | memoryview) -> ReadDataStream:
 
 
 def _check_file_name(name: str, path: Path) -> None:
-    """Refuse names that lead out of the recording, whatever the system they are opened on."""
-    parts = name.split("/")
-    if "\\" in name or ":" in name or not name.isprintable() or {"", ".", ".."} & set(parts):
+    """Refuse names that nobody gives a file.
+
+    Names are only ever looked up among the attachments of the same recording: the scene of a user whose model is
+    ``../models/room.xml`` has one of that name, which leads nowhere.
+    """
+    if not name or unseen_in(name):
         raise RecordingError(
-            "an attachment has a name that leads out of the recording",
+            "an attachment without a name, or with control characters in it",
             where=path,
             field="attachment",
             value=SCENE_FOLDER + name,
-            hint="names are relative, such as scene/meshes/cup.obj",
+            hint="names are such as scene/room.xml",
         )
 
 
@@ -352,9 +356,10 @@ class _Messages:
             records = self._unpacked(data) if kind == Opcode.CHUNK else iter([(kind, data)])
         while True:
             with damage_reported(self._path):
-                kind, data = next(records, (0, data))
-                if not kind:
+                record = next(records, None)
+                if record is None:
                     return
+                kind, data = record
                 message = self._message(data) if kind == Opcode.MESSAGE else None
                 if kind == Opcode.CHANNEL:
                     channel = Channel.read(_fields(data))
