@@ -32,6 +32,8 @@ from taskgist.errors import RecordingError
 from taskgist.settings import Limits
 
 MAGIC = b"\x89MCAP0\r\n"
+HEAD = struct.Struct("<BQ")
+"""How a record begins: its kind, and the length of its content."""
 OURS = "taskgist."
 """How the names of our metadata records begin."""
 RECORDS = frozenset(OURS + name for name in ("recording", "label", "provenance"))
@@ -39,7 +41,6 @@ RECORDS = frozenset(OURS + name for name in ("recording", "label", "provenance")
 SCENE_FOLDER = "scene/"
 """How the names of our attachments begin."""
 
-_HEAD = struct.Struct("<BQ")  # kind and length of a record
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _LONGEST_NAME = 1024  # bytes; longer ones are not ours
 _ENTRY_BYTES = 1024  # what an attachment takes beside its content
@@ -68,7 +69,7 @@ class Place(NamedTuple):
     @property
     def end(self) -> int:
         """Where the next record starts."""
-        return self.start + _HEAD.size + self.length
+        return self.start + HEAD.size + self.length
 
 
 class Message(NamedTuple):
@@ -135,7 +136,7 @@ def walk(stream: IO[bytes]) -> Iterator[Place]:
     size, start = os.fstat(stream.fileno()).st_size, len(MAGIC)
     while True:
         stream.seek(start)
-        kind, length = _HEAD.unpack(stream.read(_HEAD.size))
+        kind, length = HEAD.unpack(stream.read(HEAD.size))
         place = Place(kind, start, length)
         if place.end > size:
             raise ValueError(f"a record of {length:,} bytes begins at byte {start:,} of {size:,}")
@@ -150,7 +151,7 @@ def walk(stream: IO[bytes]) -> Iterator[Place]:
 
 def content(stream: IO[bytes], place: Place) -> bytes:
     """The content of a record."""
-    stream.seek(place.start + _HEAD.size)
+    stream.seek(place.start + HEAD.size)
     return stream.read(place.length)
 
 
@@ -284,22 +285,28 @@ def _check_summary(stream: IO[bytes], footer: Place) -> None:
     start, _, checksum = struct.unpack("<QQI", content(stream, footer)[:20])
     if not checksum:
         return
-    found = checksum_of(stream, start or footer.start, footer.start + _HEAD.size + 16)
+    found = checksum_of(stream, start or footer.start, footer.start + HEAD.size + 16)
     if found != checksum:
         raise ValueError("checksum of the summary")
 
 
 def checksum_of(stream: IO[bytes], start: int, end: int, before: int = 0) -> int:
     """CRC of a range of bytes, appended to others of which the CRC is known."""
+    for piece in pieces(stream, start, end):
+        before = zlib.crc32(piece, before)
+    return before
+
+
+def pieces(stream: IO[bytes], start: int, end: int) -> Iterator[bytes]:
+    """A range of bytes, a piece at a time."""
     stream.seek(start)
     left = end - start
     while left > 0:
         piece = stream.read(min(left, _PIECE_BYTES))
         if not piece:
             raise EOFError("a range beyond the file")
-        before = zlib.crc32(piece, before)
+        yield piece
         left -= len(piece)
-    return before
 
 
 # --- Messages.
@@ -333,7 +340,7 @@ def messages(stream: IO[bytes], path: Path, limits: Limits, topics: frozenset[st
                 continue
             reader.check(place)
             data = content(stream, place)
-            checksum = zlib.crc32(data, zlib.crc32(_HEAD.pack(place.kind, place.length), checksum))
+            checksum = zlib.crc32(data, zlib.crc32(HEAD.pack(place.kind, place.length), checksum))
         yield from reader.read(place.kind, memoryview(data))
 
 
@@ -391,8 +398,8 @@ class _Messages:
 def _records_in(unpacked: memoryview) -> Iterator[tuple[int, memoryview]]:
     start = 0
     while start < len(unpacked):
-        kind, length = _HEAD.unpack_from(unpacked, start)
-        start += _HEAD.size
+        kind, length = HEAD.unpack_from(unpacked, start)
+        start += HEAD.size
         if length > len(unpacked) - start:
             raise ValueError(f"a record of {length:,} bytes in a chunk of {len(unpacked):,}")
         yield kind, unpacked[start : start + length]

@@ -65,11 +65,10 @@ def read(path: str | Path, *, limits: Limits = DEFAULT.limits) -> Recording:
     """
     source = Path(path)
     with reading(source, error=RecordingError) as stream:
-        return _read(stream, source, limits)
+        return _read(stream, survey(stream, source, limits), source, limits)
 
 
-def _read(stream: IO[bytes], source: Path, limits: Limits) -> Recording:
-    found = survey(stream, source, limits)
+def _read(stream: IO[bytes], found: Survey, source: Path, limits: Limits) -> Recording:
     _check_ours(found, source)
     try:
         head, label = _values(found, "recording", RECORDING), _values(found, "label", LABEL)
@@ -298,11 +297,12 @@ def relabel(path: str | Path, change: Callable[[Recording], Label], *, limits: L
     """
     source = Path(path)
     with changing(source, error=RecordingError) as stream:
-        recording = _read(stream, source, limits)
+        found = survey(stream, source, limits)
+        recording = _read(stream, found, source, limits)
         label = recording.with_label(change(recording)).label
         assert label
         if label != recording.label:
             record = _texts(vars(label))
             with writing(source, replace=True, error=RecordingError) as target:
-                with_metadata(stream, target, OURS + "label", record, survey(stream, source, limits), source)
+                with_metadata(stream, target, OURS + "label", record, found, source)
     return label

@@ -13,7 +13,7 @@ import struct
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import chain, groupby
 from pathlib import Path
 from typing import IO
 
@@ -21,10 +21,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import DataEnd, Footer, McapRecord, Metadata, MetadataIndex, SummaryOffset
 
-from taskgist.recording.container import MAGIC, OURS, Place, Survey, content, damage_reported, walk
-
-_PIECE_BYTES = 2**20
-_HEAD = struct.Struct("<BQ")
+from taskgist.recording.container import HEAD, MAGIC, OURS, Place, Survey, content, damage_reported, pieces, walk
 
 
 @dataclass(frozen=True)
@@ -71,28 +68,18 @@ def with_metadata(
         checksum = _copy_data(stream, target, splice, found.data_end)
         (had_checksum,) = struct.unpack("<I", content(stream, found.data_end)[:4])
         target.write(_bytes_of(DataEnd(checksum if had_checksum else 0)))
-        records = [place for place in walk(stream) if found.data_end.end <= place.start < found.footer.start]
+        records = (place for place in walk(stream) if found.data_end.end <= place.start < found.footer.start)
         _write_end(stream, target, records, found.footer, splice, MetadataIndex(splice.start, len(splice.new), name))
 
 
 def _copy_data(stream: IO[bytes], target: IO[bytes], splice: _Splice, data_end: Place) -> int:
     """Copy all data with the bytes replaced; their checksum."""
     checksum = 0
-    for piece in (*_pieces(stream, 0, splice.start), splice.new, *_pieces(stream, splice.end, data_end.start)):
+    before, behind = pieces(stream, 0, splice.start), pieces(stream, splice.end, data_end.start)
+    for piece in chain(before, [splice.new], behind):
         checksum = zlib.crc32(piece, checksum)
         target.write(piece)
     return checksum
-
-
-def _pieces(stream: IO[bytes], start: int, end: int) -> Iterator[bytes]:
-    stream.seek(start)
-    left = end - start
-    while left > 0:
-        piece = stream.read(min(left, _PIECE_BYTES))
-        if not piece:
-            raise EOFError("a range beyond the file")
-        yield piece
-        left -= len(piece)
 
 
 class _Summary:
@@ -127,7 +114,7 @@ class _Summary:
             name: Name of the metadata record that was replaced.
         """
         if place.kind not in _TELL_PLACES:
-            for piece in _pieces(stream, place.start, place.end):
+            for piece in pieces(stream, place.start, place.end):
                 self.write(piece, place.kind)
             return
         data = bytearray(content(stream, place))
@@ -142,14 +129,14 @@ class _Summary:
                 _change(data, at + 2, "<Q", self._splice.moved)
         elif place.kind != Opcode.STATISTICS:
             _change(data, 0, "<Q", self._splice.moved)
-        self.write(_HEAD.pack(place.kind, len(data)) + data, place.kind)
+        self.write(HEAD.pack(place.kind, len(data)) + data, place.kind)
 
 
 _TELL_PLACES = frozenset({Opcode.STATISTICS, Opcode.CHUNK_INDEX, Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX})
 
 
 def _write_end(
-    stream: IO[bytes], target: IO[bytes], records: list[Place], footer: Place, splice: _Splice, index: MetadataIndex
+    stream: IO[bytes], target: IO[bytes], records: Iterator[Place], footer: Place, splice: _Splice, index: MetadataIndex
 ) -> None:
     """Write summary and footer, as they are with these bytes replaced."""
     _, offsets_start, had_checksum = struct.unpack("<QQI", content(stream, footer)[:20])
@@ -159,13 +146,13 @@ def _write_end(
             continue
         for place in group:
             summary.copy(stream, place, index.name)
-        if kind == Opcode.METADATA_INDEX:  # else the writer makes no such index
+        if kind == Opcode.METADATA_INDEX:  # without one the writer makes no such index
             summary.write(_bytes_of(index), kind)
     start = summary.start if summary.groups else 0
     offsets_start = summary.end if offsets_start else 0
     for kind, (first, end) in list(summary.groups.items()) if offsets_start else ():
         summary.write(_bytes_of(SummaryOffset(kind, first, end - first)))
-    checksum = zlib.crc32(_HEAD.pack(Opcode.FOOTER, 20) + struct.pack("<QQ", start, offsets_start), summary.checksum)
+    checksum = zlib.crc32(HEAD.pack(Opcode.FOOTER, 20) + struct.pack("<QQ", start, offsets_start), summary.checksum)
     target.write(_bytes_of(Footer(start, offsets_start, checksum if had_checksum else 0)) + MAGIC)
 
 
