@@ -242,6 +242,7 @@ BOMBS: list[tuple[str, Chunk]] = [
     ("cut off or damaged", chunk_of("zstd", STREAMED, 1000)),
     ("a chunk, unpacked,: is too large", chunk_of("lz4", lz4.frame.compress(ZEROS), len(ZEROS))),
     ("a chunk of 1,001 bytes declares 1,000", chunk_of("lz4", lz4.frame.compress(ZEROS), 1000)),
+    ("a record of no kind in a chunk", chunk_of("zstd", zstandard.compress(ZEROS[: 2**20]), 2**20)),
     ("a chunk of 4 bytes declares 8", chunk_of("", b"1234", 8)),
     ("a chunk is packed as 'rar'", chunk_of("rar", b"1234", 8)),
     ("a chunk, unpacked,: is too large", chunk_of("", b"", 2**63)),

@@ -399,6 +399,8 @@ def _records_in(unpacked: memoryview) -> Iterator[tuple[int, memoryview]]:
     start = 0
     while start < len(unpacked):
         kind, length = HEAD.unpack_from(unpacked, start)
+        if not kind:  # no format has it, but bytes that were never written look so, millions of them
+            raise ValueError("a record of no kind in a chunk")
         start += HEAD.size
         if length > len(unpacked) - start:
             raise ValueError(f"a record of {length:,} bytes in a chunk of {len(unpacked):,}")
