@@ -239,7 +239,7 @@ def test_newer_formats(tmp_path: Path) -> None:
 def test_incomplete_records(tmp_path: Path) -> None:
     path = tmp_path / "incomplete.mcap"
     path.write_bytes(foreign(format=str(mcap_file.FORMAT), name='"x"'))
-    assert "taskgist.recording: joints: is missing" in refusal(path)
+    assert "taskgist.recording: signals: is missing" in refusal(path)
 
 
 def test_states_of_another_scene(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:

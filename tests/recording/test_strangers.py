@@ -83,6 +83,14 @@ def test_metadata_of_a_wrong_kind(change: Change, expected: str, file: Path, tmp
     assert expected in refusal(tampered(file, tmp_path / "changed.mcap", metadata=change))
 
 
+@pytest.mark.parametrize(
+    ("record", "field"), [("label", "how"), ("provenance", "fit"), ("provenance", "source"), ("recording", "joints")]
+)
+def test_what_may_be_left_out(record: str, field: str, file: Path, tmp_path: Path) -> None:
+    path = tampered(file, tmp_path / "changed.mcap", metadata=without(record, field))
+    assert read(path).digest == read(file).digest
+
+
 def test_names_of_others_are_cleaned(file: Path, tmp_path: Path) -> None:
     path = tampered(
         file, tmp_path / "changed.mcap", metadata=with_value("label", "task", "  gi\u001b\u202ev\u0065\u0301 ")

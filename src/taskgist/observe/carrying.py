@@ -30,10 +30,8 @@ class Carrying:
     def __init__(self, stage: Stage, frames: FrameSequence, settings: Contact) -> None:
         self._stage, self._frames, self._settings = stage, frames, settings
         self._resting = RestingMemory(stage.scene, settings)
-        self._possible, self._slip_m_s = (
-            lru_cache(KEPT_FRAMES)(self._possible_in),
-            lru_cache(KEPT_FRAMES)(self._slip_of),
-        )
+        self._possible = lru_cache(KEPT_FRAMES)(self._possible_in)
+        self._slip_m_s = lru_cache(KEPT_FRAMES)(self._slip_of)
         self._moves_along = cache(lambda hold: Hysteresis(partial(self._goes_on, hold)))
         self._decided = lru_cache(KEPT_STATES)(self._decided_in)
         self._holding = lru_cache(KEPT_FRAMES)(self._holding_in)

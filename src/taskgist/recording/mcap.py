@@ -15,7 +15,7 @@ written frame by frame; what stays in memory is its columns of numbers.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import IO, Any, cast
 
@@ -71,7 +71,8 @@ def read(path: str | Path, *, limits: Limits = DEFAULT.limits) -> Recording:
 def _read(stream: IO[bytes], found: Survey, source: Path, limits: Limits) -> Recording:
     _check_ours(found, source)
     try:
-        head, label = _values(found, "recording", RECORDING), _values(found, "label", LABEL)
+        head = _values(found, "recording", RECORDING, ("name", "signals"))
+        label = _values(found, "label", LABEL, LABELLED) if "label" in found.metadata else None
         provenance = _values(found, "provenance", PROVENANCE)
         scene = Scene.from_bundle(found.files)
         frames = FrameColumns(scene, head["signals"], source, limits)
@@ -84,7 +85,7 @@ def _read(stream: IO[bytes], found: Survey, source: Path, limits: Limits) -> Rec
             times_s=times_s,
             qpos=cast(Array, qpos),  # packed, and read as one
             tracked=tracked,
-            label=_label(label) if label else None,
+            label=None if label is None else _label(label),
             provenance=Provenance(**provenance),
             name=head["name"],
             signals=signals,
@@ -140,7 +141,8 @@ RECORDING: Kinds = {
 }
 NAMES = ("task", "performing_agent", "target_agent", "target_object")
 CHECKED_BY_LABEL = (lambda _: True, "anything")
-LABEL: Kinds = {**dict.fromkeys((*NAMES, "start_s", "end_s"), CHECKED_BY_LABEL), "how": TEXT}
+LABELLED = (*NAMES, "start_s", "end_s")
+LABEL: Kinds = {**dict.fromkeys(LABELLED, CHECKED_BY_LABEL), "how": TEXT}
 PROVENANCE: Kinds = {
     "source": TEXT,
     "licence": TEXT,
@@ -153,20 +155,17 @@ PROVENANCE: Kinds = {
 HINT = "the file was changed, or not written by taskgist"
 
 
-def _values(found: Survey, record: str, kinds: Kinds) -> dict[str, Any]:
-    """The values of a metadata record of taskgist; empty if there is no such record."""
-    texts = found.metadata.get(record)
-    if texts is None and record == "label":
-        return {}
+def _values(found: Survey, record: str, kinds: Kinds, required: Iterable[str] = ()) -> dict[str, Any]:
+    """The values of a metadata record of taskgist; empty if there is no such record and nothing in it is required."""
     values: dict[str, Any] = {}
-    for name, (is_right, kind) in kinds.items():
-        values[name] = _value(found, record, name)
-        if not is_right(values[name]):
-            place = f"{OURS}{record}: {name}"
-            raise RecordingError(f"must be {kind}", field=place, value=values[name], hint=HINT)
-    for name in texts or ():
+    for name in dict.fromkeys((*required, *found.metadata.get(record, ()))):
+        place = f"{OURS}{record}: {name}"
         if name not in kinds:
-            raise RecordingError("no such field", field=f"{OURS}{record}: {name}", hint=allowed_names(name, kinds))
+            raise RecordingError("no such field", field=place, hint=allowed_names(name, kinds))
+        values[name] = _value(found, record, name)
+        is_right, kind = kinds[name]
+        if not is_right(values[name]):
+            raise RecordingError(f"must be {kind}", field=place, value=values[name], hint=HINT)
     return values
 
 
