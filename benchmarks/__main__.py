@@ -14,7 +14,20 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import demonstrations, growth, judging, learning, maps, profiled, rooms, scenes, sight, start, store
+from benchmarks import (
+    demonstrations,
+    growth,
+    judging,
+    learning,
+    maps,
+    memory,
+    profiled,
+    rooms,
+    scenes,
+    sight,
+    start,
+    store,
+)
 from benchmarks.figure import Figure, seconds_text
 from benchmarks.machine import machine
 from benchmarks.record import compared, recorded, yardstick
@@ -30,6 +43,7 @@ TOPICS: Mapping[str, Callable[[], Iterator[Figure]]] = {
     "learning": learning.figures,
     "judging": judging.figures,
     "store": store.figures,
+    "memory": memory.figures,
 }
 GROWTH, PROFILE = "growth", "profile"
 

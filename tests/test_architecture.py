@@ -65,7 +65,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "perspective": {"numpy"},
     "maps": {"numpy"},
     "observe": {"numpy"},
-    "recording": {"numpy", "mcap", "zstandard"},
+    "recording": {"numpy", "mcap", "zstandard", "lz4"},
     "importing": {"numpy", "mujoco"},
     "recognition": set(),
     "language": set(),

@@ -152,8 +152,10 @@ class Limits:
     """Scene files of a recording together: models, meshes, textures."""
     chunk_bytes: int = 256 * 2**20
     """Largest chunk of a recording, unpacked; common writers make chunks of 1 to 16 MiB."""
+    message_bytes: int = 4 * 2**20
+    """One message, or one record of what is known of a recording; a state of two people and six objects has 2 kB."""
     frame_bytes: int = 512 * 2**20
-    """States of a recording in memory: nine hours of two people and six objects at 30 Hz."""
+    """States of a recording in memory: five hours of two people and six objects at 30 Hz."""
     table_bytes: int = 512 * 2**20
     """One table or array of tracked motion, unpacked."""
     image_pixels: int = 4_000_000
@@ -166,7 +168,20 @@ class Limits:
     """Longest that knowledge is waited for while others write it, which takes each of them milliseconds."""
 
 
-UNSHAPING = ("maps", "learning", "limits")
+@dataclass(frozen=True)
+class Checks:
+    """What ``check`` tells of a recording. These shape no facts and stay out of the digest."""
+
+    fastest_m_s: float = 15.0
+    """What moves faster from one tracked frame to the next has jumped (ours: people sprint at 10 m/s, and what they
+    carry or hand over stays below that; a thing that trackers confuse with another is there at once)."""
+    largest_m: float = 5.0
+    """A shape of an object that is longer was mostly given in millimetres (ours: nobody hands over a longer thing)."""
+    smallest_m: float = 0.001
+    """An object whose shapes are all smaller was mostly shrunk a thousandfold (ours: nobody grasps a smaller)."""
+
+
+UNSHAPING = ("maps", "learning", "limits", "checks")
 """Stages whose settings shape no facts: they stay out of the digest."""
 
 BANDS: dict[str, tuple[tuple[int, int], tuple[int, int]]] = {
@@ -192,6 +207,7 @@ class Settings:
     maps: Maps = field(default_factory=Maps)
     learning: Learning = field(default_factory=Learning)
     limits: Limits = field(default_factory=Limits)
+    checks: Checks = field(default_factory=Checks)
 
     @property
     def digest(self) -> str:

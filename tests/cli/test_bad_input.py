@@ -177,8 +177,8 @@ AGENTS = "did you mean 'P2'? (known: P1, P2)"
 
 CASES: dict[str, list[str]] = {
     # recordings
-    "check none.mcap": ["none.mcap: cannot read the recording", NO_FILE, "check the path"],
-    "check good.mcap none.mcap": ["none.mcap: cannot read the recording", NO_FILE],
+    "check none.mcap": ["none.mcap: cannot be read: ", NO_FILE, "check the path"],
+    "check good.mcap none.mcap": ["none.mcap: cannot be read: ", NO_FILE],
     "check empty": ["empty: no recordings (*.mcap) in this folder; name a recording, or a folder that holds some"],
     "check zero.mcap": ["zero.mcap: the file is empty; copy or import"],
     "check cut.mcap": ["cut.mcap: the file is cut off or damaged", "; copy it again from where it came from"],
@@ -189,7 +189,7 @@ CASES: dict[str, list[str]] = {
     ],
     "check newer.mcap": ["newer.mcap: format: ", "newer format (got 99)", "install a newer one"],
     "check backwards.mcap": ["backwards.mcap: ", "times run backwards at frame 7 (got ("],
-    "check nan.mcap": ["nan.mcap: ", "frame 7", "not finite", "nan"],
+    "check nan.mcap": ["nan.mcap: /taskgist/state, frame 7: objects.", ": is no finite number (got nan)"],
     "facts late.mcap": [
         "late.mcap: end_s: the label reaches outside of the recording (got 99.0); give a time between 0"
     ],
@@ -203,7 +203,7 @@ CASES: dict[str, list[str]] = {
     ],
     "facts good.mcap --at nan": ["good.mcap: ", "--at: ", "(got nan); give a time between"],
     "facts unlabelled.mcap": ["unlabelled.mcap: the recording has no label; name --agent and --object"],
-    "facts empty": ["empty: cannot read the recording (got 'Is a directory')"],
+    "facts empty": ["empty: cannot be read: it is a folder"],
     # labels
     "label good.mcap --target P1 --target P2": ["good.mcap: --target: several", "(got ['P1', 'P2']); label one; copy"],
     "label good.mcap --object cup --object book": ["good.mcap: --object: several", "(got ['cup', 'book']); label one"],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 
 from taskgist.errors import FactsError
 from taskgist.facts import SCHEMA, STANDARD_TREE, UNKNOWN, facts_schema, parse_facts, predicate_subtree, read_facts
+from taskgist.settings import Limits
 
 DOCUMENT: dict[str, Any] = {
     "schema": "taskgist.facts/1",
@@ -71,6 +73,10 @@ def changed(path: str, value: object) -> dict[str, Any]:
         (changed("start/see.effort", "Arm_Effort"), "f.json: start.see.effort: no such value (got 'Arm_Effort')"),
         (changed("end/visibility.score", 7), "f.json: end.visibility.score: not a visibility score (got 7)"),
         (changed("start/hands/left", "Fre_of_Object"), "f.json: start.hands.left: no such value (got 'Fre_of_Object')"),
+        (
+            changed("start/hands/lefft", "Free_of_Object"),
+            "f.json: start.hands.lefft: no such side; did you mean 'left'?",
+        ),
         (changed("end/motion/evidnce", {}), "f.json: end.motion.evidnce: no such field; did you mean 'evidence'?"),
         (changed("end/motion/evidence", 3), "f.json: end.motion.evidence: not an object (got 3)"),
     ],
@@ -87,6 +93,29 @@ def test_a_file_that_is_missing_or_no_json_is_refused(tmp_path: Path) -> None:
     (tmp_path / "bad.json").write_bytes(b"{\xff")
     with pytest.raises(FactsError, match=r"bad\.json: not JSON"):
         read_facts(tmp_path / "bad.json")
+
+
+def test_files_that_nobody_means(tmp_path: Path) -> None:
+    path = tmp_path / "odd.json"
+    for text, problem in [
+        ("[" * 100_000, "nested deeper than"),
+        ('{"task": "show", "task": "hide"}', "'task' is given twice"),
+    ]:
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(FactsError, match=problem):
+            read_facts(path)
+    with pytest.raises(FactsError, match=r"is too large .* at most 20 bytes"):
+        read_facts(path, limits=Limits(document_bytes=20))
+    os.mkfifo(tmp_path / "pipe.json")
+    with pytest.raises(FactsError, match="it is a pipe"):
+        read_facts(tmp_path / "pipe.json")
+
+
+def test_one_name_has_one_spelling() -> None:
+    spelled = [changed("task", task) for task in ("caf\u00e9", "  cafe\u0301\n")]
+    episodes = [parse_facts(document) for document in spelled]
+    assert {episode.task for episode in episodes} == {"caf\u00e9"}
+    assert len({episode.source for episode in episodes}) == 1
 
 
 def test_not_a_number_is_refused(tmp_path: Path) -> None:

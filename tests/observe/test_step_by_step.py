@@ -5,9 +5,11 @@ from __future__ import annotations
 from itertools import accumulate
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import taskgist.observe.frames as observed_frames
 from taskgist.observe import Confirmed, Hysteresis, Motion
 from taskgist.settings import DEFAULT
 from tests.observe.states import sequence
@@ -107,3 +109,27 @@ def test_no_more_frames_are_looked_at_than_it_takes() -> None:
     asked.clear()
     assert Confirmed(sequence(times), raw, 0.2).at(times[17]) == "B"
     assert asked == {16, 17, 18, 19}
+
+
+@given(runs(VALUES), st.lists(GAPS_S, min_size=1, max_size=5), st.floats(0.05, 0.5))
+def test_what_was_forgotten_is_looked_up_again(values: list[object], gaps: list[float], minimum_s: float) -> None:
+    """However few frames are kept, the answers are the same."""
+    frames = sequence(times_of(gaps, len(values)))
+    kept = Confirmed(frames, values.__getitem__, minimum_s, key=lambda value: value[0])  # type: ignore[index]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(observed_frames, "KEPT_FRAMES", 4)
+        short = Confirmed(frames, values.__getitem__, minimum_s, key=lambda value: value[0])  # type: ignore[index]
+        assert short.intervals == kept.intervals
+        assert [short.at(time_s) for time_s in frames.times_s] == [kept.at(time_s) for time_s in frames.times_s]
+
+
+def test_only_the_latest_frames_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(observed_frames, "KEPT_FRAMES", 50)
+    frames = sequence([index / 30 for index in range(2000)])
+    hysteresis = Hysteresis(lambda index, before: index % 90 < (60 if before else 30))
+    forward = [*accumulate(range(2000), lambda before, index: index % 90 < (60 if before else 30), initial=False)][1:]
+    confirmed = Confirmed(frames, hysteresis.at, 0.2)
+    assert [hysteresis.at(index) for index in range(2000)] == forward
+    assert len(confirmed.intervals) == 45
+    assert len(hysteresis._found) == 50
+    assert hysteresis.at(3) == forward[3]

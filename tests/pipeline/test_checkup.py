@@ -10,6 +10,7 @@ import pytest
 from taskgist.pipeline import Finding, check
 from taskgist.recording import Provenance, Recording
 from tests.pipeline.small import FRAMES, room, small, still, sunk_box
+from tests.scenes import box
 from tests.shipped import excerpt, label
 
 NEVER = np.zeros(FRAMES, bool)
@@ -24,6 +25,22 @@ def moving() -> Recording:
     qpos = still(world)
     qpos[:, world.object_slice("cup").start] += np.arange(FRAMES) / 100
     return small(world, qpos=qpos)
+
+
+def jumping(name: str, **fields: Any) -> Recording:
+    """A body or an object is 10 m away for three frames."""
+    world = room()
+    free = world.base_slice(name) if name in world.agents else world.object_slice(name)
+    qpos = still(world)
+    qpos[15:18, free.start] += 10.0
+    return small(world, qpos=qpos, **fields)
+
+
+def oddly_fitted() -> Recording:
+    """Reports that another program wrote."""
+    return small(
+        provenance=Provenance(fit={"P1": 3, "P2": {"points_cm": {"left_wrist": {"median": "large"}, "x": []}}})
+    )
 
 
 def badly_fitted() -> Recording:
@@ -67,6 +84,11 @@ KINDS: dict[str, tuple[Recording, list[tuple[str, str, str]]]] = {
         ],
     ),
     "poor fit": (badly_fitted(), [("note", "P1's left_wrist", "the fitted body is 7.0 cm away from it (median)")]),
+    "odd fit": (oddly_fitted(), []),
+    "an object jumps": (
+        jumping("cup"),
+        [("warning", "cup", "jumps by 10.00 m at 0.50 s (300 m/s), and 1 times more")],
+    ),
     "overlap": (
         small(room(sunk_box())),
         [("warning", "box and table", "overlap by up to 6.0 cm (at 0.00 s)")],
@@ -84,6 +106,34 @@ def test_findings(kind: str) -> None:
     for finding, parts in zip(checkup.findings, expected, strict=True):
         assert all(part in text_of(finding) for part in parts), finding
     assert checkup.fit == ("unfit" not in {finding.severity for finding in checkup.findings})
+
+
+def test_a_body_jumps() -> None:
+    (finding,) = (each for each in check(jumping("P1")).findings if "jumps" in each.problem)
+    assert (finding.severity, finding.about) == ("warning", "P1")
+    assert "jumps by 10.00 m at 0.50 s" in finding.problem
+
+
+def test_where_nothing_was_tracked_nothing_jumps() -> None:
+    """Frames without tracking hold fillers; what is elsewhere after half a second of them may have walked."""
+    elsewhere = np.isin(np.arange(FRAMES), (15, 16, 17))
+    assert not any("jumps" in each.problem for each in check(jumping("cup", tracked={"cup": ~elsewhere})).findings)
+
+
+def test_fast_motion_is_no_jump() -> None:
+    world = room()
+    qpos = still(world)
+    qpos[:, world.object_slice("cup").start] += np.arange(FRAMES) * 9.0 / 30
+    assert not any("jumps" in each.problem for each in check(small(world, qpos=qpos)).findings)
+
+
+@pytest.mark.parametrize(
+    ("half_m", "problem"), [(4.0, "is 8 m long: in millimetres?"), (0.0002, "shrunk a thousandfold")]
+)
+def test_sizes_in_another_unit(half_m: float, problem: str) -> None:
+    world = room(box("crate", 0.0, 20.0, 10.0, (half_m,) * 3))
+    (finding,) = (each for each in check(small(world)).findings if each.about == "crate")
+    assert problem in finding.problem
 
 
 def text_of(finding: Finding) -> str:

@@ -15,11 +15,10 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from taskgist.errors import InputError, RecordingError
-from taskgist.recording import mcap as mcap_content
 from taskgist.recording import mcap as mcap_file
 from taskgist.recording import read, write
 from taskgist.recording.foxglove import FRAME_TRANSFORMS, SCENE_UPDATE
-from taskgist.recording.mcap import encode
+from taskgist.recording.messages import StateMessages
 from taskgist.recording.recording import rounded
 from taskgist.world import Stage
 from taskgist.world.geometry.transforms import matrix_from_wxyz
@@ -185,7 +184,7 @@ def refusal(path: Path) -> str:
 
 def test_files_that_are_no_recording(tmp_path: Path) -> None:
     path = tmp_path / "other.mcap"
-    assert "cannot read the recording (got 'No such file or directory')" in refusal(path)
+    assert "cannot be read: No such file or directory" in refusal(path)
     path.write_bytes(b"")
     assert "the file is empty" in refusal(path)
     path.write_text("t,x,y,z\n1,2,3,4\n")
@@ -233,33 +232,31 @@ def test_damaged_files(file: Path) -> None:
 
 def test_newer_formats(tmp_path: Path) -> None:
     path = tmp_path / "newer.mcap"
-    path.write_bytes(foreign(format=str(mcap_content.FORMAT + 1), name='"x"'))
-    assert f"format: the recording is of a newer format (got {mcap_content.FORMAT + 1}); " in refusal(path)
+    path.write_bytes(foreign(format=str(mcap_file.FORMAT + 1), name='"x"'))
+    assert f"format: the recording is of a newer format (got {mcap_file.FORMAT + 1}); " in refusal(path)
 
 
 def test_incomplete_records(tmp_path: Path) -> None:
     path = tmp_path / "incomplete.mcap"
-    path.write_bytes(foreign(format=str(mcap_content.FORMAT), name='"x"'))
-    assert "scene.toml" in refusal(path)
+    path.write_bytes(foreign(format=str(mcap_file.FORMAT), name='"x"'))
+    assert "taskgist.recording: signals: is missing" in refusal(path)
 
 
 def test_states_of_another_scene(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def without_cup(record: Any) -> list[Any]:
-        return [message | {"objects": {}} for message in encode(record)]
-
-    monkeypatch.setattr(mcap_file, "encode", without_cup)
+    encode = StateMessages.encode
+    monkeypatch.setattr(StateMessages, "encode", lambda *given: encode(*given) | {"objects": {}})
     write(recording(), file)
-    assert "/taskgist/state: state 0 does not fit the scene (got \"KeyError('cup')\")" in refusal(file)
+    assert "/taskgist/state, frame 0: objects.cup: is missing" in refusal(file)
 
 
 def test_nothing_is_written_when_writing_fails(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     before = file.read_bytes()
 
-    def fail(_: Any) -> list[Any]:
+    def fail(*_: Any) -> Any:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(mcap_file, "encode", fail)
-    with pytest.raises(RecordingError, match=r"cannot be written: No space left on device; free some space"):
+    monkeypatch.setattr(StateMessages, "encode", fail)
+    with pytest.raises(RecordingError, match="cannot be written: No space left on device; free some space"):
         write(recording(), file)
     assert file.read_bytes() == before
     assert sorted(tmp_path.iterdir()) == [file]

@@ -17,6 +17,7 @@ from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.recording import Label, Recording
 from taskgist.recording.recording import decimals, rounded, whole
 from tests.importing.recordings import FRAMES, LABEL, recording, room
+from tests.scenes import agent, cylinder, scene
 
 SEEDED = settings(derandomize=True, deadline=None, max_examples=30)
 
@@ -87,6 +88,8 @@ MISTAKES: dict[str, tuple[dict[str, Any], str]] = {
     "no time": ({"times_s": [0, 1, np.nan, 2, 3]}, "frame 2 has no time"),
     "shape": ({"qpos": recording().qpos[:, :-1]}, r"qpos: wrong shape .* need the shape \(5, \d+\)"),
     "nan": ({"qpos": broken(3, 7, np.nan)}, r"frame 3, column 7 is not finite \(got nan\)"),
+    "far": ({"qpos": broken(1, 0, 1e7)}, r"frame 1, column 0 is beyond 1,000,000 metres or radians"),
+    "without end": ({"times_s": [0, 1, 1e10, 3, 4]}, "times are too large"),
     "infinite": ({"qpos": broken(1, 0, np.inf)}, r"frame 1, column 0 is not finite \(got inf\)"),
     "no rotation": ({"qpos": without_rotation()}, r"frame 2, columns \d+ to \d+ hold no unit quaternion"),
     "flags": ({"tracked": {"box": [True]}}, r"tracked\['box'\]: wrong shape .* each of the 5 frames"),
@@ -115,6 +118,8 @@ LABELS: dict[str, tuple[dict[str, Any], str]] = {
     "several agents": ({"target_agent": ["P2", "P3"]}, r"target_agent: several values of one target agent.*label one"),
     "several objects": ({"target_object": ("cup", "box")}, r"several values of one target object are not supported"),
     "no task": ({"task": " "}, r"task: must be a name"),
+    "unseen": ({"task": "gi\x1b[2Jve"}, r"task: holds a character that is not seen"),
+    "turned": ({"target_object": "\u202epuc"}, r"target_object: holds a character that is not seen"),
     "alone": ({"target_agent": "P1"}, r"target_agent: performing and target agent are the same \(got 'P1'\)"),
     "reversed": ({"start_s": 0.1, "end_s": 0.05}, r"end_s: the label ends before it starts \(got 0.05\)"),
     "no time": ({"start_s": float("nan")}, r"start_s: must be a time \(got nan\)"),
@@ -134,6 +139,22 @@ def test_labels_outside_of_the_recording() -> None:
         recording().with_label(Label("give", "P1", "P2", "cup", 0.0, 5.0))
     assert recording().with_label(LABEL).label == LABEL
     assert recording(label=LABEL).with_label(None).label is None
+
+
+def test_one_name_has_one_spelling() -> None:
+    label = Label("  caf\u0065\u0301 ", " P1", "P2 ", "cup", 0.0, 0.1)
+    assert (label.task, label.performing_agent, label.target_agent) == ("caf\u00e9", "P1", "P2")
+    assert label == Label("caf\u00e9", "P1", "P2", "cup", 0.0, 0.1)
+
+
+def test_a_scene_may_write_accents_apart() -> None:
+    """What an editor has decomposed is found by its name, and called as the scene calls it."""
+    apart = "the\u0301ie\u0300re"
+    world = scene(cylinder(apart, 0.1, 0.0, 0.771), agents=agent("P1", -0.8, 0.0) + agent("P2", 0.8, 0.0))
+    given = Recording(world, np.arange(2) / 10, np.tile(world.initial.qpos, (2, 1)))
+    labelled = given.with_label(Label("give", "P1", "P2", "th\u00e9i\u00e8re", 0.0, 0.1))
+    assert labelled.label
+    assert labelled.label.target_object == apart
 
 
 @SEEDED

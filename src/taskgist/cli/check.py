@@ -27,7 +27,8 @@ STYLES = {"unfit": "bold red", "warning": "yellow", "note": "cyan"}
 def check(recordings: RecordingsArgument, as_json: JsonOption = False) -> int:
     """Say whether recordings are fit to learn from.
 
-    Looks for gaps, lost parts, overlapping bodies, a missing label, and facts that are unknown at its ends.
+    Looks for gaps, jumps, lost parts, sizes in another unit, overlapping bodies, a missing label, and facts that are
+    unknown at its ends.
     The exit code is 1 if any recording is not fit.
 
     Example: taskgist check handover.mcap

@@ -22,7 +22,7 @@ from taskgist.cli.common import (
 from taskgist.errors import LabelError
 from taskgist.observe.observer import Observer
 from taskgist.recognition.label_proposal import propose_label
-from taskgist.recording.mcap import read, write
+from taskgist.recording.mcap import read, relabel
 from taskgist.recording.recording import Label, Recording
 
 OPTIONS = MappingProxyType(
@@ -55,13 +55,12 @@ def label(
 
     That is its label: task, agents, object, start and end. Without options it is shown (exit code 1 if there is none).
     With options it is set, what is not given stays. With --propose the facts fill in the rest: who holds the object
-    when, what moves, when it comes to rest.
+    when, what moves, when it comes to rest. All else in the file stays byte for byte, whoever wrote it.
 
     Example: taskgist label handover.mcap --propose --task give
 
     Example: taskgist label handover.mcap --start 1.2 --end 3.45
     """
-    opened = read(recording)
     with about(recording, OPTIONS):
         given = {
             "task": task,
@@ -73,12 +72,17 @@ def label(
         }
         changes = {key: value for key, value in given.items() if value is not None}
         if not changes and not propose:
-            return _show(opened.label, as_json=as_json)
-        base = _proposed(opened, changes) if propose else opened.label
-        new = _changed(base, changes)
-        labelled = opened.with_label(new)
-    if not dry_run:
-        write(labelled, recording)
+            return _show(read(recording).label, as_json=as_json)
+
+        def changed(opened: Recording) -> Label:
+            return _changed(_proposed(opened, changes) if propose else opened.label, changes)
+
+        if dry_run:
+            opened = read(recording)
+            new = changed(opened)
+            opened.with_label(new)
+        else:
+            new = relabel(recording, changed)
     return _show(new, as_json=as_json)
 
 

@@ -24,11 +24,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from taskgist.common.documents import DocumentError, parse_json
+from taskgist.common.files import read_whole
 from taskgist.common.frozen import FrozenMap, Json, canonical_text, freeze
+from taskgist.common.names import clean_name
 from taskgist.errors import FactsError, allowed_names
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import Episode, HypothesisTree, Snapshot
 from taskgist.facts.values import NOT_OBSERVED, Observation, Raw
+from taskgist.settings import DEFAULT, Limits
 
 FACTS_FORMAT = "taskgist.facts/1"
 """Name and version of the file format."""
@@ -37,19 +41,22 @@ NAMES = ("task", "demonstration", "performing_agent", "target_agent", "target_ob
 FIELDS = ("schema", *NAMES, "start", "end")
 
 
-def read_facts(path: str | Path, tree: HypothesisTree = STANDARD_TREE) -> Episode:
+def read_facts(path: str | Path, tree: HypothesisTree = STANDARD_TREE, *, limits: Limits = DEFAULT.limits) -> Episode:
     """The episode that a facts file describes.
 
+    Args:
+        path: The file.
+        tree: Whose attributes may be filled.
+        limits: What is refused before memory is taken for it.
+
     Raises:
-        FactsError: The file is missing, is no JSON, or does not fit the tree.
+        FactsError: The file is missing, no regular file, too large, no JSON, or does not fit the tree.
     """
+    text = read_whole(Path(path), most_bytes=limits.document_bytes, error=FactsError)
     try:
-        document = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        hint = "give the path of a file that can be read"
-        raise FactsError(f"cannot be read: {error.strerror}", where=path, hint=hint) from error
-    except (ValueError, RecursionError) as error:
-        raise FactsError(f"not JSON: {error}", where=path, hint=f"write a {FACTS_FORMAT} file") from error
+        document = parse_json(text, any_number=True)  # attributes refuse theirs by name
+    except DocumentError as error:
+        raise FactsError(str(error), where=path, hint=f"write a {FACTS_FORMAT} file") from error
     return parse_facts(document, tree, where=path)
 
 
@@ -123,9 +130,10 @@ def _name(value: object, where: str | Path | None, field: str) -> str:
     if isinstance(value, list):
         hint = "several at once are not supported yet: write one file for each"
         raise FactsError("not one name", where=where, field=field, value=value, hint=hint)
-    if not isinstance(value, str) or not value.strip():
+    name = clean_name(value) if isinstance(value, str) else ""
+    if not name:
         raise FactsError("not a name", where=where, field=field, value=value, hint="give a text")
-    return value
+    return name
 
 
 def _snapshot(

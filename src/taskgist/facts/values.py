@@ -160,6 +160,10 @@ class ScoreAttribute(Attribute):
         return {"type": "number", "minimum": 0, "maximum": 1}
 
 
+SIDES = ("left", "right")
+"""Sides of a body, each with a hand."""
+
+
 @dataclass(frozen=True)
 class SidedAttribute(Attribute):
     """Observed by side, ``{"left": s, "right": s}``, with None for a side that is not known (5.2.2)."""
@@ -170,8 +174,10 @@ class SidedAttribute(Attribute):
             hint = f"give a value for each side, such as {{'left': {self.values[0]!r}, 'right': None}}"
             raise FactsError("not a status by side", where=where, field=field, value=raw, hint=hint)
         for side, status in raw.items():
+            place = f"{field or self.name}.{side}"
+            if side not in SIDES:
+                raise FactsError("no such side", where=where, field=place, hint=allowed_names(side, SIDES))
             if not (status is None or status in self.values):
-                place = f"{field or self.name}.{side}"
                 hint = allowed_names(status, self.values)
                 raise FactsError("no such value", where=where, field=place, value=status, hint=hint)
         return FrozenMap({str(side): raw[side] for side in sorted(raw)})
@@ -189,7 +195,8 @@ class SidedAttribute(Attribute):
     def schema(self) -> dict[str, Json]:
         """An object of sides."""
         side: dict[str, Json] = {"enum": [*self.values, None]}
-        return {"type": "object", "minProperties": 1, "additionalProperties": side}
+        sides: dict[str, Json] = dict.fromkeys(SIDES, side)
+        return {"type": "object", "minProperties": 1, "properties": sides, "additionalProperties": False}
 
 
 def score_bin(score: float, vision: Vision) -> str:

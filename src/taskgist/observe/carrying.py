@@ -11,7 +11,7 @@ from __future__ import annotations
 from functools import cache, lru_cache, partial
 
 from taskgist.common.arrays import Array
-from taskgist.observe.frames import KEPT_STATES, FrameSequence, Hysteresis, speed_m_s
+from taskgist.observe.frames import KEPT_FRAMES, KEPT_STATES, FrameSequence, Hysteresis, speed_m_s
 from taskgist.settings import Contact
 from taskgist.world.contacts import Holding, RestingMemory, hand_known, holding_of, possible_holds
 from taskgist.world.stage import Stage
@@ -30,10 +30,11 @@ class Carrying:
     def __init__(self, stage: Stage, frames: FrameSequence, settings: Contact) -> None:
         self._stage, self._frames, self._settings = stage, frames, settings
         self._resting = RestingMemory(stage.scene, settings)
-        self._possible, self._slip_m_s = cache(self._possible_in), cache(self._slip_of)
+        self._possible = lru_cache(KEPT_FRAMES)(self._possible_in)
+        self._slip_m_s = lru_cache(KEPT_FRAMES)(self._slip_of)
         self._moves_along = cache(lambda hold: Hysteresis(partial(self._goes_on, hold)))
         self._decided = lru_cache(KEPT_STATES)(self._decided_in)
-        self._holding = cache(self._holding_in)
+        self._holding = lru_cache(KEPT_FRAMES)(self._holding_in)
 
     def holding(self, index: int, name: str) -> Holding | None:
         """Who holds an object in a frame, and what it rests on or lies in; None if it was not tracked."""

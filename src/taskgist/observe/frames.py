@@ -10,7 +10,7 @@ a minimum of 0.2 s and frames every 0.1 s::
     confirmed  A A A A A A A B B B B      the lone B never counted, the last B counts from its first frame on
 
 Nobody asks for the raw values of all frames. An explanation asks for two times of a recording, so each value is looked
-up where it is asked for, in the frames that it hangs on, and then kept::
+up where it is asked for, in the frames that it hangs on, and kept for a while::
 
     raw        A A A B A A A B B B B
                      ^                    this B does not last, the A before it does: 5 frames were looked at
@@ -25,7 +25,7 @@ from __future__ import annotations
 import bisect
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from itertools import pairwise
 from typing import Generic, TypeVar
 
@@ -39,6 +39,8 @@ from taskgist.world.state import Frames, State
 ROUNDING_S = 1e-9
 KEPT_STATES = 128
 """As many states at hand as the windows around a frame hold, of the fastest trackers."""
+KEPT_FRAMES = 4096
+"""Of as many frames what was found is kept, some 6 kB each; what is asked again later is looked up again."""
 
 
 class FrameSequence:
@@ -139,10 +141,16 @@ class Hysteresis:
         start = index
         while start > 0 and start not in self._found and self._holds(start, True) != self._holds(start, False):
             start -= 1
+        held = False
         for each in range(start, index + 1):
-            if each not in self._found:
-                self._found[each] = self._holds(each, self._found.get(each - 1, False))
-        return self._found[index]
+            held = self._found[each] if each in self._found else self._keep(each, self._holds(each, held))
+        return held
+
+    def _keep(self, index: int, held: bool) -> bool:
+        if len(self._found) >= KEPT_FRAMES:
+            del self._found[next(iter(self._found))]
+        self._found[index] = held
+        return held
 
 
 V = TypeVar("V", bound=Hashable)
@@ -168,6 +176,7 @@ class Confirmed(Generic[V]):
         raw: Gives the raw value of a settled frame, by its index.
         minimum_s: How long a value must last to be confirmed, in seconds.
         key: What of a value must last.
+        together: Facts that look at the same things in a frame: their intervals are found together.
     """
 
     def __init__(
@@ -176,13 +185,16 @@ class Confirmed(Generic[V]):
         raw: Callable[[int], V],
         minimum_s: float,
         key: Callable[[V], Hashable] = lambda value: value,
+        together: list[Confirmed[V]] | None = None,
     ) -> None:
         self._frames, self._minimum_s = frames, minimum_s
-        self._raw = cache(raw)
-        self._key = cache(lambda index: key(self._raw(index)))
+        self._raw, self._key_of = lru_cache(KEPT_FRAMES)(raw), key
+        self._key = lru_cache(KEPT_FRAMES)(lambda index: key(self._raw(index)))
         # Onsets of the confirmed values, in the frames that were followed so far, and where their last run began:
-        self._onsets: list[int] = []
+        self._onsets: list[tuple[int, V]] = []
         self._followed = self._run = 0
+        self._together = [] if together is None else together
+        self._together.append(self)
 
     def at(self, time_s: float) -> V | None:
         """The confirmed value at a time, as it last was by then; None before anything was confirmed."""
@@ -204,15 +216,23 @@ class Confirmed(Generic[V]):
     @property
     def intervals(self) -> tuple[Interval[V], ...]:
         """The confirmed values in order, each as it was at its onset; it ends where the next begins."""
-        for index in range(self._followed, self._frames.settled):
+        for end in (*range(self._followed, self._frames.settled, KEPT_FRAMES // 2), self._frames.settled):
+            for each in self._together:
+                each._follow(end)
+        times_s = self._frames.times_s
+        starts_s = [times_s[onset] for onset, _ in self._onsets]
+        spans = pairwise([*starts_s, times_s[self._followed - 1]] if starts_s else [])
+        return tuple(Interval(value, *span) for (_, value), span in zip(self._onsets, spans, strict=True))
+
+    def _follow(self, end: int) -> None:
+        """Find the onsets in the frames before this one."""
+        for index in range(self._followed, end):
             if self._key(index) != self._key(self._run):
                 self._run = index
-            is_news = not self._onsets or self._key(self._onsets[-1]) != self._key(index)
+            is_news = not self._onsets or self._key_of(self._onsets[-1][1]) != self._key(index)
             if is_news and self._lasts(self._run, index):
-                self._onsets.append(self._run)
-        self._followed = self._frames.settled
-        ends = pairwise(self._frames.times_s[index] for index in (*self._onsets, self._followed - 1) if self._onsets)
-        return tuple(Interval(self._raw(onset), *span) for onset, span in zip(self._onsets, ends, strict=True))
+                self._onsets.append((self._run, self._raw(self._run)))
+        self._followed = max(self._followed, end)
 
     def _deciding(self, here: int) -> int | None:
         """A frame of the run that is confirmed as of one frame: its own run, or the last before that lasted."""

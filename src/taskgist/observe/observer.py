@@ -16,14 +16,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import lru_cache, partial
 
 import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.facts import vocabulary as v
 from taskgist.observe.carrying import Carrying
-from taskgist.observe.frames import Confirmed, FrameSequence, Hysteresis, speed_m_s
+from taskgist.observe.frames import KEPT_FRAMES, Confirmed, FrameSequence, Hysteresis, speed_m_s
 from taskgist.settings import DEFAULT, Settings, Timing
 from taskgist.world.contacts import hand_known, rests_on
 from taskgist.world.scene import Scene
@@ -72,7 +72,7 @@ class Motion:
 
     def __init__(self, frames: FrameSequence, place: Callable[[int], Array | None], settings: Timing) -> None:
         self._frames, self._settings = frames, settings
-        self._place, self._speed_m_s = cache(place), cache(self._speed_in)
+        self._place, self._speed_m_s = lru_cache(KEPT_FRAMES)(place), lru_cache(KEPT_FRAMES)(self._speed_in)
         self._moving = Hysteresis(self._moves)
 
     def at(self, index: int) -> str | None:
@@ -106,7 +106,8 @@ class Motion:
 class Observer:
     """Confirms facts over time.
 
-    It keeps all frames, live ones at some 6 kB each: begin with another for the next demonstration.
+    Live, it keeps the states of all frames, some 2 kB each, so that any time can be asked: begin with another for the
+    next demonstration. What was found in a frame is kept for the latest frames only.
 
     Args:
         scene: The scene whose states the frames are.
@@ -129,8 +130,9 @@ class Observer:
             name: Confirmed(self._frames, Motion(self._frames, partial(self._place, name), timing).at, minimum_s)
             for name in scene.objects
         }
+        hands: list[Confirmed[HandStatus]] = []
         self._hands = {
-            (agent, side): Confirmed(self._frames, partial(self._hand, agent, side), minimum_s, key=hand_key)
+            (agent, side): Confirmed(self._frames, partial(self._hand, agent, side), minimum_s, hand_key, hands)
             for agent in scene.agents
             for side in scene.agent(agent).sides
         }

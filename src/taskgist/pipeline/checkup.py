@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -14,8 +14,9 @@ from taskgist.facts.values import UNKNOWN, Observation, Raw
 from taskgist.observe.attributes import snapshot
 from taskgist.observe.observer import Observer
 from taskgist.recording.recording import Label, Recording
-from taskgist.settings import DEFAULT, Settings
+from taskgist.settings import DEFAULT, Checks, Settings
 from taskgist.world.contacts import overlaps
+from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
 
 Severity = Literal["unfit", "warning", "note"]
@@ -78,6 +79,8 @@ def check(recording: Recording, settings: Settings = DEFAULT, progress: Progress
         *_time_gaps(recording),
         *_untracked(recording),
         *_poor_fits(recording),
+        *_jumps(recording, settings.checks),
+        *_sizes(recording.scene, settings.checks),
         *_overlaps(recording, progress),
         *_label(recording, Observer(recording.scene, recording, settings), settings),
         *_estimated(recording),
@@ -115,14 +118,58 @@ def _untracked(recording: Recording) -> Iterator[Finding]:
 
 def _poor_fits(recording: Recording) -> Iterator[Finding]:
     for agent, report in recording.provenance.fit.items():
-        for point, error in report.get("points_cm", {}).items():
-            if point not in SPINE and error["median"] > POOR_FIT_CM:
+        for point, error in _by_name(_by_name(report).get("points_cm")).items():
+            median_cm = _by_name(error).get("median")
+            if point not in SPINE and isinstance(median_cm, int | float) and median_cm > POOR_FIT_CM:
                 yield Finding(
                     "note",
                     f"{agent}'s {point}",
-                    f"the fitted body is {error['median']:.1f} cm away from it (median)",
+                    f"the fitted body is {median_cm:.1f} cm away from it (median)",
                     "check the mapping's landmark, or give body sizes",
                 )
+
+
+def _by_name(value: object) -> Mapping[str, Any]:
+    """A part of a report, which anybody may have written."""
+    return value if isinstance(value, Mapping) else {}
+
+
+def _jumps(recording: Recording, limits: Checks) -> Iterator[Finding]:
+    """Objects and bodies that are elsewhere from one tracked frame to the next."""
+    scene = recording.scene
+    columns = {name: scene.base_slice(name) for name in scene.agents} | {
+        name: scene.object_slice(name) for name in scene.objects
+    }
+    for name, free in columns.items():
+        known = np.flatnonzero(recording.tracked.get(name, np.ones(len(recording), dtype=np.bool_)))
+        times_s, places = recording.times_s[known], recording.qpos[:, slice(free.start, free.start + 3)][known]
+        steps_s, steps_m = np.diff(times_s), np.linalg.norm(np.diff(places, axis=0), axis=1)
+        jumps = np.flatnonzero(steps_m > limits.fastest_m_s * steps_s)
+        if not len(jumps):
+            continue
+        farthest = int(jumps[np.argmax(steps_m[jumps])])
+        more = f", and {len(jumps) - 1} times more" if len(jumps) > 1 else ""
+        speed = f"{steps_m[farthest] / steps_s[farthest]:.0f} m/s"
+        yield Finding(
+            "warning",
+            name,
+            f"jumps by {steps_m[farthest]:.2f} m at {times_s[farthest + 1]:.2f} s ({speed}){more}",
+            "say where it was not tracked, or label beside it",
+        )
+
+
+def _sizes(scene: Scene, limits: Checks) -> Iterator[Finding]:
+    """Objects of a size that nobody handles: mostly the unit was another."""
+    for name in scene.objects:
+        geoms = scene.geoms_of(name)
+        if not len(geoms):
+            continue
+        longest_m = float(2.0 * scene.model.geom_aabb[geoms, 3:].max())
+        remedy = "check the unit of its model: metres are expected"
+        if longest_m > limits.largest_m:
+            yield Finding("warning", name, f"is {longest_m:.3g} m long: in millimetres?", remedy)
+        elif longest_m < limits.smallest_m:
+            yield Finding("warning", name, f"is {1000 * longest_m:.2g} mm long: shrunk a thousandfold?", remedy)
 
 
 def _overlaps(recording: Recording, progress: Progress) -> Iterator[Finding]:

@@ -24,6 +24,7 @@ from taskgist.settings import DEFAULT, Settings
 from taskgist.world.stage import Stage
 
 Samples = dict[str, list[tuple[float, str | None]]]
+"""By attribute: when it became what; equal samples behind each other are one."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,9 @@ def timeline(
 
 def _collect(samples: Samples, time_s: float, found: Mapping[str, str | None]) -> None:
     for attribute, symbol in found.items():
-        samples.setdefault(attribute, []).append((time_s, symbol))
+        row = samples.setdefault(attribute, [])
+        if not row or row[-1][1] != symbol:
+            row.append((time_s, symbol))
 
 
 def symbols(tree: HypothesisTree, observed: Snapshot, settings: Settings) -> dict[str, str | None]:
@@ -118,11 +121,5 @@ def _text(value: Value) -> str | None:
 
 
 def _intervals(samples: list[tuple[float, str | None]], last_s: float) -> tuple[Interval[str | None], ...]:
-    intervals: list[Interval[str | None]] = []
-    for time_s, value in samples:
-        if intervals and intervals[-1].value == value:
-            continue
-        if intervals:
-            intervals[-1] = Interval(intervals[-1].value, intervals[-1].start_s, time_s)
-        intervals.append(Interval(value, time_s, last_s))
-    return tuple(intervals)
+    ends = [*(time_s for time_s, _ in samples[1:]), last_s]
+    return tuple(Interval(value, time_s, end_s) for (time_s, value), end_s in zip(samples, ends, strict=True))

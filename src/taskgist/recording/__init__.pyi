@@ -1,4 +1,5 @@
 from .mcap import read as read
+from .mcap import relabel as relabel
 from .mcap import write as write
 from .recording import Label as Label
 from .recording import Provenance as Provenance

@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from taskgist.common.arrays import Array
-from taskgist.recording.recording import Recording, nanoseconds
+from taskgist.recording.recording import Recording, nanoseconds, rounded
 from taskgist.world.geometry.transforms import Pose, matrix_from_wxyz, multiply, rotate, wxyz_from_matrix
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
+from taskgist.world.state import State
 
 # --- JSON schemas of the Foxglove messages that a recording carries for viewers, under their well-known names.
 #
@@ -246,44 +247,66 @@ def _rounded_list(values: Any) -> list[float]:
 
 WORLD = "world"
 DECIMALS = 3  # of metres and quaternions: for the eye; the states keep more
+BLOCK = 256
+"""As many frames are worked on at a time: some two million numbers."""
 DRAWN_GROUPS = range(3)  # those that rays meet, and that MuJoCo draws by default
 
 
 class Viewer:
-    """The messages for viewers of one recording.
+    """The messages for viewers of one recording, at its precision on disk.
 
     Args:
         recording: The recording.
     """
 
     def __init__(self, recording: Recording) -> None:
-        self._scene = recording.scene
+        self._recording, self._scene = recording, recording.scene
         self._times_ns = nanoseconds(recording.times_s)
         self._stage = Stage(recording.scene)
         self._names = [_body_name(recording, body) for body in range(recording.scene.model.nbody)]
-        poses = np.array([self._stage.show(recording.state(frame)).bodies() for frame in range(len(recording))])
-        self._in_world = _rounded(poses)
-        self._in_parent = _rounded(_relative(poses, poses[:, self._scene.model.body_parentid]))
-        self._moving = frozenset(np.flatnonzero(np.ptp(self._in_world, axis=0).any(axis=1)).tolist())
-        self._stage.show(recording.state(0))
+        self._moving = self._that_move()
 
-    def transforms(self, frame: int) -> Message:
-        """Where the bodies that ever move are in a frame: a foxglove.FrameTransforms message."""
-        stamp = timestamp(self._times_ns[frame])
-        return {"transforms": [self._transform(frame, body, stamp) for body in sorted(self._moving)]}
+    def transforms(self, first: int, last: int) -> Iterator[Message]:
+        """Where the bodies that ever move are in each frame of a range: foxglove.FrameTransforms messages."""
+        poses = self._poses(first, last)
+        in_world = _rounded(poses)
+        in_parent = _rounded(_relative(poses, poses[:, self._scene.model.body_parentid]))
+        for frame in range(first, last):
+            stamp = timestamp(self._times_ns[frame])
+            here = (in_world[frame - first], in_parent[frame - first])
+            yield {"transforms": [self._transform(*here, body, stamp) for body in sorted(self._moving)]}
 
     def shapes(self) -> Message:
         """The shapes of all bodies, one entity each: a foxglove.SceneUpdate message.
 
         Those of a body that moves are locked to its frame; the others stand in the world, and need no frame.
         """
+        self._stage.show(self._state(0))
         entities = [self._entity(body) for body in range(len(self._names))]
         return {"deletions": [], "entities": [entity for entity in entities if any(entity[key] for key in LISTS)]}
 
-    def _transform(self, frame: int, body: int, stamp: Message) -> Message:
+    def _that_move(self) -> frozenset[int]:
+        """Bodies that are not in the same place in all frames."""
+        bounds = np.empty((2, len(self._names), 7))
+        for first in range(0, len(self._recording), BLOCK):
+            poses = _rounded(self._poses(first, min(first + BLOCK, len(self._recording))))
+            low, high = poses.min(axis=0), poses.max(axis=0)
+            bounds = np.stack((np.minimum(bounds[0], low), np.maximum(bounds[1], high)) if first else (low, high))
+        return frozenset(np.flatnonzero((bounds[1] > bounds[0]).any(axis=1)).tolist())
+
+    def _poses(self, first: int, last: int) -> Array:
+        """Position and wxyz of every body in each frame of a range, (frames, bodies, 7)."""
+        return np.array([self._stage.show(self._state(frame)).bodies() for frame in range(first, last)])
+
+    def _state(self, frame: int) -> State:
+        return self._recording.state(frame).replace(
+            at=slice(None), to=rounded(self._recording.qpos[frame], self._scene)
+        )
+
+    def _transform(self, in_world: Array, in_parent: Array, body: int, stamp: Message) -> Message:
         parent = int(self._scene.model.body_parentid[body])
         chained = parent in self._moving  # joints alone change within a chain, which compresses well
-        pose = (self._in_parent if chained else self._in_world)[frame, body]
+        pose = (in_parent if chained else in_world)[body]
         x, y, z, qw, qx, qy, qz = pose.tolist()
         return {
             "timestamp": stamp,

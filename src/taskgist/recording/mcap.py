@@ -7,292 +7,192 @@ metadata               ``taskgist.recording`` (format, name, joints), ``taskgist
 ``/taskgist/signals``  one ``taskgist.Signals`` per frame, where there are signals
 ``/tf``, ``/scene``    ``foxglove.FrameTransforms`` and ``foxglove.SceneUpdate``, for viewers
 =====================  ===================================================================================
+
+Other programs may add channels, attachments and metadata of their own: they are left alone. A recording is read and
+written frame by frame; what stays in memory is its columns of numbers.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import json
-import struct
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, cast
 
-import numpy as np
-import zstandard
-from mcap.exceptions import McapError
-from mcap.records import Attachment, Channel, McapRecord, Message, Metadata
-from mcap.stream_reader import StreamReader
 from mcap.writer import Writer
 
-from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.files import writing
-from taskgist.errors import InputError, RecordingError
-from taskgist.recording.foxglove import FRAME_TRANSFORMS, SCENE_UPDATE, Viewer
-from taskgist.recording.recording import (
+from taskgist.common.arrays import Array
+from taskgist.common.documents import DocumentError, parse_json
+from taskgist.common.files import changing, reading, writing
+from taskgist.common.names import clean_name
+from taskgist.errors import InputError, RecordingError, allowed_names
+from taskgist.recording.container import OURS, SCENE_FOLDER, Survey, messages, survey
+from taskgist.recording.foxglove import BLOCK, FRAME_TRANSFORMS, SCENE_UPDATE, Viewer
+from taskgist.recording.messages import (
     SIGNALS_SCHEMA,
-    Label,
-    Provenance,
-    Recording,
-    decode_signals,
+    SIGNALS_TOPIC,
+    STATE_SCHEMA,
+    STATE_TOPIC,
+    FrameColumns,
+    StateMessages,
     encode_signals,
-    free_slices,
-    nanoseconds,
-    rounded,
 )
+from taskgist.recording.recording import Label, Provenance, Recording, nanoseconds, rounded
+from taskgist.recording.splicing import with_metadata
+from taskgist.settings import DEFAULT, Limits
 from taskgist.world.scene import Scene
-
-# --- Reads an MCAP file of taskgist into plain values, and says in one clear error why another file is not one.
 
 FORMAT = 1
 """Version of the format; files of a newer one are refused."""
+TF_TOPIC, SCENE_TOPIC = "/tf", "/scene"
 
-_MAGIC = b"\x89MCAP0\r\n"
-_OURS = "taskgist."
-_DAMAGE = (
-    McapError,
-    zstandard.ZstdError,
-    struct.error,
-    EOFError,
-    ValueError,  # UnicodeDecodeError and JSONDecodeError among them
-    KeyError,
-    IndexError,
-    MemoryError,
-    OverflowError,  # a length that no file has
-)
+_CHUNK_BYTES = 16 * 2**20  # one chunk for most recordings: the larger, the better it compresses
 
 
-@dataclass(frozen=True, eq=False)
-class Content:
-    """What a recording's file holds.
-
-    Attributes:
-        attachments: By name.
-        metadata: Records of taskgist by name without "taskgist.", each value parsed.
-        times_ns: Time of each state.
-        states: The states, as JSON values.
-        signals: The signals, likewise; none if there are none.
-    """
-
-    attachments: dict[str, bytes]
-    metadata: dict[str, dict[str, Any]]
-    times_ns: tuple[int, ...]
-    states: tuple[Any, ...]
-    signals: tuple[Any, ...]
+# --- Reading.
 
 
-def read_content(path: Path, states: str, signals: str) -> Content:
-    """Read a file from start to end, so that every checksum in it is verified.
+def read(path: str | Path, *, limits: Limits = DEFAULT.limits) -> Recording:
+    """Read a recording.
 
     Args:
         path: The file.
-        states: Topic of the states.
-        signals: Topic of the signals.
+        limits: What is refused before memory is taken for it.
 
     Raises:
-        RecordingError: It is missing, empty, no MCAP file, cut off or damaged, of something else, or of a newer format.
+        RecordingError: The file is missing, no regular file, empty, cut off, damaged, no MCAP, not one of taskgist, of
+            a newer format, larger than the limits, or its content contradicts itself.
     """
-    found = _Found()
-    with _opened(path) as stream:
-        _check_magic(stream, path)
-        with _damage_reported(path):
-            size = path.stat().st_size
-            for record in StreamReader(stream, validate_crcs=True, record_size_limit=size).records:
-                if isinstance(record, Message) and "recording" not in found.metadata:
-                    break  # ours stand first
-                found.add(record, states, signals)
-    _check_ours(found, path)
-    return Content(found.attachments, found.metadata, tuple(found.times_ns), tuple(found.states), tuple(found.signals))
+    source = Path(path)
+    with reading(source, error=RecordingError) as stream:
+        return _read(stream, survey(stream, source, limits), source, limits)
 
 
-class _Found:
-    """What has been read of a file so far."""
-
-    def __init__(self) -> None:
-        self.attachments: dict[str, bytes] = {}
-        self.metadata: dict[str, dict[str, Any]] = {}
-        self.topics: dict[int, str] = {}
-        self.times_ns: list[int] = []
-        self.states: list[Any] = []
-        self.signals: list[Any] = []
-
-    def add(self, record: McapRecord, states: str, signals: str) -> None:
-        if isinstance(record, Attachment):
-            self.attachments[record.name] = record.data
-        elif isinstance(record, Metadata) and record.name.startswith(_OURS):
-            values = {key: json.loads(value) for key, value in record.metadata.items()}
-            self.metadata[record.name.removeprefix(_OURS)] = values
-        elif isinstance(record, Channel):
-            self.topics[record.id] = record.topic
-        elif isinstance(record, Message) and self.topics[record.channel_id] == states:
-            self.times_ns.append(record.log_time)
-            self.states.append(json.loads(record.data))
-        elif isinstance(record, Message) and self.topics[record.channel_id] == signals:
-            self.signals.append(json.loads(record.data))
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[IO[bytes]]:
+def _read(stream: IO[bytes], found: Survey, source: Path, limits: Limits) -> Recording:
+    _check_ours(found, source)
     try:
-        stream = path.open("rb")
-    except OSError as problem:
-        reason = problem.strerror or str(problem)
-        raise RecordingError("cannot read the recording", where=path, value=reason, hint="check the path") from None
-    with stream:
-        yield stream
+        head = _values(found, "recording", RECORDING, ("name", "signals"))
+        label = _values(found, "label", LABEL, LABELLED) if "label" in found.metadata else None
+        provenance = _values(found, "provenance", PROVENANCE)
+        scene = Scene.from_bundle(found.files)
+        frames = FrameColumns(scene, head["signals"], source, limits)
+        topics = frozenset([STATE_TOPIC, *([SIGNALS_TOPIC] if head["signals"] else [])])
+        for message in messages(stream, source, limits, topics):
+            frames.add(message)
+        times_s, qpos, tracked, signals = frames.finished()
+        return Recording(
+            scene=scene,
+            times_s=times_s,
+            qpos=cast(Array, qpos),  # packed, and read as one
+            tracked=tracked,
+            label=None if label is None else _label(label),
+            provenance=Provenance(**provenance),
+            name=head["name"],
+            signals=signals,
+        )
+    except InputError as problem:
+        if str(source) not in (problem.where or ""):
+            problem.where = f"{source}: {problem.where}" if problem.where else str(source)
+        raise
 
 
-def _check_magic(stream: IO[bytes], path: Path) -> None:
-    start = stream.read(len(_MAGIC))
-    stream.seek(0)
-    if not start:
-        raise RecordingError("the file is empty", where=path, hint="copy or import the recording again")
-    if start != _MAGIC:
-        hint = "import tables of motion with: taskgist import MAPPING.toml -o RECORDING.mcap"
-        raise RecordingError("not an MCAP file", where=path, value=start, hint=hint)
-
-
-@contextmanager
-def _damage_reported(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except _DAMAGE as problem:
-        hint = "copy it again from where it came from, or import it again"
-        value = f"{type(problem).__name__}: {problem}"
-        raise RecordingError("the file is cut off or damaged", where=path, value=value, hint=hint) from None
-
-
-def _check_ours(found: _Found, path: Path) -> None:
+def _check_ours(found: Survey, path: Path) -> None:
     if "recording" not in found.metadata:
-        topics = ", ".join(sorted(found.topics.values())) or "none"
+        topics = ", ".join(sorted(found.topics)) or "none"
         hint = "taskgist reads recordings that it has written; import other motion as tables (docs/howto/import.md)"
         problem = "an MCAP file, but not a recording of taskgist"
         raise RecordingError(problem, where=path, value=f"topics: {topics}", hint=hint)
-    version = found.metadata["recording"].get("format")
-    if not isinstance(version, int) or version > FORMAT:
+    version = _value(found, "recording", "format")
+    if type(version) is not int or version > FORMAT:
         hint = f"this taskgist reads formats up to {FORMAT}: install a newer one"
         raise RecordingError("the recording is of a newer format", where=path, field="format", value=version, hint=hint)
 
 
-# --- ``/taskgist/state``: one JSON message per frame, by names, so that any program can read a recording.
+# --- What the metadata records hold: fields, and of which kind each is.
 
-Document = dict[str, Any]
 
-_NUMBERS: Document = {"type": "array", "items": {"type": "number"}}
-_POSE = _NUMBERS | {
-    "minItems": 7,
-    "maxItems": 7,
-    "description": "x, y, z in metres and the quaternion w, x, y, z, in the world (z up)",
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _is_texts(value: Any) -> bool:
+    return isinstance(value, list) and all(isinstance(item, str) for item in value)
+
+
+def _is_texts_by_name(value: Any) -> bool:
+    return isinstance(value, dict) and all(isinstance(item, str) for item in value.values())
+
+
+def _is_by_name(value: Any) -> bool:
+    return isinstance(value, dict)
+
+
+Kinds = Mapping[str, tuple[Callable[[Any], bool], str]]
+TEXT, NUMBER = (_is_text, "a text"), (_is_number, "a number")
+RECORDING: Kinds = {
+    "format": NUMBER,
+    "name": TEXT,
+    "joints": (_is_by_name, "names of joints by agent"),
+    "signals": (_is_texts_by_name, "units by name"),
 }
-STATE_SCHEMA: Document = {
-    "title": "taskgist.State",
-    "description": "Where everything in the scene is. The scene itself is attached to the file.",
-    "type": "object",
-    "properties": {
-        "objects": {"type": "object", "description": "Pose of each object", "additionalProperties": _POSE},
-        "agents": {
-            "type": "object",
-            "description": "Each agent's root, and its joints in the order of the metadata record taskgist.recording",
-            "additionalProperties": {
-                "type": "object",
-                "properties": {
-                    "base": _POSE,
-                    "joints": _NUMBERS | {"description": "Angles in radians (metres for sliding joints)"},
-                },
-                "required": ["base", "joints"],
-            },
-        },
-        "others": _NUMBERS | {"description": "What else moves in the scene, in the order of its model"},
-        "untracked": {
-            "type": "array",
-            "items": {"type": "string"},
-            "description": 'Objects ("box"), agents ("P1") and parts ("P1/left_arm") whose numbers are fillers',
-        },
-    },
-    "required": ["objects", "agents", "untracked"],
+NAMES = ("task", "performing_agent", "target_agent", "target_object")
+CHECKED_BY_LABEL = (lambda _: True, "anything")
+LABELLED = (*NAMES, "start_s", "end_s")
+LABEL: Kinds = {**dict.fromkeys(LABELLED, CHECKED_BY_LABEL), "how": TEXT}
+PROVENANCE: Kinds = {
+    "source": TEXT,
+    "licence": TEXT,
+    "citation": TEXT,
+    "simulated": (lambda value: isinstance(value, bool), "true or false"),
+    "notes": (_is_texts, "a list of texts"),
+    "mapping": TEXT,
+    "fit": (_is_by_name, "reports by agent"),
 }
+HINT = "the file was changed, or not written by taskgist"
 
 
-def encode(recording: Recording) -> list[Document]:
-    """The messages of all frames."""
-    others = _other_columns(recording.scene)
-    states = (recording.state(frame) for frame in range(len(recording)))
-    return [_message(recording.scene, state.qpos, others, state.untracked) for state in states]
+def _values(found: Survey, record: str, kinds: Kinds, required: Iterable[str] = ()) -> dict[str, Any]:
+    """The values of a metadata record of taskgist; empty if there is no such record and nothing in it is required."""
+    values: dict[str, Any] = {}
+    for name in dict.fromkeys((*required, *found.metadata.get(record, ()))):
+        place = f"{OURS}{record}: {name}"
+        if name not in kinds:
+            raise RecordingError("no such field", field=place, hint=allowed_names(name, kinds))
+        values[name] = _value(found, record, name)
+        is_right, kind = kinds[name]
+        if not is_right(values[name]):
+            raise RecordingError(f"must be {kind}", field=place, value=values[name], hint=HINT)
+    return values
 
 
-def decode(scene: Scene, messages: Sequence[Document]) -> tuple[Array, dict[str, Mask]]:
-    """Positions (N, nq), and by name the frames in which something was tracked, (N,).
-
-    Raises:
-        RecordingError: A message lacks something that the scene has, or holds another number of values.
-    """
-    qpos = np.empty((len(messages), scene.nq))
-    others = _other_columns(scene)
-    untracked: dict[str, list[int]] = {}
-    for frame, message in enumerate(messages):
-        try:
-            _read(scene, message, qpos[frame], others)
-            names = [str(name) for name in message["untracked"]]
-        except (KeyError, TypeError, ValueError, AttributeError) as problem:
-            hint = "the file was changed, or not written by taskgist"
-            raise RecordingError(
-                f"state {frame} does not fit the scene", field="/taskgist/state", value=repr(problem), hint=hint
-            ) from None
-        for name in names:
-            untracked.setdefault(name, []).append(frame)
-    tracked = {name: ~np.isin(np.arange(len(messages)), frames) for name, frames in untracked.items()}
-    return qpos, tracked
+def _value(found: Survey, record: str, name: str) -> Any:
+    place = f"{OURS}{record}: {name}"
+    text = found.metadata.get(record, {}).get(name)
+    if text is None:
+        raise RecordingError("is missing", field=place, hint=HINT)
+    try:
+        return parse_json(text)
+    except DocumentError as problem:
+        raise RecordingError(str(problem), field=place, hint=HINT) from None
 
 
-def _message(scene: Scene, row: Array, others: Indices, untracked: frozenset[str]) -> Document:
-    message: Document = {
-        "objects": {name: row[scene.object_slice(name)].tolist() for name in scene.objects},
-        "agents": {
-            name: {"base": row[scene.base_slice(name)].tolist(), "joints": row[scene.joint_indices(name)].tolist()}
-            for name in scene.agents
-        },
-        "untracked": sorted(untracked),
-    }
-    return message | ({"others": row[others].tolist()} if len(others) else {})
+def _label(values: dict[str, Any]) -> Label:
+    """The label of somebody, its names cleaned of what is not seen."""
+    for name in NAMES:
+        if isinstance(values[name], str):
+            values[name] = clean_name(values[name])
+    return Label(**values)
 
 
-def _read(scene: Scene, message: Mapping[str, Any], row: Array, others: Indices) -> None:
-    for name in scene.objects:
-        row[scene.object_slice(name)] = _numbers(message["objects"][name], 7)
-    for name in scene.agents:
-        agent, joints = message["agents"][name], scene.joint_indices(name)
-        row[scene.base_slice(name)] = _numbers(agent["base"], 7)
-        row[joints] = _numbers(agent["joints"], len(joints))
-    row[others] = _numbers(message.get("others", []), len(others))
-
-
-def _numbers(values: Any, count: int) -> Array:
-    array = np.array(values, dtype=np.float64)
-    if array.shape != (count,):
-        raise ValueError(f"{count} numbers expected, {array.shape} found")
-    return array
-
-
-def _other_columns(scene: Scene) -> Indices:
-    """Columns of qpos that belong to no object and no agent, such as the hinge of a door."""
-    named = np.zeros(scene.nq, dtype=np.bool_)
-    for free in free_slices(scene):
-        named[free] = True
-    for agent in scene.agents:
-        named[scene.joint_indices(agent)] = True
-    return np.flatnonzero(~named)
-
-
-STATE_TOPIC, SIGNALS_TOPIC, TF_TOPIC, SCENE_TOPIC = "/taskgist/state", "/taskgist/signals", "/tf", "/scene"
-
-_CHUNK_BYTES = 16 * 2**20  # one chunk for most recordings: the larger, the better it compresses
-_SCENE_FOLDER = "scene/"
+# --- Writing.
 
 
 def write(recording: Recording, path: str | Path, *, replace: bool = True) -> None:
-    """Write a recording at its precision (``rounding``); the file appears whole or not at all.
+    """Write a recording at its precision (``rounded``); the file appears whole or not at all.
 
     Args:
         recording: The recording.
@@ -303,51 +203,29 @@ def write(recording: Recording, path: str | Path, *, replace: bool = True) -> No
         RecordingError: The file cannot be written, or is there already and not to be replaced.
     """
     with writing(Path(path), replace=replace, error=RecordingError) as stream:
-        _write(_as_kept(recording), stream)
-
-
-def read(path: str | Path) -> Recording:
-    """Read a recording.
-
-    Raises:
-        RecordingError: The file is missing, empty, cut off, no MCAP, not one of taskgist, of a newer format, or its
-            content contradicts itself.
-    """
-    source = Path(path)
-    content = read_content(source, STATE_TOPIC, SIGNALS_TOPIC)
-    try:
-        return _recording(content)
-    except InputError as problem:
-        problem.where = f"{source}: {problem.where}" if problem.where else str(source)
-        raise
-    except (KeyError, TypeError) as problem:
-        hint = "the file was changed, or not written by taskgist"
-        raise RecordingError("its records are incomplete", where=source, value=repr(problem), hint=hint) from None
-
-
-def _as_kept(recording: Recording) -> Recording:
-    """The recording that reading the file will give."""
-    times_s = nanoseconds(recording.times_s) / 1e9
-    return dataclasses.replace(recording, times_s=times_s, qpos=rounded(recording.qpos, recording.scene))
+        _write(recording, stream)
 
 
 def _write(recording: Recording, stream: IO[bytes]) -> None:
     writer = Writer(stream, chunk_size=_CHUNK_BYTES, enable_data_crcs=True)
     writer.start(profile="", library="taskgist")
     for name, data in recording.scene.bundle.items():
-        writer.add_attachment(0, 0, _SCENE_FOLDER + name, _media_type(name), data)
+        writer.add_attachment(0, 0, SCENE_FOLDER + name, _media_type(name), data)
     for name, record in _metadata(recording).items():
         writer.add_metadata(name, record)
-    viewer = Viewer(recording)
+    viewer, codec = Viewer(recording), StateMessages(recording.scene)
     times_ns = nanoseconds(recording.times_s).tolist()
     state, tf, scene = (
         writer.register_channel(topic=topic, message_encoding="json", schema_id=_schema(writer, schema))
         for topic, schema in ((STATE_TOPIC, STATE_SCHEMA), (TF_TOPIC, FRAME_TRANSFORMS), (SCENE_TOPIC, SCENE_UPDATE))
     )
     _add(writer, scene, times_ns[0], viewer.shapes())
-    for frame, message in enumerate(encode(recording)):
-        _add(writer, state, times_ns[frame], message)
-        _add(writer, tf, times_ns[frame], viewer.transforms(frame))
+    for first in range(0, len(recording), BLOCK):
+        frames = range(first, min(first + BLOCK, len(recording)))
+        rows = rounded(recording.qpos[frames.start : frames.stop], recording.scene)
+        for frame, row, transforms in zip(frames, rows, viewer.transforms(frames.start, frames.stop), strict=True):
+            _add(writer, state, times_ns[frame], codec.encode(row, recording.untracked(frame)))
+            _add(writer, tf, times_ns[frame], transforms)
     if recording.signals:
         _write_signals(recording, writer, times_ns)
     writer.finish()  # type: ignore[no-untyped-call]  # the one function that mcap leaves untyped
@@ -376,40 +254,54 @@ def _media_type(name: str) -> str:
 
 
 def _metadata(recording: Recording) -> dict[str, dict[str, str]]:
-    joints = {agent: list(recording.scene.joints(agent)) for agent in recording.scene.agents}
     records: dict[str, dict[str, Any]] = {
-        "taskgist.recording": {
+        "recording": {
             "format": FORMAT,
             "name": recording.name,
-            "joints": joints,
+            "joints": {agent: list(recording.scene.joints(agent)) for agent in recording.scene.agents},
             "signals": {name: signal.unit for name, signal in recording.signals.items()},
         },
-        "taskgist.provenance": recording.provenance.as_dict(),
+        "provenance": recording.provenance.as_dict(),
     }
     if recording.label is not None:
-        records["taskgist.label"] = vars(recording.label)
-    return {
-        name: {key: json.dumps(value, ensure_ascii=False) for key, value in record.items()}
-        for name, record in records.items()
-    }
+        records["label"] = vars(recording.label)
+    return {OURS + name: _texts(record) for name, record in records.items()}
 
 
-def _recording(content: Content) -> Recording:
-    bundle = {
-        name.removeprefix(_SCENE_FOLDER): data
-        for name, data in content.attachments.items()
-        if name.startswith(_SCENE_FOLDER)
-    }
-    scene = Scene.from_bundle(bundle)
-    qpos, tracked = decode(scene, content.states)
-    label = content.metadata.get("label")
-    return Recording(
-        scene=scene,
-        times_s=np.array(content.times_ns) / 1e9,
-        qpos=qpos,
-        tracked=tracked,
-        label=None if label is None else Label(**label),
-        provenance=Provenance(**content.metadata["provenance"]),
-        name=content.metadata["recording"]["name"],
-        signals=decode_signals(content.metadata["recording"]["signals"], content.signals),
-    )
+def _texts(record: Mapping[str, Any]) -> dict[str, str]:
+    return {key: json.dumps(value, ensure_ascii=False) for key, value in record.items()}
+
+
+# --- Labelling.
+
+
+def relabel(path: str | Path, change: Callable[[Recording], Label], *, limits: Limits = DEFAULT.limits) -> Label:
+    """Give a recording another label; all else in the file stays, byte for byte, whoever wrote it.
+
+    Whoever else is about to label the same file waits, from before its present label is read until the new one is in
+    place. If the label stays the same, the file is not touched.
+
+    Args:
+        path: The file.
+        change: Gives the label of the recording as it is.
+        limits: As in ``read``.
+
+    Returns:
+        The label that the recording has now.
+
+    Raises:
+        RecordingError: The file cannot be read or written.
+        UnknownNameError: The label names what the recording does not have.
+        LabelError: It reaches outside of it.
+    """
+    source = Path(path)
+    with changing(source, error=RecordingError) as stream:
+        found = survey(stream, source, limits)
+        recording = _read(stream, found, source, limits)
+        label = recording.with_label(change(recording)).label
+        assert label
+        if label != recording.label:
+            record = _texts(vars(label))
+            with writing(source, replace=True, error=RecordingError) as target:
+                with_metadata(stream, target, OURS + "label", record, found, source)
+    return label

@@ -7,15 +7,17 @@ import dataclasses
 import hashlib
 import json
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
+from taskgist.common.columns import PackedRows
+from taskgist.common.names import clean_name, unseen_in
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
@@ -30,7 +32,7 @@ class Label:
     """What a recording demonstrates.
 
     Attributes:
-        task: Name of the task, such as "give".
+        task: Name of the task, such as "give"; like all names, without spaces at its ends and composed (NFC).
         performing_agent: Who performs it.
         target_agent: For whom.
         target_object: With what.
@@ -39,7 +41,8 @@ class Label:
         how: How the label was set: by hand, from which events.
 
     Raises:
-        LabelError: A field is empty, a list, or not a time; the end is not after the start; both agents are the same.
+        LabelError: A field is empty, a list, or not a time; a name holds control characters; the end is not after the
+            start; both agents are the same.
     """
 
     task: str
@@ -52,7 +55,7 @@ class Label:
 
     def __post_init__(self) -> None:
         for name in ("task", "performing_agent", "target_agent", "target_object"):
-            _check_name(name, getattr(self, name))
+            object.__setattr__(self, name, _checked_name(name, getattr(self, name)))
         for name in ("start_s", "end_s"):
             _check_time(name, getattr(self, name))
         if self.end_s <= self.start_s:
@@ -105,7 +108,22 @@ class Label:
                 )
 
 
-def _check_name(field: str, value: object) -> None:
+def _spelled(label: Label, scene: Scene) -> Label:
+    """The same label with agents and object spelled as in a scene, whose models may write an accent apart."""
+    spelling = {clean_name(name): name for name in (*scene.agents, *scene.objects)}
+    changed = {
+        field: spelling[name]
+        for field in ("performing_agent", "target_agent", "target_object")
+        if spelling.get(name := getattr(label, field), name) != name
+    }
+    if changed:
+        label = copy.copy(label)
+        vars(label).update(changed)  # the constructor would spell them in the one way again
+    return label
+
+
+def _checked_name(field: str, value: object) -> str:
+    """A name in its one spelling."""
     if isinstance(value, list | tuple | set | frozenset):
         noun = field.replace("_", " ")
         raise LabelError(
@@ -114,8 +132,13 @@ def _check_name(field: str, value: object) -> None:
             value=value,
             hint=f"label one {noun}; make a copy of the recording with its own label for each other one",
         )
-    if not isinstance(value, str) or not value.strip():
+    name = clean_name(value) if isinstance(value, str) else ""
+    if not isinstance(value, str) or not name:
         raise LabelError("must be a name", field=field, value=value, hint="give a text that is not empty")
+    if unseen_in(value):
+        hint = "leave out tabs, ends of lines and marks that turn the direction of writing"
+        raise LabelError("holds a character that is not seen", field=field, value=value, hint=hint)
+    return name
 
 
 def _check_time(field: str, value: object) -> None:
@@ -212,8 +235,6 @@ def nanoseconds(times_s: Array) -> NDArray[np.int64]:
 
 # --- Signals: numbers over time that are no motion, such as the force of a grip. Witnesses; facts do not read them.
 
-DECIMALS = 3
-
 
 @dataclass(frozen=True, eq=False)
 class Signal:
@@ -250,29 +271,14 @@ def checked_signals(count: int, signals: Mapping[str, Signal]) -> Mapping[str, S
     return MappingProxyType(dict(signals))
 
 
-def encode_signals(signals: Mapping[str, Signal], frame: int) -> dict[str, float | None]:
-    """The message of one frame: value by name, null where unknown."""
-    values = {name: round(float(signal.values[frame]), DECIMALS) for name, signal in signals.items()}
-    return {name: None if np.isnan(value) else value for name, value in values.items()}
-
-
-def decode_signals(units: Mapping[str, str], messages: tuple[Mapping[str, float | None], ...]) -> dict[str, Signal]:
-    """The signals of all frames."""
-    return {
-        name: Signal(np.array([np.nan if m[name] is None else m[name] for m in messages], dtype=float), unit)
-        for name, unit in units.items()
-    }
-
-
-SIGNALS_SCHEMA = {
-    "title": "taskgist.Signals",
-    "description": "Value of each signal, in the unit that the metadata taskgist.recording gives; null: unknown.",
-    "type": "object",
-    "additionalProperties": {"type": ["number", "null"]},
-}
-
-
 # --- What the arrays of a recording must be.
+
+BLOCK = 4096
+"""As many frames are worked on at a time, so that no array of all of them is made beside the recording's own."""
+FARTHEST = 1e6
+"""Metres or radians: no scene is as large, and what is kept is still exact there."""
+LATEST_S = 9.2e9
+"""Nanoseconds since the recording's origin, or since 1970, are 64-bit numbers."""
 
 
 def check_times(times_s: Array) -> None:
@@ -290,6 +296,9 @@ def check_times(times_s: Array) -> None:
     if times_s[0] < 0.0:
         hint = "count seconds from the start of the recording"
         raise RecordingError("times are negative", field="times_s", value=float(times_s[0]), hint=hint)
+    if not times_s.max() < LATEST_S:
+        hint = "count seconds from the start of the recording"
+        raise RecordingError("times are too large", field="times_s", value=float(times_s.max()), hint=hint)
     forwards = np.diff(nanoseconds(times_s)) > 0
     if not forwards.all():
         frame = int(np.argmin(forwards)) + 1
@@ -300,7 +309,7 @@ def check_times(times_s: Array) -> None:
 
 
 def check_positions(scene: Scene, times_s: Array, qpos: Array) -> None:
-    """Refuse positions of the wrong shape, values that are not finite, and quaternions of length zero.
+    """Refuse positions of the wrong shape, values that are not finite or too large, and quaternions of length zero.
 
     Raises:
         RecordingError: There are such.
@@ -308,19 +317,32 @@ def check_positions(scene: Scene, times_s: Array, qpos: Array) -> None:
     if qpos.shape != (len(times_s), scene.nq):
         hint = f"{len(times_s)} frames of this scene need the shape {(len(times_s), scene.nq)}"
         raise RecordingError("wrong shape", field="qpos", value=qpos.shape, hint=hint)
-    if not np.isfinite(qpos).all():
-        frame, column = (int(index) for index in np.argwhere(~np.isfinite(qpos))[0])
-        hint = "give any finite filler and say in tracked that it is unknown"
-        raise RecordingError(
-            f"frame {frame}, column {column} is not finite", field="qpos", value=float(qpos[frame, column]), hint=hint
-        )
-    for free in free_slices(scene):
-        length = np.linalg.norm(qpos[:, free][:, 3:], axis=1)
-        if (length < 0.5).any():
-            frame = int(np.argmax(length < 0.5))
-            problem = f"frame {frame}, columns {free.start + 3} to {free.stop - 1} hold no unit quaternion"
-            value = qpos[frame, free][3:].tolist()
-            raise RecordingError(problem, field="qpos", value=value, hint="give w, x, y, z of length 1")
+    for first in range(0, len(qpos), BLOCK):
+        block = qpos[first : first + BLOCK]
+        wrong = ~(np.abs(block) <= FARTHEST)
+        if wrong.any():
+            frame, column = (int(index) for index in np.argwhere(wrong)[0])
+            value = float(block[frame, column])
+            problem = f"beyond {FARTHEST:,.0f} metres or radians" if np.isfinite(value) else "not finite"
+            raise RecordingError(
+                f"frame {first + frame}, column {column} is {problem}",
+                field="qpos",
+                value=value,
+                hint="give any finite filler and say in tracked that it is unknown",
+            )
+        for free in free_slices(scene):
+            short = np.linalg.norm(block[:, free][:, 3:], axis=1) < 0.5
+            if short.any():
+                frame = int(np.argmax(short))
+                problem = f"frame {first + frame}, columns {free.start + 3} to {free.stop - 1} hold no unit quaternion"
+                value = block[frame, free][3:].tolist()
+                raise RecordingError(problem, field="qpos", value=value, hint="give w, x, y, z of length 1")
+
+
+def trackable(scene: Scene) -> frozenset[str]:
+    """Names of all that a tracker may lose: objects, agents and their parts ("P1/left_arm")."""
+    parts = (f"{agent}/{part}" for agent in scene.agents for part in scene.parts(agent))
+    return frozenset((*scene.agents, *scene.objects, *parts))
 
 
 def checked_tracking(scene: Scene, count: int, tracked: Mapping[str, Mask]) -> Mapping[str, Mask]:
@@ -330,7 +352,7 @@ def checked_tracking(scene: Scene, count: int, tracked: Mapping[str, Mask]) -> M
         RecordingError: Flags of the wrong shape.
         UnknownNameError: The scene has nothing of that name.
     """
-    known = {*scene.agents, *scene.objects, *(f"{a}/{part}" for a in scene.agents for part in scene.parts(a))}
+    known = trackable(scene)
     checked = {}
     for name, flags in sorted(tracked.items()):
         if name not in known:
@@ -355,7 +377,8 @@ class Recording:
     Attributes:
         scene: Room, objects and agents.
         times_s: Times of the frames, (N,), seconds since the recording's origin, not negative, strictly increasing.
-        qpos: Positions of each frame, (N, nq), in the scene's order.
+        qpos: Positions of each frame, (N, nq), in the scene's order. Those of a file are packed (``PackedRows``), and
+            read as an array is.
         tracked: Frames in which something was tracked, (N,), by its name as in ``State.untracked`` ("box", "P1",
             "P1/left_arm"). What is not named was always tracked.
         label: What it demonstrates, if someone said so.
@@ -387,6 +410,7 @@ class Recording:
         object.__setattr__(self, "tracked", checked_tracking(self.scene, len(self.times_s), self.tracked))
         object.__setattr__(self, "signals", checked_signals(len(self.times_s), self.signals))
         if self.label is not None:
+            object.__setattr__(self, "label", _spelled(self.label, self.scene))
             self.label.check(
                 agents=self.scene.agents,
                 objects=self.scene.objects,
@@ -397,7 +421,7 @@ class Recording:
     def __reduce__(self) -> tuple[object, ...]:
         """Rebuild through the constructor: arrays stay read-only, and a read-only mapping cannot be pickled."""
         tracked = {name: np.array(flags) for name, flags in self.tracked.items()}
-        fields = (self.scene, np.array(self.times_s), np.array(self.qpos), tracked, self.label, self.provenance)
+        fields = (self.scene, self.times_s, self.qpos, tracked, self.label, self.provenance)
         return (Recording, (*fields, self.name, dict(self.signals)))
 
     def __len__(self) -> int:
@@ -418,8 +442,11 @@ class Recording:
         if not -len(self) <= index < len(self):
             hint = f"give an index from 0 to {len(self) - 1}"
             raise RecordingError("no such frame", where=self.name, field="index", value=index, hint=hint)
-        untracked = frozenset(name for name, flags in self.tracked.items() if not flags[index])
-        return State(self.qpos[index], float(self.times_s[index]), untracked)
+        return State(self.qpos[index], float(self.times_s[index]), self.untracked(index))
+
+    def untracked(self, index: int) -> frozenset[str]:
+        """What was not tracked in a frame."""
+        return frozenset(name for name, flags in self.tracked.items() if not flags[index])
 
     def index_at(self, time_s: float) -> int:
         """Index of the frame nearest to a time.
@@ -432,7 +459,9 @@ class Recording:
             hint = f"give a time between {first_s:g} and {last_s:g} s"
             problem = "the time is outside of the recording"
             raise RecordingError(problem, where=self.name, field="time_s", value=time_s, hint=hint)
-        return int(np.argmin(np.abs(self.times_s - time_s)))
+        later = min(max(int(np.searchsorted(self.times_s, time_s)), 1), len(self) - 1)
+        nearer = self.times_s[later] - time_s < time_s - self.times_s[later - 1]
+        return later if nearer else later - 1
 
     def at(self, time_s: float) -> State:
         """The state in the frame nearest to a time.
@@ -460,13 +489,28 @@ class Recording:
             content.update(f"{name}\0{len(data)}\0".encode())
             content.update(data)
         content.update(nanoseconds(self.times_s).astype("<i8").tobytes())
-        content.update(whole(self.qpos, self.scene).astype("<i8").tobytes())
-        untracked = {name: np.flatnonzero(~flags).tolist() for name, flags in self.tracked.items()}
-        content.update(json.dumps(untracked, sort_keys=True).encode())
+        for first in range(0, len(self), BLOCK):
+            content.update(whole(self.qpos[first : first + BLOCK], self.scene).astype("<i8").tobytes())
+        for text in _json_of({name: np.flatnonzero(~self.tracked[name]) for name in sorted(self.tracked)}):
+            content.update(text.encode())
         return content.hexdigest()[:16]
 
 
-def _read_only(values: ArrayLike) -> Array:
+def _json_of(lists: Mapping[str, Indices]) -> Iterator[str]:
+    """What ``json.dumps`` makes of lists of whole numbers by name, one after another."""
+    yield "{"
+    for number, (name, values) in enumerate(lists.items()):
+        yield f"{', ' if number else ''}{json.dumps(name)}: {json.dumps(values.tolist())}"
+    yield "}"
+
+
+def _read_only(values: ArrayLike | PackedRows) -> Array:
+    """A read-only array: a copy, unless it is one already, and a view of no other."""
+    match values:
+        case PackedRows():
+            return cast(Array, values)  # it is read as one
+        case np.ndarray() if values.dtype == np.float64 and values.flags.owndata and not values.flags.writeable:
+            return values
     array = np.array(values, dtype=np.float64)
     array.flags.writeable = False
     return array
