@@ -2,7 +2,7 @@
 
 A ``TomlTable`` hands out typed values and refuses fields that are not known::
 
-    table = TomlTable.parse(text, "room.toml").table("agents").table("P1")
+    table = TomlTable.parse(text, "room.toml", most_bytes=2**20).table("agents").table("P1")
     position_m = table.pair("position_m", (0.0, 0.0))  # a default makes a field optional
     profile = table.text("profile")
     table.done()  # refuses every field that was never asked for
@@ -47,6 +47,31 @@ class Document:
     largest: float = 1e6
 
 
+def parse_toml(
+    data: bytes | str, where: str | Path, error: type[InputError] = InputError, *, most_bytes: int
+) -> dict[str, Any]:
+    """What a TOML document holds.
+
+    Args:
+        data: The document; bytes are UTF-8.
+        where: File for error messages.
+        error: The class of the errors.
+        most_bytes: The document may not be larger (setting ``limits.toml_bytes``).
+
+    Raises:
+        InputError: It is not TOML, nested too deep, or too large.
+    """
+    if len(data) > most_bytes:
+        hint = f"at most {most_bytes:,} bytes are read (setting limits.toml_bytes)"
+        raise error("is too large", where=where, value=f"{len(data):,} bytes", hint=hint)
+    try:
+        return tomllib.loads(data if isinstance(data, str) else data.decode("utf-8"))
+    except ValueError as problem:  # no TOML, no UTF-8, or a whole number of thousands of digits
+        raise error(f"not valid TOML: {problem}", where=where, hint="save it as TOML in UTF-8") from problem
+    except RecursionError:
+        raise error("nested too deep", where=where, hint="no field needs more than a few levels") from None
+
+
 class TomlTable:
     """A table of a TOML document, with typed access.
 
@@ -66,16 +91,13 @@ class TomlTable:
         self._asked: set[str] = set()
 
     @classmethod
-    def parse(cls, data: bytes | str, where: str | Path) -> TomlTable:
-        """The whole of a scene file or profile.
+    def parse(cls, data: bytes | str, where: str | Path, *, most_bytes: int) -> TomlTable:
+        """The whole of a scene file or profile, of at most that size.
 
         Raises:
-            SceneError: It is not TOML.
+            SceneError: It is not TOML, or too large.
         """
-        try:
-            return cls(tomllib.loads(data if isinstance(data, str) else data.decode("utf-8")), Document(where))
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise SceneError(f"not valid TOML: {error}", where=where, hint="save it as TOML in UTF-8") from error
+        return cls(parse_toml(data, where, SceneError, most_bytes=most_bytes), Document(where))
 
     @property
     def place(self) -> str:
