@@ -19,6 +19,8 @@ from taskgist.settings import DEFAULT, Limits
 
 COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 """Comments are taken out before the parser meets them: MuJoCo allows ``--`` inside of them, XML does not."""
+HEAD = re.compile(rb"<mujoco\b[^>]*>\s*<!--(.*?)-->", re.DOTALL)
+"""A comment at the head of a model: who made it, and under which licence."""
 UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
 """Control characters, and those that turn the direction of text: no name holds them."""
 ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"})
@@ -35,9 +37,15 @@ TEXTS_IN_URDF = TEXTS - {"value"}
 
 
 class Marked(Element):
-    """An element with its line in the document; 0 if it comes from another."""
+    """An element.
+
+    Attributes:
+        line: Its line in the document; 0 if it comes from another.
+        comment: Of a document's root: what stands at its head, which MuJoCo keeps.
+    """
 
     line: int = 0
+    comment: str = ""
 
     def __repr__(self) -> str:
         name = self.get("name")
@@ -69,6 +77,9 @@ def parse_markup(
     except (expat.ExpatError, ValueError, LookupError) as error:  # the latter two: an encoding that is none
         raise SceneError(f"not valid XML: {error}", where=where, hint="save it as XML in UTF-8") from error
     assert builder.root is not None
+    head = HEAD.search(data)
+    if head is not None:
+        builder.root.comment = head[1].decode("utf-8", "replace").replace("\r\n", "\n")
     return builder.root
 
 

@@ -90,6 +90,7 @@ def read_mjcf(
         spec = mujoco.MjSpec.from_string(text, include=gathered.models, assets=gathered.files)
     except (ValueError, mujoco.FatalError) as error:
         raise SceneError(f"MuJoCo cannot read this model: {error}", where=where) from error
+    spec.comment = root.comment
     return spec, gathered.files
 
 
