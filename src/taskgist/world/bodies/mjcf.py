@@ -278,8 +278,10 @@ def _asked(element: Element) -> Iterator[tuple[str, float]]:
     if present:
         yield present[0], math.prod(_product(element.get(key, "")) for key in present)
     for key in element.attrib:
-        if key in LENGTHS or key.startswith("nuser_"):
+        if key in LENGTHS:
             yield key, _product(element.get(key, ""))
+        elif key.startswith("nuser_"):  # so many for every element, of which there may be thousands
+            yield key, 1000 * _product(element.get(key, ""))
     if element.tag == "numeric" and "size" in element.attrib:
         yield "size", _product(element.get("size", ""))
     if element.tag == "user" and "dim" in element.attrib:
