@@ -13,6 +13,7 @@ A ``TomlTable`` hands out typed values and refuses fields that are not known::
 from __future__ import annotations
 
 import math
+import re
 import sys
 import tomllib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -25,6 +26,10 @@ from taskgist.errors import InputError, SceneError, UnknownNameError, allowed_na
 T = TypeVar("T")
 REQUIRED: Any = object()
 """Stands for the default of a field that has none."""
+UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
+"""Control characters, and those that turn the direction of text: no name holds them."""
+IN_TEXTS = "\t\n\r"
+"""Control characters that longer texts, such as notes, do hold."""
 UNREADABLE = ""
 """Stands for a name that could not be read: no document can give it, as texts are not empty."""
 COUNTS = {2: "two", 3: "three", 4: "four"}
@@ -66,8 +71,10 @@ def parse_toml(
         raise error("is too large", where=where, value=f"{len(data):,} bytes", hint=hint)
     try:
         return tomllib.loads(data if isinstance(data, str) else data.decode("utf-8"))
-    except ValueError as problem:  # no TOML, no UTF-8, or a whole number of thousands of digits
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
         raise error(f"not valid TOML: {problem}", where=where, hint="save it as TOML in UTF-8") from problem
+    except ValueError:  # of Python's, about whole numbers of thousands of digits
+        raise error("a number of too many digits", where=where, hint="give ordinary numbers") from None
     except RecursionError:
         raise error("nested too deep", where=where, hint="no field needs more than a few levels") from None
 
@@ -89,6 +96,9 @@ class TomlTable:
         self.document = document
         self.path = path
         self._asked: set[str] = set()
+        for key in self.values:
+            if UNPRINTABLE.search(key):
+                raise self.error("a name with control characters", value=key, hint="leave them out")
 
     @classmethod
     def parse(cls, data: bytes | str, where: str | Path, *, most_bytes: int) -> TomlTable:
@@ -136,6 +146,13 @@ class TomlTable:
         value = self.any(key)
         if not isinstance(value, str) or not value:
             raise self.error("must be a text", key, value, 'write it in quotes, as "..."')
+        return self._printable(key, value)
+
+    def name(self, key: str, default: T = REQUIRED) -> str | T:
+        """A text of one line."""
+        value = self.text(key, default)
+        if isinstance(value, str) and UNPRINTABLE.search(value):
+            raise self.error("holds a control character", key, value, "leave it out")
         return value
 
     def texts(self, key: str) -> tuple[str, ...]:
@@ -143,7 +160,7 @@ class TomlTable:
         value = self.any(key, [])
         if not isinstance(value, list) or not all(isinstance(text, str) for text in value):
             raise self.error("must be a list of texts", key, value, 'as ["...", "..."]')
-        return tuple(value)
+        return tuple(self._printable(key, text) for text in value)
 
     def flag(self, key: str, default: bool) -> bool:
         """True or false."""
@@ -242,6 +259,11 @@ class TomlTable:
                 place = f"{self.document.where}: [{self.path}]" if self.path else self.document.where
                 raise UnknownNameError("field", key, known, where=place)
         return self
+
+    def _printable(self, key: str, text: str) -> str:
+        if any(found not in IN_TEXTS for found in UNPRINTABLE.findall(text)):
+            raise self.error("holds a control character", key, text, "leave it out")
+        return text
 
     def _numbers(self, key: str, count: int, default: Any = REQUIRED) -> tuple[float, ...]:
         value = self.any(key, default)

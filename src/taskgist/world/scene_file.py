@@ -94,7 +94,7 @@ def parse_scene_file(text: bytes | str, *, where: str, limits: Limits = DEFAULT.
     scene = document.table("scene").only(SCENE_KEYS)
     agents = document.table("agents")
     return SceneFile(
-        name=scene.text("name", Path(where).stem),
+        name=scene.name("name", Path(where).stem),
         model=scene.text("model"),
         objects=scene.texts("objects") if "objects" in scene else None,
         estimated=scene.texts("estimated"),

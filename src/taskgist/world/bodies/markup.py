@@ -14,6 +14,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 from xml.parsers import expat
 
+from taskgist.common.toml import UNPRINTABLE
 from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT, Limits
 
@@ -21,8 +22,6 @@ COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 """Comments are taken out before the parser meets them: MuJoCo allows ``--`` inside of them, XML does not."""
 HEAD = re.compile(rb"<mujoco\b[^>]*>\s*<!--(.*?)-->", re.DOTALL)
 """A comment at the head of a model: who made it, and under which licence."""
-UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
-"""Control characters, and those that turn the direction of text: no name holds them."""
 ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"})
 NUMBER = re.compile(
     r"[+-]?(?:(?P<none>nan(?:\(\w*\))?|inf(?:inity)?)|0x[0-9a-f.]+(?:p[+-]?\d+)?|(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)",

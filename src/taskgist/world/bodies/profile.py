@@ -467,7 +467,7 @@ AXES = {"head": ("pan", "tilt"), "torso": ("turn", "lean")}
 NO_EYE = Eye(Frame(UNREADABLE), UNREADABLE, (), (1.0, 1.0), (1, 1), 1.0)
 
 READERS: dict[str, tuple[Callable[[TomlTable], Any], Any]] = {
-    "name": (lambda table: table.text("name"), UNREADABLE),
+    "name": (lambda table: table.name("name"), UNREADABLE),
     "model": (lambda table: table.text("model"), UNREADABLE),
     "shapes": (read_shapes, "visual"),
     "legs": (lambda table: read_legs(table.table("posture")), Legs()),
