@@ -194,7 +194,8 @@ class _Gathered:
         if flat not in self.files:
             self.files[flat] = data
             if element.tag in ("mesh", "flexcomp"):
-                check_mesh(data, name, where=self.where, limits=self.limits)
+                kind = element.get("content_type", "")
+                check_mesh(data, name, where=self.where, kind=kind, limits=self.limits)
             elif element.tag in ("texture", "hfield"):
                 self.pixels += image_pixels(data)
         element.set(key, flat)
