@@ -152,8 +152,8 @@ class Limits:
     """Scene files of a recording together: models, meshes, textures."""
     toml_bytes: int = 4 * 2**20
     """Largest TOML document: scene, profile, mapping; a second or two are spent on a mebibyte."""
-    model_elements: int = 100_000
-    """Elements of a model's document, with what it includes and repeats; large kitchens have 20,000."""
+    model_elements: int = 30_000
+    """Elements of a model's document, with what it includes and repeats: MuJoCo needs a minute for 10,000 bodies."""
     model_depth: int = 200
     """How deep the elements of a document, or the links of a robot, hang one below the other."""
     mesh_bytes: int = 128 * 2**20
@@ -177,7 +177,7 @@ class Limits:
     object_extent_m: float = 10.0
     """Longest edge of the box around an object; what is longer is mostly given in millimetres."""
     body_shapes: int = 1_000
-    """Shapes of one body, room and objects apart; the published robots that ship have up to 200."""
+    """Shapes of one agent or object; the published robots that ship have up to 200."""
 
 
 UNSHAPING = ("maps", "learning", "limits")

@@ -52,13 +52,17 @@ NOWHERE = bytes(80) + struct.pack("<I", 1) + struct.pack("<12f", *[0.0] * 8, np.
             r"the box around 'cup' is 100 m long; in millimetres\?.*0\.001",
         ),
         (
+            "<worldbody><body name='cup'><freejoint/>" + "<geom size='0.1'/>" * 1001 + "</body></worldbody>",
+            r"'cup' has too many shapes \(got 1001\).*limits\.body_shapes",
+        ),
+        (
             body('<replicate count="99999"><replicate count="99999"><geom size="1"/></replicate></replicate>'),
             "elements",
         ),
         (body('<flexcomp name="f" type="grid" count="999 999 99" spacing="1 1 1" dim="3"/>'), "model_elements"),
         (body('<composite type="cable" count="99999999 1 1" size="1"><geom size=".1"/></composite>'), "model_elements"),
         (body("<body>" * 250 + "</body>" * 250), r"nested too deep; at most 200 .*limits\.model_depth"),
-        (body("<site/>" * 100_000), r"too many elements; at most 100,000 .*limits\.model_elements"),
+        (body("<site/>" * 30_000), r"too many elements; at most 30,000 .*limits\.model_elements"),
         ('<asset><texture name="t" builtin="flat" width="60000" height="60000"/></asset>', "width of <texture> 't'"),
         ('<asset><hfield name="h" nrow="60000" ncol="60000" size="1 1 1 1"/></asset>', r"limits\.texture_pixels"),
         ('<asset><texture name="t" type="2d" file="big.png"/></asset>', "900,000,000 pixels"),

@@ -11,6 +11,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from taskgist.common.arrays import Indices
 from taskgist.common.files import shown_path
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
@@ -264,7 +265,7 @@ def assemble(file: SceneFile, bundle: Mapping[str, bytes], *, limits: Limits = D
 
     def compiled_room(spec: mujoco.MjSpec) -> mujoco.MjModel:
         model = _compile(spec, files, file.where)
-        _check_extents(model, file, limits)
+        _check_objects(model, file, limits)
         return model
 
     decompose(room, compiled_room, files, file.where)
@@ -273,7 +274,7 @@ def assemble(file: SceneFile, bundle: Mapping[str, bytes], *, limits: Limits = D
         room.assets = body.assets = _assets(files)  # MuJoCo warns if only one of them has any
         room.attach(body, prefix=f"{entry.name}/", frame=room.worldbody.add_frame())
     model = _compile(room, files, file.where)
-    _check_extents(model, file, limits)
+    _check_objects(model, file, limits)
     bound_all_shapes(model)
     agents = {
         entry.name: resolve_agent(model, entry.name, profiles[entry.name], _stature(entry)) for entry in file.agents
@@ -288,15 +289,20 @@ def _check_bytes(files: Mapping[str, bytes], where: str, limits: Limits) -> None
         raise SceneError("the files of this scene are too large", where=where, value=f"{together:,} bytes", hint=hint)
 
 
-def _check_extents(model: mujoco.MjModel, file: SceneFile, limits: Limits) -> None:
-    """Refuse objects of a size that no hand deals with: their surfaces are sampled by the centimetre."""
+def _check_objects(model: mujoco.MjModel, file: SceneFile, limits: Limits) -> None:
+    """Refuse objects that no hand deals with: their surfaces are sampled by the centimetre, shape by shape."""
     agents = {entry.name for entry in file.agents}
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     for name, body in free_bodies(model, agents).items():
         if file.objects is not None and name not in file.objects:
             continue
-        extent_m = _extent_m(model, data, body)
+        geoms = np.flatnonzero(np.isin(model.geom_bodyid, subtree(model, body)))
+        if len(geoms) > limits.body_shapes:
+            hint = f"at most {limits.body_shapes:,} are read (setting limits.body_shapes): give it a mesh"
+            problem, field = f"{name!r} has too many shapes", f"scene.model {file.model!r}"
+            raise SceneError(problem, where=file.where, field=field, value=len(geoms), hint=hint)
+        extent_m = _extent_m(model, data, body, geoms)
         if not extent_m <= limits.object_extent_m:
             hint = (
                 'in millimetres? lengths are in metres: divide sizes by 1000, and give meshes scale="0.001 0.001 0.001"'
@@ -306,9 +312,9 @@ def _check_extents(model: mujoco.MjModel, file: SceneFile, limits: Limits) -> No
             raise SceneError(problem, where=file.where, field=f"scene.model {file.model!r}", hint=hint)
 
 
-def _extent_m(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> float:
-    """Longest edge of the box around a body and all that it carries, in the body's own frame; planes apart."""
-    geoms = np.flatnonzero(np.isin(model.geom_bodyid, subtree(model, body)) & (model.geom_rbound > 0))
+def _extent_m(model: mujoco.MjModel, data: mujoco.MjData, body: int, geoms: Indices) -> float:
+    """Longest edge of the box around a body's shapes, in the body's own frame; planes apart."""
+    geoms = geoms[model.geom_rbound[geoms] > 0]
     if not len(geoms):
         return 0.0
     frame = data.xmat[body].reshape(3, 3)
