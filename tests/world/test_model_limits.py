@@ -66,6 +66,7 @@ NOWHERE = bytes(80) + struct.pack("<I", 1) + struct.pack("<12f", *[0.0] * 8, np.
         ('<asset><texture name="t" builtin="flat" width="60000" height="60000"/></asset>', "width of <texture> 't'"),
         ('<asset><hfield name="h" nrow="60000" ncol="60000" size="1 1 1 1"/></asset>', r"limits\.texture_pixels"),
         ('<asset><texture name="t" type="2d" file="big.png"/></asset>', "900,000,000 pixels"),
+        ('<asset><mesh name="m" builtin="plate" params="20000 20000"/></asset>', "params of <mesh> 'm'"),
         ('<size memory="500G"/>', r"memory of <size>: asks for too much .*500G.*limits\.arena_bytes"),
         ('<size nuser_geom="2000000000"/>', r"limits\.array_length"),
         ('<custom><numeric name="n" size="2000000000"/></custom>', "size of <numeric> 'n'"),

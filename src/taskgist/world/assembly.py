@@ -18,6 +18,7 @@ from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.agent import SEEN_MASK, Agent, legs_for, resolve_agent, standing_height_m, subtree
 from taskgist.world.bodies.hands import add_ghosts
 from taskgist.world.bodies.human import HumanSize
+from taskgist.world.bodies.markup import asking_mujoco
 from taskgist.world.bodies.model_files import (
     BUILDERS,
     PACKAGE,
@@ -272,7 +273,8 @@ def assemble(file: SceneFile, bundle: Mapping[str, bytes], *, limits: Limits = D
     for entry in file.agents:
         body = _agent_spec(profiles[entry.name], files, entry, file.where, limits)
         room.assets = body.assets = _assets(files)  # MuJoCo warns if only one of them has any
-        room.attach(body, prefix=f"{entry.name}/", frame=room.worldbody.add_frame())
+        with asking_mujoco(f"put {entry.name!r} into this scene", file.where):
+            room.attach(body, prefix=f"{entry.name}/", frame=room.worldbody.add_frame())
     model = _compile(room, files, file.where)
     _check_objects(model, file, limits)
     bound_all_shapes(model)
@@ -420,10 +422,8 @@ def _agent_spec(
 
 def _compile(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> mujoco.MjModel:
     spec.assets = _assets(files)
-    try:
+    with asking_mujoco("compile this scene", where):
         return spec.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        raise SceneError(f"MuJoCo cannot compile this scene: {error}", where=where) from error
 
 
 def _assets(files: Mapping[str, bytes]) -> dict[str, bytes]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from xml.etree.ElementTree import Element
 from xml.parsers import expat
@@ -201,6 +202,24 @@ def _fits(token: str) -> bool:
         return math.isfinite(float.fromhex(token) if "x" in token.lower() else float(token))
     except (ValueError, OverflowError):
         return False
+
+
+@contextmanager
+def asking_mujoco(to: str, where: str | Path) -> Iterator[None]:
+    """Let what MuJoCo says against a model come inside of ours.
+
+    Args:
+        to: What it is asked to do, such as "read this model".
+        where: File for error messages.
+
+    Raises:
+        SceneError: MuJoCo refuses.
+    """
+    try:
+        yield
+    except Exception as error:  # of several kinds, and whatever its C++ throws on strange models
+        told = str(error).strip() or type(error).__name__
+        raise SceneError(f"MuJoCo cannot {to}: {told}", where=where) from error
 
 
 def located(

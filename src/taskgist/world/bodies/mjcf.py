@@ -18,7 +18,7 @@ import mujoco
 from taskgist.common.files import read_whole
 from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT, Limits
-from taskgist.world.bodies.markup import Marked, check_values, located, parse_markup, written
+from taskgist.world.bodies.markup import Marked, asking_mujoco, check_values, located, parse_markup, written
 from taskgist.world.bodies.meshes import check_mesh, image_pixels
 
 Read = Callable[[Sequence[str], str], tuple[str, bytes]]
@@ -81,20 +81,21 @@ def read_mjcf(
     Raises:
         SceneError: It is no model, names a file that cannot be read, or asks for too much.
     """
+    if root.tag != "mujoco":
+        raise SceneError("not a model", where=where, field=root.tag, hint="its root element is <mujoco> or <robot>")
     gathered = _Gathered(read, where, prefix, limits)
     text = gathered.document(root, "", ())
     if gathered.pixels > limits.texture_pixels:
         hint = f"at most {limits.texture_pixels:,} are read (setting limits.texture_pixels)"
         raise SceneError("textures too large", where=where, value=f"{gathered.pixels:,} pixels", hint=hint)
-    try:
+    with asking_mujoco("read this model", where):
         spec = mujoco.MjSpec.from_string(text, include=gathered.models, assets=gathered.files)
-    except (ValueError, mujoco.FatalError) as error:
-        raise SceneError(f"MuJoCo cannot read this model: {error}", where=where) from error
     spec.comment = root.comment
     return spec, gathered.files
 
 
 FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
+MOST_ATTACHED = 10
 NAMED_BY_FILE = ("mesh", "texture", "hfield")
 """Elements that are called after their file where nothing else is said."""
 
@@ -165,6 +166,7 @@ class _Gathered:
                 for each in inner.iter():
                     assert isinstance(each, Marked)
                     origins[each], each.line = posixpath.dirname(name), 0
+                self._check_few(len(origins))
                 parent[index : index + 1] = list(inner)
             rest += parent
         return origins
@@ -174,8 +176,9 @@ class _Gathered:
         if "file" not in element.attrib:
             return
         name, data = self.read([_joined(folder, element.get("file", ""))], f"file of {element!r}")
-        if name in trail:
-            raise located(element, "file", "a model that attaches itself", name, self.where, "leave it out")
+        if name in trail or len(trail) >= MOST_ATTACHED:
+            hint = f"at most {MOST_ATTACHED} are read, each attached to the next"
+            raise located(element, "file", "a model that attaches itself, or too many others", name, self.where, hint)
         flat = self._flat(name)
         if flat not in self.models:
             child = parse_markup(data, where=name, limits=self.limits)
@@ -232,10 +235,13 @@ class _Gathered:
             attached = sum(self._sizes.values()) if element.tag == "attach" else 0
             count += times * (1 + attached)
             rest += ((each, times) for each in element)
+        self._check_few(count)
+        self._sizes[trail[-1] if trail else ""] = int(count)
+
+    def _check_few(self, count: float) -> None:
         if not count <= self.limits.model_elements:
             hint = f"at most {self.limits.model_elements:,} are read (setting limits.model_elements)"
             raise SceneError("too many elements", where=self.where, value=f"{count:,.0f}", hint=hint)
-        self._sizes[trail[-1] if trail else ""] = int(count)
 
 
 @dataclass(frozen=True)
@@ -283,6 +289,9 @@ def _asked(element: Element) -> Iterator[tuple[str, float]]:
             yield key, _product(element.get(key, ""))
         elif key.startswith("nuser_"):  # so many for every element, of which there may be thousands
             yield key, 1000 * _product(element.get(key, ""))
+    if element.tag == "mesh" and "params" in element.attrib:  # steps along two directions, for meshes that are made
+        steps = max(map(_product, element.get("params", "").split()), default=0.0)
+        yield "params", steps**2
     if element.tag == "numeric" and "size" in element.attrib:
         yield "size", _product(element.get("size", ""))
     if element.tag == "user" and "dim" in element.attrib:

@@ -20,7 +20,7 @@ from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.human import HumanSize, human_mjcf
-from taskgist.world.bodies.markup import parse_markup
+from taskgist.world.bodies.markup import asking_mujoco, parse_markup
 from taskgist.world.bodies.mjcf import from_files, from_folder, read_mjcf
 from taskgist.world.bodies.profile import AgentProfile, Arm
 from taskgist.world.bodies.urdf import Shapes, flat_name, read_urdf
@@ -346,10 +346,8 @@ def _xml(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> bytes:
     spec.assets = dict(files)
     for problem in size_problems(spec, where):
         raise problem
-    try:
+    with asking_mujoco("read this model", where):
         return str(spec.to_xml()).encode()
-    except (ValueError, mujoco.FatalError) as error:
-        raise SceneError(f"MuJoCo cannot read this model: {error}", where=where) from error
 
 
 def read_model(

@@ -24,7 +24,7 @@ import numpy as np
 
 from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT, Limits
-from taskgist.world.bodies.markup import TEXTS_IN_URDF, Marked, check_values, parse_markup, written
+from taskgist.world.bodies.markup import TEXTS_IN_URDF, Marked, asking_mujoco, check_values, parse_markup, written
 from taskgist.world.bodies.meshes import check_mesh, stl_from_dae
 
 Shapes = Literal["visual", "collision"]
@@ -82,10 +82,8 @@ def read_urdf(
         _call_root_world(robot, where)
     files = _gather_meshes(robot, read, where, prefix, limits)
     _set_compiler(robot)
-    try:
+    with asking_mujoco("read this URDF", where):
         spec = mujoco.MjSpec.from_string(written(robot), assets=files)
-    except (ValueError, mujoco.FatalError) as error:
-        raise SceneError(f"MuJoCo cannot read this URDF: {error}", where=where) from error
     _group(spec)
     return spec, files
 
