@@ -15,7 +15,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from taskgist.common.files import read_whole, shown_path
+from taskgist.common.files import read_whole
 from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
@@ -161,7 +161,7 @@ def find_file(uri: str, *, near: Path | None, where: str | Path, field: str) -> 
         return _in_package(uri, near, where, field)
     path = Path(uri.removeprefix(FILE))
     path = path if near is None else near / path
-    if os.path.lexists(shown_path(path)):  # whether it is a file that can be read is told where it is read
+    if os.path.lexists(path):  # whether it is a file that can be read is told where it is read
         return path
     raise SceneError("no such file", where=where, field=field, value=str(path), hint="paths are relative to the file")
 
@@ -170,7 +170,7 @@ def _in_package(uri: str, near: Path | None, where: str | Path, field: str) -> P
     name, _, rest = uri.removeprefix(PACKAGE).lstrip("/").partition("/")
     for root in _roots(near):
         for folder in (root / name, root):
-            if (folder is not root or root.name == name) and "\0" not in uri and (folder / rest).is_file():
+            if (folder is not root or root.name == name) and (folder / rest).is_file():
                 return folder / rest
     hint = f"add the folder that holds {name!r} to ROS_PACKAGE_PATH"
     if name == ROBOTS:
