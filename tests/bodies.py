@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import mujoco
 import pytest
 
 from taskgist.errors import SceneError
 from taskgist.world import Scene, builtin_profiles
 from taskgist.world.bodies.model_files import find_file
+from taskgist.world.scene_file import parse_scene_file
 
 FLOOR = '<geom name="floor" type="plane" size="9 9 0.1"/>'
 CUP = '<body name="cup" pos="{} {} {}"><freejoint/><geom type="cylinder" size="0.03 0.05" rgba="1 0 0 1"/></body>'
@@ -39,7 +41,8 @@ def room(*agents: str, cup: tuple[float, float, float] = (0.6, 0.0, 1.0), things
     """A floor, a cup in the air, and agents given as TOML tables."""
     model = f"<mujoco><worldbody>{FLOOR}{CUP.format(*cup)}{things}</worldbody></mujoco>"
     toml = '[scene]\nmodel = "room.xml"\n' + "\n".join(agents)
-    return Scene.from_bundle({"scene.toml": toml.encode(), "room.xml": model.encode()})
+    placed = parse_scene_file(toml, where="a test").agents
+    return Scene.from_spec(mujoco.MjSpec.from_string(model), placed)
 
 
 def standing(name: str, profile: str, x: float = 0.0, y: float = 0.0, yaw_deg: float = 0.0) -> str:

@@ -150,6 +150,22 @@ class Limits:
     """Largest text document that is read: scene, profile, mapping, model, facts."""
     bundle_bytes: int = 512 * 2**20
     """Scene files of a recording together: models, meshes, textures."""
+    toml_bytes: int = 4 * 2**20
+    """Largest TOML document: scene, profile, mapping; a second or two are spent on a mebibyte."""
+    model_elements: int = 30_000
+    """Elements of a model's document, with what it includes and repeats: MuJoCo needs a minute for 10,000 bodies."""
+    model_depth: int = 200
+    """How deep the elements of a document, or the links of a robot, hang one below the other."""
+    mesh_bytes: int = 128 * 2**20
+    """Largest mesh, texture or height field in a file: one of 2.5 million triangles in STL."""
+    mesh_faces: int = 1_000_000
+    """Triangles of a mesh; scans for robots have up to 200,000."""
+    texture_pixels: int = 150_000_000
+    """Pixels of all textures and height fields of a model together: nine of 4,096 × 4,096."""
+    array_length: int = 1_000_000
+    """Numbers that a model asks MuJoCo to make room for in one place."""
+    arena_bytes: int = 2**30
+    """Working memory that a model asks MuJoCo for."""
     chunk_bytes: int = 256 * 2**20
     """Largest chunk of a recording, unpacked; common writers make chunks of 1 to 16 MiB."""
     message_bytes: int = 4 * 2**20
@@ -163,7 +179,7 @@ class Limits:
     object_extent_m: float = 10.0
     """Longest edge of the box around an object; what is longer is mostly given in millimetres."""
     body_shapes: int = 1_000
-    """Shapes of one body, room and objects apart; the published robots that ship have up to 200."""
+    """Shapes of one agent or object; the published robots that ship have up to 200."""
     knowledge_wait_s: float = 30.0
     """Longest that knowledge is waited for while others write it, which takes each of them milliseconds."""
 

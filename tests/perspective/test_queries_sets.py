@@ -126,6 +126,19 @@ def test_text_that_is_no_question(text: str, message: str) -> None:
     assert refused.value.field == "where"
 
 
+def test_questions_are_as_long_as_a_program_makes_them() -> None:
+    """Chains are read in a loop and asked flat; only brackets within brackets have a bound."""
+    once = Condition("P1", "see")
+    assert parse_question("not " * 3001 + "P1 sees", PEOPLE_) == ~once
+    stage = Room((chair(0.0),), PEOPLE).stage()
+    for word in ("and", "or"):
+        assert parse_question(f" {word} ".join(["P1 sees"] * 3000), PEOPLE_).abilities == once.abilities
+        assert objects_where(stage, parse_question(f" {word} ".join(["P1 sees"] * 3000), PEOPLE_)) == Chosen((), (), ())
+    assert parse_question("(" * 50 + "P1 sees" + ")" * 50, PEOPLE_) == once
+    with pytest.raises(InputError, match=r"brackets in brackets .*at most 50"):
+        parse_question("(" * 3000 + "P1 sees" + ")" * 3000, PEOPLE_)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [("P3 sees", "no agent 'P3'; did you mean"), ("P1 reeches", "no ability 'reeches'; did you mean 'reaches'")],

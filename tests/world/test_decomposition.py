@@ -12,7 +12,7 @@ import pytest
 from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, container_of, overlaps, support_of
-from taskgist.world.geometry.convex import Piece, cache_folder, hollow_m, joined, pieces, read_parts
+from taskgist.world.geometry.convex import Piece, cache_folder, is_hollow, joined, pieces, read_parts
 from tests import meshes
 from tests.meshes import Mesh, mesh_scene
 
@@ -178,13 +178,29 @@ def test_shapes_that_nothing_collides_with_are_not_cut() -> None:
     [(meshes.board((0, 0, 0), (0.1, 0.2, 0.05)), 0.0), (meshes.shell_bin(), 0.29), (meshes.cup(), 0.096)],
 )
 def test_hollows_are_measured_along_the_faces_normals(mesh: Mesh, deep_m: float) -> None:
-    assert hollow_m(Piece(*mesh)) == pytest.approx(deep_m, abs=1e-3)
+    assert not is_hollow(Piece(*mesh), deeper_than_m=deep_m + 1e-3)
+    assert deep_m == 0.0 or is_hollow(Piece(*mesh), deeper_than_m=deep_m - 1e-3)
+
+
+def test_a_fine_mesh_is_compared_with_its_hull_without_a_table_of_both() -> None:
+    """A ball of 40,000 triangles, all of them on its hull: their table alone would hold 1.6 billion numbers."""
+    latitudes, longitudes = np.linspace(0.01, np.pi - 0.01, 101), np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    a, b = (each.ravel() for each in np.meshgrid(latitudes, longitudes, indexing="ij"))
+    vertices = 0.1 * np.stack((np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)), axis=1)
+    i, j = (each.ravel() for each in np.meshgrid(np.arange(100), np.arange(200), indexing="ij"))
+    k = (j + 1) % 200
+    corners = (200 * i + j, 200 * (i + 1) + j, 200 * (i + 1) + k, 200 * i + k)
+    sides = np.concatenate([np.stack([corners[n] for n in each], axis=1) for each in ((0, 1, 2), (0, 2, 3))])
+    caps = [(start, start + n, start + n + 1)[::step] for start, step in ((0, 1), (20_000, -1)) for n in range(1, 199)]
+    ball = Piece(vertices, np.concatenate((sides, np.array(caps))))
+    assert ball.is_closed
+    assert not is_hollow(ball, deeper_than_m=0.001)
 
 
 def test_an_open_surface_is_hollow_and_a_flat_one_is_not() -> None:
     vertices, faces = meshes.board((0, 0, 0), (0.1, 0.2, 0.05))
-    assert hollow_m(Piece(vertices, faces[:10])) == float("inf")
-    assert hollow_m(Piece(vertices[:4], faces[:2])) == 0.0
+    assert is_hollow(Piece(vertices, faces[:10]), deeper_than_m=1e6)
+    assert not is_hollow(Piece(vertices[:4], faces[:2]), deeper_than_m=0.0)
 
 
 @pytest.mark.parametrize("seed", range(5))

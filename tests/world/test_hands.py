@@ -19,7 +19,7 @@ TABLE = "opening_m = 0.1\nfinger_length_m = 0.09\nfinger_thickness_m = 0.018\npa
 
 
 def parsed(text: str) -> Hand:
-    return parse_hand(TomlTable.parse(f"[hand]\n{text}", "arm.toml").table("hand"))
+    return parse_hand(TomlTable.parse(f"[hand]\n{text}", "arm.toml", most_bytes=1000).table("hand"))
 
 
 def corners(box: HandBox, side_m: float) -> np.ndarray:
@@ -95,7 +95,7 @@ def test_an_unknown_kind_is_refused_with_the_known_ones() -> None:
 
 
 def test_the_human_profile_has_a_human_hand() -> None:
-    hand = parse_hand(TomlTable.parse(builtin_profile_text("human"), "human.toml").table("hand"))
+    hand = parse_hand(TomlTable.parse(builtin_profile_text("human"), "human.toml", most_bytes=100_000).table("hand"))
     assert (hand.kind, hand.one_sided, hand.opening_m) == ("human", False, 0.10)
 
 

@@ -209,6 +209,11 @@ def test_all_fields_are_read_before_any_is_complained_of() -> None:
             r"sphere 'lens' of body 'camera': a shape of no",
         ),
         ('<geom type="box" size="0.2 0.2 0.5"/>', '<joint name="turn"/><geom size="1"/>', r"has a free joint, or none"),
+        (
+            '<geom name="lens" size="0.03"/>',
+            '<geom size="0.03"/><body name="lid"><joint/><geom size="0.01"/></body>',
+            r"a joint without a name \(got 'body lid'\); name it",
+        ),
     ],
 )
 def test_models_that_are_no_body_are_refused(tmp_path: Path, right: str, wrong: str, message: str) -> None:

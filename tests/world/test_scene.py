@@ -98,8 +98,9 @@ def test_wrong_scene_tables_are_refused(tmp_path: Path, extra: str, message: str
         ("<body><freejoint/><geom size='0.1'/></body>", "an object without a name"),
         ("<body name='hull'><freejoint/><geom size='0.1' group='3'/></body>", "without a shape that can be seen"),
         ("<body name='air'><freejoint/><geom size='0.1' rgba='1 0 0 0'/></body>", "without a shape that can be seen"),
-        ("<body name='x'><geom size='nan'/></body>", "MuJoCo cannot"),
-        ("<body", "MuJoCo cannot read this model"),
+        ("<body name='x'><geom size='nan'/></body>", r"room\.xml, line 1: size of <geom>: must be finite"),
+        ("<body><geom form='ball'/></body>", "MuJoCo cannot read this model"),
+        ("<body", r"room\.xml: not valid XML"),
     ],
 )
 def test_models_without_usable_objects_are_refused(tmp_path: Path, body: str, message: str) -> None:

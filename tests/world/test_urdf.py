@@ -13,8 +13,9 @@ from taskgist.errors import SceneError
 from taskgist.perspective import visibility
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, support_of
+from taskgist.world.bodies.meshes import STL_TRIANGLE, stl_from_dae
 from taskgist.world.bodies.model_files import find_file, is_urdf
-from taskgist.world.bodies.urdf import STL_TRIANGLE, flat_name, read_urdf, stl_from_dae
+from taskgist.world.bodies.urdf import flat_name, read_urdf
 from tests.bodies import URDFS, is_there, needs
 
 ROOM = """<?xml version="1.0"?>

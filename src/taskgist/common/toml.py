@@ -2,7 +2,7 @@
 
 A ``TomlTable`` hands out typed values and refuses fields that are not known::
 
-    table = TomlTable.parse(text, "room.toml").table("agents").table("P1")
+    table = TomlTable.parse(text, "room.toml", most_bytes=2**20).table("agents").table("P1")
     position_m = table.pair("position_m", (0.0, 0.0))  # a default makes a field optional
     profile = table.text("profile")
     table.done()  # refuses every field that was never asked for
@@ -13,6 +13,7 @@ A ``TomlTable`` hands out typed values and refuses fields that are not known::
 from __future__ import annotations
 
 import math
+import re
 import sys
 import tomllib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -25,6 +26,10 @@ from taskgist.errors import InputError, SceneError, UnknownNameError, allowed_na
 T = TypeVar("T")
 REQUIRED: Any = object()
 """Stands for the default of a field that has none."""
+UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
+"""Control characters, and those that turn the direction of text: no name holds them."""
+IN_TEXTS = "\t\n\r"
+"""Control characters that longer texts, such as notes, do hold."""
 UNREADABLE = ""
 """Stands for a name that could not be read: no document can give it, as texts are not empty."""
 COUNTS = {2: "two", 3: "three", 4: "four"}
@@ -47,6 +52,33 @@ class Document:
     largest: float = 1e6
 
 
+def parse_toml(
+    data: bytes | str, where: str | Path, error: type[InputError] = InputError, *, most_bytes: int
+) -> dict[str, Any]:
+    """What a TOML document holds.
+
+    Args:
+        data: The document; bytes are UTF-8.
+        where: File for error messages.
+        error: The class of the errors.
+        most_bytes: The document may not be larger (setting ``limits.toml_bytes``).
+
+    Raises:
+        InputError: It is not TOML, nested too deep, or too large.
+    """
+    if len(data) > most_bytes:
+        hint = f"at most {most_bytes:,} bytes are read (setting limits.toml_bytes)"
+        raise error("is too large", where=where, value=f"{len(data):,} bytes", hint=hint)
+    try:
+        return tomllib.loads(data if isinstance(data, str) else data.decode("utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+        raise error(f"not valid TOML: {problem}", where=where, hint="save it as TOML in UTF-8") from problem
+    except ValueError:  # of Python's, about whole numbers of thousands of digits
+        raise error("a number of too many digits", where=where, hint="give ordinary numbers") from None
+    except RecursionError:
+        raise error("nested too deep", where=where, hint="no field needs more than a few levels") from None
+
+
 class TomlTable:
     """A table of a TOML document, with typed access.
 
@@ -64,18 +96,18 @@ class TomlTable:
         self.document = document
         self.path = path
         self._asked: set[str] = set()
+        for key in self.values:
+            if UNPRINTABLE.search(key):
+                raise self.error("a name with control characters", value=key, hint="leave them out")
 
     @classmethod
-    def parse(cls, data: bytes | str, where: str | Path) -> TomlTable:
-        """The whole of a scene file or profile.
+    def parse(cls, data: bytes | str, where: str | Path, *, most_bytes: int) -> TomlTable:
+        """The whole of a scene file or profile, of at most that size.
 
         Raises:
-            SceneError: It is not TOML.
+            SceneError: It is not TOML, or too large.
         """
-        try:
-            return cls(tomllib.loads(data if isinstance(data, str) else data.decode("utf-8")), Document(where))
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise SceneError(f"not valid TOML: {error}", where=where, hint="save it as TOML in UTF-8") from error
+        return cls(parse_toml(data, where, SceneError, most_bytes=most_bytes), Document(where))
 
     @property
     def place(self) -> str:
@@ -114,6 +146,13 @@ class TomlTable:
         value = self.any(key)
         if not isinstance(value, str) or not value:
             raise self.error("must be a text", key, value, 'write it in quotes, as "..."')
+        return self._printable(key, value)
+
+    def name(self, key: str, default: T = REQUIRED) -> str | T:
+        """A text of one line."""
+        value = self.text(key, default)
+        if isinstance(value, str) and UNPRINTABLE.search(value):
+            raise self.error("holds a control character", key, value, "leave it out")
         return value
 
     def texts(self, key: str) -> tuple[str, ...]:
@@ -121,7 +160,7 @@ class TomlTable:
         value = self.any(key, [])
         if not isinstance(value, list) or not all(isinstance(text, str) for text in value):
             raise self.error("must be a list of texts", key, value, 'as ["...", "..."]')
-        return tuple(value)
+        return tuple(self._printable(key, text) for text in value)
 
     def flag(self, key: str, default: bool) -> bool:
         """True or false."""
@@ -220,6 +259,11 @@ class TomlTable:
                 place = f"{self.document.where}: [{self.path}]" if self.path else self.document.where
                 raise UnknownNameError("field", key, known, where=place)
         return self
+
+    def _printable(self, key: str, text: str) -> str:
+        if any(found not in IN_TEXTS for found in UNPRINTABLE.findall(text)):
+            raise self.error("holds a control character", key, text, "leave it out")
+        return text
 
     def _numbers(self, key: str, count: int, default: Any = REQUIRED) -> tuple[float, ...]:
         value = self.any(key, default)

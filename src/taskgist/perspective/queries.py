@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 
@@ -109,6 +110,9 @@ class Not(Question):
 
     part: Question
 
+    def __invert__(self) -> Question:
+        return self.part
+
     def holds(self, efforts: SceneEfforts, name: str) -> bool | None:
         """The opposite; unknown stays unknown."""
         return _negated(self.part.holds(efforts, name))
@@ -182,6 +186,7 @@ BOUNDS: Mapping[str, Callable[[int], tuple[int, int]]] = {
     ">": lambda level: (level + 1, NONE),
 }
 """Least and greatest level that a bound allows."""
+MOST_BRACKETS = 50
 WORDS = ("and", "or", "not", "(", ")", *BOUNDS)
 
 
@@ -208,39 +213,51 @@ class _Reader:
 
     def __init__(self, text: str, agents: Collection[str]) -> None:
         self._text, self._agents = text, agents
-        self._tokens = TOKEN.findall(text)
+        self._tokens = deque(TOKEN.findall(text))
+        self._open = 0
 
     @property
     def next(self) -> str | None:
         return self._tokens[0] if self._tokens else None
 
     def question(self) -> Question:
-        found = self.both()
+        parts = [self.both()]
         while self._took("or"):
-            found |= self.both()
-        return found
+            parts.append(self.both())
+        return parts[0] if len(parts) == 1 else ~All(tuple(~part for part in parts))
 
     def both(self) -> Question:
-        found = self.term()
+        parts = [self.term()]
         while self._took("and"):
-            found &= self.term()
-        return found
+            parts.append(self.term())
+        return parts[0] if len(parts) == 1 else All(tuple(parts))
 
     def term(self) -> Question:
         if self._took("not"):
-            return ~self.term()
+            negated = True
+            while self._took("not"):  # a loop: people write none or one, programs any number
+                negated = not negated
+            found = self.term()
+            return ~found if negated else found
         if self._took("("):
-            inside = self.question()
-            if not self._took(")"):
-                raise self.error("a bracket is not closed", hint='add ")"')
-            return inside
+            return self.bracket()
         return self.condition()
+
+    def bracket(self) -> Question:
+        self._open += 1
+        if self._open > MOST_BRACKETS:
+            raise self.error("brackets in brackets", hint=f"at most {MOST_BRACKETS} are read, one in the other")
+        inside = self.question()
+        if not self._took(")"):
+            raise self.error("a bracket is not closed", hint='add ")"')
+        self._open -= 1
+        return inside
 
     def condition(self) -> Condition:
         agent, ability = self._agent(), self._ability()
         if self.next not in BOUNDS:
             return Condition(agent, ability)
-        low, high = BOUNDS[self._tokens.pop(0)](self._level())
+        low, high = BOUNDS[self._tokens.popleft()](self._level())
         if low > high or high < 0:
             raise self.error("a bound leaves no effort level", hint="levels are 0 to 5")
         return Condition(agent, ability, max_level=high, min_level=low)
@@ -251,14 +268,14 @@ class _Reader:
     def _took(self, word: str) -> bool:
         if self.next != word:
             return False
-        self._tokens.pop(0)
+        self._tokens.popleft()
         return True
 
     def _agent(self) -> str:
         if self.next is None or self.next in WORDS:
             found = "it ends" if self.next is None else f"{self.next!r} stands there"
             raise self.error(f"an agent is expected where {found}", hint=EXAMPLE)
-        name = str(self._tokens.pop(0)).strip('"')
+        name = str(self._tokens.popleft()).strip('"')
         if name not in self._agents:
             raise UnknownNameError("agent", name, self._agents)
         return name
@@ -266,13 +283,13 @@ class _Reader:
     def _ability(self) -> Ability:
         if self.next is None or self.next in WORDS:
             raise self.error("an agent without a verb", hint=EXAMPLE)
-        verb = self._tokens.pop(0)
+        verb = self._tokens.popleft()
         if verb not in VERBS:
             raise UnknownNameError("ability", verb, VERBS)
         return VERBS[verb]
 
     def _level(self) -> int:
-        level = self._tokens.pop(0) if self._tokens else ""
+        level = self._tokens.popleft() if self._tokens else ""
         if level not in map(str, range(NO_KNOWN_LEVEL + 1)):
             raise self.error(f"{level or 'nothing'!r} is no effort level", hint="levels are 0 to 5")
         return int(level)

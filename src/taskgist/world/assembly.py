@@ -4,23 +4,27 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
 import numpy as np
 
+from taskgist.common.arrays import Indices
+from taskgist.common.files import shown_path
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.bodies.agent import SEEN_MASK, Agent, legs_for, resolve_agent, standing_height_m
+from taskgist.settings import DEFAULT, Limits
+from taskgist.world.bodies.agent import SEEN_MASK, Agent, legs_for, resolve_agent, standing_height_m, subtree
 from taskgist.world.bodies.hands import add_ghosts
 from taskgist.world.bodies.human import HumanSize
+from taskgist.world.bodies.markup import asking_mujoco
 from taskgist.world.bodies.model_files import (
     BUILDERS,
+    PACKAGE,
     body_files,
     builtin_models,
     find_file,
-    is_found_anywhere,
     model_files,
     name_problems,
     read_file,
@@ -48,11 +52,12 @@ STATURE = "stature_m"
 DEFAULT_STATURE_M = 1.75
 
 
-def bundle_from_path(path: Path) -> dict[str, bytes]:
+def bundle_from_path(path: Path, *, limits: Limits = DEFAULT.limits) -> dict[str, bytes]:
     """Gather a scene file and everything that it needs into memory.
 
     Args:
         path: The scene's TOML file.
+        limits: Bounds of what it may hold.
 
     Returns:
         File contents by the names that ``parse_scene_file`` and ``assemble`` look for.
@@ -60,23 +65,26 @@ def bundle_from_path(path: Path) -> dict[str, bytes]:
     Raises:
         SceneError: A file is missing or is no model.
     """
-    text = read_file(path)
-    file = parse_scene_file(text, where=str(path))
+    text = read_file(path, most_bytes=limits.toml_bytes)
+    file = parse_scene_file(text, where=shown_path(path), limits=limits)
     bundle = {SCENE_FILE: text}
     model = find_file(file.model, near=path.parent, where=path, field="scene.model")
-    bundle |= model_files(model, file.model, room=True)
+    bundle |= model_files(model, file.model, room=True, limits=limits)
     for agent in file.agents:
-        bundle |= _profile_files(agent, path.parent, str(path))
+        bundle |= _profile_files(agent, path.parent, str(path), limits)
     return bundle
 
 
-def bundle_from_spec(room: mujoco.MjSpec, file: SceneFile, files: Mapping[str, bytes]) -> dict[str, bytes]:
+def bundle_from_spec(
+    room: mujoco.MjSpec, file: SceneFile, files: Mapping[str, bytes], *, limits: Limits = DEFAULT.limits
+) -> dict[str, bytes]:
     """Gather a room that is a value, its agents, and everything that they need.
 
     Args:
         room: The room's model; it stays as it is.
         file: The scene file; its model's name is that which the room gets in the bundle.
         files: What is not on disk: profiles and models of agents by the names that ``assemble`` looks for.
+        limits: Bounds of what it may hold.
 
     Returns:
         As ``bundle_from_path``.
@@ -87,16 +95,27 @@ def bundle_from_spec(room: mujoco.MjSpec, file: SceneFile, files: Mapping[str, b
     folder = Path(room.modelfiledir)
     bundle = {
         SCENE_FILE: write_scene_file(file),
-        **spec_files(room.copy(), file.model, where=file.where, folder=folder),
+        **spec_files(room.copy(), file.model, where=file.where, folder=folder, limits=limits),
         **files,
     }
     for agent in file.agents:
-        if agent.profile_key not in bundle and agent.profile not in builtin_profiles():
-            bundle |= _profile_files(agent, Path(), file.where)
+        if agent.profile_key not in bundle:
+            bundle |= _profile_files(agent, Path(), file.where, limits)
+        elif agent.model_key not in bundle:
+            bundle |= _package_files(agent, bundle[agent.profile_key], file.where, limits)
     return bundle
 
 
-def _profile_files(agent: AgentEntry, scene_folder: Path, where: str) -> dict[str, bytes]:
+def _package_files(agent: AgentEntry, text: bytes, where: str, limits: Limits) -> dict[str, bytes]:
+    """The model of a profile that is a value, where it is in a package of this machine."""
+    at = f"{where}: {agent.profile_key}"
+    profile = parse_profile(text, where=at, stature_m=agent.body.get(STATURE), limits=limits)
+    if not profile.model.startswith(PACKAGE):
+        return {}
+    return body_files(profile, agent.model_key, prefix=f"{agent.name}_", folder=None, where=at, limits=limits)
+
+
+def _profile_files(agent: AgentEntry, scene_folder: Path, where: str, limits: Limits) -> dict[str, bytes]:
     prefix = f"{agent.name}_"
     if agent.profile in builtin_profiles():
         text, folder, named = builtin_profile_text(agent.profile).encode(), None, f"profile {agent.profile}"
@@ -105,11 +124,12 @@ def _profile_files(agent: AgentEntry, scene_folder: Path, where: str) -> dict[st
         field = f"{where}: agents.{agent.name}"
         if path.suffix != ".toml":
             raise UnknownNameError("profile", agent.profile, builtin_profiles(), where=field)
-        text, folder, named = read_file(path, named_by=f"{field}.profile"), path.parent, str(path)
-    profile = parse_profile(text, where=named, stature_m=agent.body.get(STATURE))
-    files = body_files(profile, agent.model_key, prefix=prefix, folder=folder, where=named)
+        text = read_file(path, named_by=f"{field}.profile", most_bytes=limits.toml_bytes)
+        folder, named = path.parent, shown_path(path)
+    profile = parse_profile(text, where=named, stature_m=agent.body.get(STATURE), limits=limits)
+    files = body_files(profile, agent.model_key, prefix=prefix, folder=folder, where=named, limits=limits)
     if folder is not None and files:  # here, where the file's own name is known
-        spec = read_model(files, agent.model_key, where=named, room=False)
+        spec = read_model(files, agent.model_key, where=named, room=False, limits=limits)
         for problem in name_problems(spec, profile, named):
             raise problem
     return {agent.profile_key: text, **files}
@@ -210,7 +230,10 @@ def _seat_height(model: mujoco.MjModel, data: mujoco.MjData, entry: AgentEntry, 
     return float(height)
 
 
-mujoco.set_mju_user_warning(logging.getLogger("taskgist.world").warning)  # otherwise MuJoCo writes a file of its own
+# Otherwise MuJoCo prints its warnings, and writes a file of its own; with no handler at all, Python prints them.
+_warnings = logging.getLogger("taskgist.world.mujoco")
+_warnings.addHandler(logging.NullHandler())
+mujoco.set_mju_user_warning(_warnings.warning)
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,31 +246,96 @@ class Assembled:
     bundle: dict[str, bytes]
 
 
-def assemble(file: SceneFile, bundle: Mapping[str, bytes]) -> Assembled:
-    """Compile a scene.
+def assemble(file: SceneFile, bundle: Mapping[str, bytes], *, limits: Limits = DEFAULT.limits) -> Assembled:
+    """Compile a scene. No file outside of the bundle is opened, but those that come with taskgist.
 
     Args:
         file: The parsed scene file.
         bundle: Its files by name; built-in profiles and made-to-measure models are added where they are missing.
+        limits: Bounds of what it may hold.
 
     Raises:
-        SceneError: A model does not compile, or an agent cannot be placed.
+        SceneError: A model does not compile, names a file that is not there, is too large, or an agent cannot be
+            placed.
     """
     files = dict(bundle)
-    profiles = {entry.name: _profile(entry, files, file.where) for entry in file.agents}
-    room = _spec(files, file.model, file.where, room=True)
+    _check_bytes(files, file.where, limits)
+    profiles = {entry.name: _profile(entry, files, file.where, limits) for entry in file.agents}
+    room = _spec(files, file.model, file.where, room=True, limits=limits)
     _check_names(file, room)
-    decompose(room, lambda spec: _compile(spec, files, file.where), files, file.where)
+
+    def compiled_room(spec: mujoco.MjSpec) -> mujoco.MjModel:
+        model = _compile(spec, files, file.where)
+        _check_objects(model, file, limits)
+        return model
+
+    decompose(room, compiled_room, files, file.where)
     for entry in file.agents:
-        body = _agent_spec(profiles[entry.name], files, entry, file.where)
+        body = _agent_spec(profiles[entry.name], files, entry, file.where, limits)
         room.assets = body.assets = _assets(files)  # MuJoCo warns if only one of them has any
-        room.attach(body, prefix=f"{entry.name}/", frame=room.worldbody.add_frame())
+        with asking_mujoco(f"put {entry.name!r} into this scene", file.where):
+            room.attach(body, prefix=f"{entry.name}/", frame=room.worldbody.add_frame())
     model = _compile(room, files, file.where)
+    _check_objects(model, file, limits)
     bound_all_shapes(model)
     agents = {
         entry.name: resolve_agent(model, entry.name, profiles[entry.name], _stature(entry)) for entry in file.agents
     }
     return Assembled(model, agents, placed(model, agents, file), files)
+
+
+def _check_bytes(files: Mapping[str, bytes], where: str, limits: Limits) -> None:
+    together = sum(map(len, files.values()))
+    if together > limits.bundle_bytes:
+        hint = f"at most {limits.bundle_bytes:,} bytes are read (setting limits.bundle_bytes)"
+        raise SceneError("the files of this scene are too large", where=where, value=f"{together:,} bytes", hint=hint)
+
+
+def _check_objects(model: mujoco.MjModel, file: SceneFile, limits: Limits) -> None:
+    """Refuse objects that no hand deals with: their surfaces are sampled by the centimetre, shape by shape."""
+    agents = {entry.name for entry in file.agents}
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    for name, body in free_bodies(model, agents).items():
+        if file.objects is not None and name not in file.objects:
+            continue
+        geoms = np.flatnonzero(np.isin(model.geom_bodyid, subtree(model, body)))
+        if len(geoms) > limits.body_shapes:
+            hint = f"at most {limits.body_shapes:,} are read (setting limits.body_shapes): give it a mesh"
+            problem, field = f"{name!r} has too many shapes", f"scene.model {file.model!r}"
+            raise SceneError(problem, where=file.where, field=field, value=len(geoms), hint=hint)
+        extent_m = _extent_m(model, data, body, geoms)
+        if not extent_m <= limits.object_extent_m:
+            hint = (
+                'in millimetres? lengths are in metres: divide sizes by 1000, and give meshes scale="0.001 0.001 0.001"'
+                f" (at most {limits.object_extent_m:g} m: setting limits.object_extent_m)"
+            )
+            problem = f"the box around {name!r} is {extent_m:,.0f} m long"
+            raise SceneError(problem, where=file.where, field=f"scene.model {file.model!r}", hint=hint)
+
+
+def _extent_m(model: mujoco.MjModel, data: mujoco.MjData, body: int, geoms: Indices) -> float:
+    """Longest edge of the box around a body's shapes, in the body's own frame; planes apart."""
+    geoms = geoms[model.geom_rbound[geoms] > 0]
+    if not len(geoms):
+        return 0.0
+    frame = data.xmat[body].reshape(3, 3)
+    turns = frame.T @ data.geom_xmat[geoms].reshape(-1, 3, 3)
+    centers, halves = model.geom_aabb[geoms, :3], model.geom_aabb[geoms, 3:]
+    middles = (data.geom_xpos[geoms] - data.xpos[body]) @ frame + np.einsum("nij,nj->ni", turns, centers)
+    reach = np.einsum("nij,nj->ni", np.abs(turns), halves)
+    return float(((middles + reach).max(axis=0) - (middles - reach).min(axis=0)).max())
+
+
+def free_bodies(model: mujoco.MjModel, agents: Collection[str]) -> dict[str, int]:
+    """Every body that moves freely and is no agent's, by name."""
+    return {
+        str(model.body(b).name): b
+        for b in range(1, model.nbody)
+        if model.body_jntnum[b] == 1
+        and int(model.jnt_type[model.body_jntadr[b]]) == int(mujoco.mjtJoint.mjJNT_FREE)
+        and str(model.body(b).name).partition("/")[0] not in agents
+    }
 
 
 def _check_names(file: SceneFile, room: mujoco.MjSpec) -> None:
@@ -265,27 +353,30 @@ def _stature(entry: AgentEntry) -> float:
     return entry.body.get(STATURE, DEFAULT_STATURE_M)
 
 
-def _profile(entry: AgentEntry, files: dict[str, bytes], where: str) -> AgentProfile:
+def _profile(entry: AgentEntry, files: dict[str, bytes], where: str, limits: Limits) -> AgentProfile:
     if entry.profile_key not in files:
+        if entry.profile not in builtin_profiles():
+            raise _outside("profile", entry.profile, builtin_profiles(), f"{where}: agents.{entry.name}")
         files[entry.profile_key] = builtin_profile_text(entry.profile).encode()
     at = f"{where}: {entry.profile_key}"
-    profile = parse_profile(files[entry.profile_key], where=at, stature_m=_stature(entry))
+    profile = parse_profile(files[entry.profile_key], where=at, stature_m=_stature(entry), limits=limits)
     if entry.body and profile.model not in BUILDERS:
         hint = "only made-to-measure bodies have sizes: leave them out"
         field, given = f"agents.{entry.name}.body", ", ".join(entry.body)
         raise SceneError(f"the body of {profile.name!r} is as it is", where=where, field=field, value=given, hint=hint)
     if entry.model_key not in files:
-        files |= _model(profile, entry, where)
+        if profile.model not in builtin_models():
+            raise _outside("model", profile.model, builtin_models(), at)
+        size = _size(entry, where) if profile.model in BUILDERS else None
+        files |= body_files(
+            profile, entry.model_key, prefix=f"{entry.name}_", folder=None, where=at, size=size, limits=limits
+        )
     return profile
 
 
-def _model(profile: AgentProfile, entry: AgentEntry, where: str) -> dict[str, bytes]:
-    """The files of a model that did not come with the scene."""
-    at = f"{where}: {entry.profile_key}"
-    if not is_found_anywhere(profile.model):
-        raise UnknownNameError("model", profile.model, builtin_models(), where=at)
-    size = _size(entry, where) if profile.model in BUILDERS else None
-    return body_files(profile, entry.model_key, prefix=f"{entry.name}_", folder=None, where=at, size=size)
+def _outside(kind: str, name: str, known: Collection[str], where: str) -> UnknownNameError:
+    """What a bundle names, and neither holds nor finds in taskgist; on this machine it is not looked for."""
+    return UnknownNameError(f"{kind} among the scene's own files", name, known, where=where)
 
 
 def _size(entry: AgentEntry, where: str) -> HumanSize:
@@ -297,16 +388,22 @@ def _size(entry: AgentEntry, where: str) -> HumanSize:
         raise
 
 
-def _spec(files: dict[str, bytes], name: str, where: str, *, room: bool) -> mujoco.MjSpec:
-    spec = read_model(files, name, where=where, room=room)
+def _spec(files: dict[str, bytes], name: str, where: str, *, room: bool, limits: Limits) -> mujoco.MjSpec:
+    spec = read_model(files, name, where=where, room=room, limits=limits)
     for problem in size_problems(spec, f"{where}: {name}"):
         raise problem
     return spec
 
 
-def _agent_spec(profile: AgentProfile, files: dict[str, bytes], entry: AgentEntry, where: str) -> mujoco.MjSpec:
+def _agent_spec(
+    profile: AgentProfile, files: dict[str, bytes], entry: AgentEntry, where: str, limits: Limits
+) -> mujoco.MjSpec:
     """An agent's model with all that reasoning needs: a base that is free to move, frames, and shapes of grasps."""
-    spec = _spec(files, entry.model_key, entry.name, room=False)
+    spec = _spec(files, entry.model_key, entry.name, room=False, limits=limits)
+    if len(spec.geoms) > limits.body_shapes:
+        hint = f"at most {limits.body_shapes:,} are read (setting limits.body_shapes): leave out what is only shown"
+        field = f"{entry.name}: {entry.model_key}"
+        raise SceneError("a body of too many shapes", where=where, field=field, value=len(spec.geoms), hint=hint)
     spec.compiler.balanceinertia = True  # MJCF text of a URDF has lost that; published inertias are often impossible
     for problem in name_problems(spec, profile, f"{where}: {entry.profile_key}"):
         raise problem
@@ -325,10 +422,8 @@ def _agent_spec(profile: AgentProfile, files: dict[str, bytes], entry: AgentEntr
 
 def _compile(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> mujoco.MjModel:
     spec.assets = _assets(files)
-    try:
+    with asking_mujoco("compile this scene", where):
         return spec.compile()
-    except ValueError as error:
-        raise SceneError(f"MuJoCo cannot compile this scene: {error}", where=where) from error
 
 
 def _assets(files: Mapping[str, bytes]) -> dict[str, bytes]:

@@ -23,15 +23,17 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from types import MappingProxyType
 
 import mujoco
 import numpy as np
 
+from taskgist.common.files import shown_path
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.world.assembly import SCENE_FILE, Assembled, assemble, bundle_from_path, bundle_from_spec
+from taskgist.settings import DEFAULT, Limits
+from taskgist.world.assembly import SCENE_FILE, Assembled, assemble, bundle_from_path, bundle_from_spec, free_bodies
 from taskgist.world.bodies.agent import SEEN_GROUPS, Agent, subtree
 from taskgist.world.bodies.hands import GHOST_GROUP
 from taskgist.world.geometry.convex import whole
@@ -66,28 +68,39 @@ class Scene:
     owners: tuple[str, ...]
     _agents: Mapping[str, Agent]
     _objects: Mapping[str, int]
+    _limits: Limits
 
     @classmethod
-    def load(cls, path: str | Path) -> Scene:
-        """Read a scene file.
+    def load(cls, path: str | Path, *, limits: Limits = DEFAULT.limits) -> Scene:
+        """Read a scene file, and the files that it names.
+
+        Args:
+            path: The scene file.
+            limits: What is refused before memory is taken for it.
 
         Raises:
-            SceneError: The file, its model or a profile is missing or cannot be used.
+            SceneError: The file, its model or a profile is missing, too large or cannot be used.
         """
-        return cls.from_bundle(bundle_from_path(Path(path)), where=str(path))
+        return cls.from_bundle(bundle_from_path(Path(path), limits=limits), where=shown_path(Path(path)), limits=limits)
 
     @classmethod
-    def from_bundle(cls, bundle: Mapping[str, bytes], *, where: str = SCENE_FILE) -> Scene:
-        """A scene from its files in memory; ``bundle`` maps relative names to contents, ``scene.toml`` among them.
+    def from_bundle(
+        cls, bundle: Mapping[str, bytes], *, where: str = SCENE_FILE, limits: Limits = DEFAULT.limits
+    ) -> Scene:
+        """A scene from its files in memory. Nothing else is opened, whatever a model among them names.
+
+        Args:
+            bundle: Contents by relative names, ``scene.toml`` among them.
+            where: What the scene comes from, for messages.
+            limits: What is refused before memory is taken for it.
 
         Raises:
-            SceneError: As ``load``.
+            SceneError: As ``load``, or a file that is named is not in the bundle.
         """
         if SCENE_FILE not in bundle:
             raise SceneError("no scene.toml in the scene's files", where=where)
-        file = parse_scene_file(bundle[SCENE_FILE], where=where)
-        assembled = assemble(file, bundle)
-        return _scene(file, assembled)
+        file = parse_scene_file(bundle[SCENE_FILE], where=where, limits=limits)
+        return _scene(file, assemble(file, bundle, limits=limits), limits)
 
     @classmethod
     def from_spec(
@@ -100,6 +113,7 @@ class Scene:
         estimated: Collection[str] = (),
         files: Mapping[str, bytes] | None = None,
         where: str | None = None,
+        limits: Limits = DEFAULT.limits,
     ) -> Scene:
         """A scene made of values: a room as MuJoCo's own specification, and the agents placed in it.
 
@@ -121,6 +135,7 @@ class Scene:
             estimated: Bodies whose place or shape nobody measured.
             files: Profiles (``NAME.profile.toml``) and models (``NAME.model.xml``) of agents that are not on disk.
             where: What the scene comes from, for messages; default: its name.
+            limits: What is refused before memory is taken for it.
 
         Raises:
             SceneError: As ``load``.
@@ -128,10 +143,11 @@ class Scene:
         where = name if where is None else where
         chosen = None if objects is None else tuple(objects)
         file = SceneFile(name, ROOM_FILE, chosen, tuple(estimated), tuple(agents), where)
-        return cls.from_bundle(bundle_from_spec(room, file, files or {}), where=where)
+        bundle = bundle_from_spec(room, file, files or {}, limits=limits)
+        return cls.from_bundle(bundle, where=where, limits=limits)
 
     def __reduce__(self) -> tuple[object, ...]:
-        return Scene.from_bundle, (dict(self.bundle),)
+        return partial(Scene.from_bundle, limits=self._limits), (dict(self.bundle),)
 
     @property
     def agents(self) -> tuple[str, ...]:
@@ -289,7 +305,7 @@ class Scene:
         return tuple(self.agent(agent).parts)
 
 
-def _scene(file: SceneFile, assembled: Assembled) -> Scene:
+def _scene(file: SceneFile, assembled: Assembled, limits: Limits) -> Scene:
     model = assembled.model
     objects = _objects(file, model, set(assembled.agents))
     bodies = {str(model.body(b).name) for b in range(1, model.nbody)}
@@ -305,17 +321,12 @@ def _scene(file: SceneFile, assembled: Assembled) -> Scene:
         owners=_owners(model, set(assembled.agents), set(objects)),
         _agents=MappingProxyType(assembled.agents),
         _objects=MappingProxyType(objects),
+        _limits=limits,
     )
 
 
 def _objects(file: SceneFile, model: mujoco.MjModel, agents: set[str]) -> dict[str, int]:
-    free = {
-        str(model.body(b).name): b
-        for b in range(1, model.nbody)
-        if model.body_jntnum[b] == 1
-        and int(model.jnt_type[model.body_jntadr[b]]) == int(mujoco.mjtJoint.mjJNT_FREE)
-        and str(model.body(b).name).partition("/")[0] not in agents
-    }
+    free = free_bodies(model, agents)
     if "" in free:
         hint = "give every body with a free joint a name"
         raise SceneError("an object without a name", where=file.where, field="scene.model", hint=hint)

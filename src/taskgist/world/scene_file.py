@@ -16,6 +16,7 @@ import tomli_w
 
 from taskgist.common.toml import TomlTable
 from taskgist.errors import SceneError
+from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.profile import Posture, read_posture
 
 SCENE_KEYS = {"name", "model", "objects", "estimated"}
@@ -83,17 +84,17 @@ class SceneFile:
     where: str = field(compare=False)
 
 
-def parse_scene_file(text: bytes | str, *, where: str) -> SceneFile:
+def parse_scene_file(text: bytes | str, *, where: str, limits: Limits = DEFAULT.limits) -> SceneFile:
     """Read a scene file's text.
 
     Raises:
-        SceneError: Not TOML, or a field is missing, unknown or has a value that cannot be.
+        SceneError: Not TOML, too large, or a field is missing, unknown or has a value that cannot be.
     """
-    document = TomlTable.parse(text, where).only({"scene", "agents"})
+    document = TomlTable.parse(text, where, most_bytes=limits.toml_bytes).only({"scene", "agents"})
     scene = document.table("scene").only(SCENE_KEYS)
     agents = document.table("agents")
     return SceneFile(
-        name=scene.text("name", Path(where).stem),
+        name=scene.name("name", Path(where).stem),
         model=scene.text("model"),
         objects=scene.texts("objects") if "objects" in scene else None,
         estimated=scene.texts("estimated"),

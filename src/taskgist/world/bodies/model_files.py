@@ -15,9 +15,13 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from taskgist.common.files import read_whole
 from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, SceneError, UnknownNameError
+from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.human import HumanSize, human_mjcf
+from taskgist.world.bodies.markup import asking_mujoco, parse_markup
+from taskgist.world.bodies.mjcf import from_files, from_folder, read_mjcf
 from taskgist.world.bodies.profile import AgentProfile, Arm
 from taskgist.world.bodies.urdf import Shapes, flat_name, read_urdf
 
@@ -85,6 +89,11 @@ def _frame_problems(
 
 def _joint_problems(spec: mujoco.MjSpec, profile: AgentProfile, where: str) -> Iterator[InputError]:
     kinds = {str(joint.name): joint.type for joint in spec.joints if joint.type in (HINGE, SLIDE)}
+    for joint in spec.joints:
+        if joint.type in (HINGE, SLIDE) and not joint.name:
+            hint = "name it in the model: recordings tell joints by their names"
+            body = str(joint.parent.name)
+            yield SceneError("a joint without a name", where=where, field="model", value=f"body {body}", hint=hint)
     for field, name in _joints(profile):
         if name not in (*kinds, UNREADABLE):
             yield UnknownNameError("joint", name, kinds, where=f"{where}: {field}")
@@ -152,7 +161,7 @@ def find_file(uri: str, *, near: Path | None, where: str | Path, field: str) -> 
         return _in_package(uri, near, where, field)
     path = Path(uri.removeprefix(FILE))
     path = path if near is None else near / path
-    if path.is_file():
+    if os.path.lexists(path):  # whether it is a file that can be read is told where it is read
         return path
     raise SceneError("no such file", where=where, field=field, value=str(path), hint="paths are relative to the file")
 
@@ -220,7 +229,14 @@ def builtin_models() -> tuple[str, ...]:
 
 
 def body_files(
-    profile: AgentProfile, key: str, *, prefix: str, folder: Path | None, where: str, size: HumanSize | None = None
+    profile: AgentProfile,
+    key: str,
+    *,
+    prefix: str,
+    folder: Path | None,
+    where: str,
+    size: HumanSize | None = None,
+    limits: Limits = DEFAULT.limits,
 ) -> dict[str, bytes]:
     """The files of an agent's model.
 
@@ -231,6 +247,7 @@ def body_files(
         folder: To which a file is relative; None if the profile is built in.
         where: The profile's file, for messages.
         size: For models that are made to measure; without it, these are left to whoever knows the size.
+        limits: Bounds of what it may hold.
 
     Raises:
         SceneError: A file is missing or is no model.
@@ -241,16 +258,17 @@ def body_files(
         path = _folder() / f"{profile.model}.xml"
     else:
         path = find_file(profile.model, near=folder, where=where, field="model")
-    return model_files(path, key, prefix=prefix, shapes=profile.shapes)
-
-
-def is_found_anywhere(model: str) -> bool:
-    """Whether a model is found without the folder of the file that names it."""
-    return model in builtin_models() or model.startswith(PACKAGE)
+    return model_files(path, key, prefix=prefix, shapes=profile.shapes, limits=limits)
 
 
 def model_files(
-    path: Path, key: str, *, prefix: str = "", shapes: Shapes = "visual", room: bool = False
+    path: Path,
+    key: str,
+    *,
+    prefix: str = "",
+    shapes: Shapes = "visual",
+    room: bool = False,
+    limits: Limits = DEFAULT.limits,
 ) -> dict[str, bytes]:
     """A model as one flat XML document under ``key``, and its meshes under names without folders.
 
@@ -260,31 +278,40 @@ def model_files(
         prefix: Put before the names of meshes.
         shapes: Which shapes of a URDF are seen.
         room: Whether a URDF's root link is the world.
+        limits: Bounds of what it may hold.
 
     Raises:
         SceneError: A file is missing or is no model.
     """
-    text = read_file(path)
+    text = read_file(path, most_bytes=limits.document_bytes)
     if is_urdf(text):
         near = path.parent
         spec, files = read_urdf(
             text,
-            lambda uri: read_file(find_file(uri, near=near, where=path, field="mesh")),
+            lambda uri: read_file(
+                find_file(uri, near=near, where=path, field="mesh"), named_by=str(path), most_bytes=limits.mesh_bytes
+            ),
             where=path,
             prefix=prefix,
             shapes=shapes,
             room=room,
+            limits=limits,
         )
-        return {**files, key: _xml(spec, files, str(path))}
-    try:
-        spec = mujoco.MjSpec.from_file(str(path))
-    except ValueError as error:
-        raise SceneError(f"MuJoCo cannot read this model: {error}", where=path) from error
-    return spec_files(spec, key, where=str(path), prefix=prefix, folder=path.parent)
+    else:
+        root = parse_markup(text, where=path, limits=limits)
+        read = from_folder(path.parent, path, limits=limits)
+        spec, files = read_mjcf(root, read, where=str(path), prefix=prefix, limits=limits)
+    return {**files, key: _xml(spec, files, str(path))}
 
 
 def spec_files(
-    spec: mujoco.MjSpec, key: str, *, where: str, prefix: str = "", folder: Path = Path()
+    spec: mujoco.MjSpec,
+    key: str,
+    *,
+    where: str,
+    prefix: str = "",
+    folder: Path = Path(),
+    limits: Limits = DEFAULT.limits,
 ) -> dict[str, bytes]:
     """A specification as one flat MJCF document under ``key``, and its meshes under names without folders.
 
@@ -294,19 +321,23 @@ def spec_files(
         where: File for error messages.
         prefix: Put before the names of meshes.
         folder: To which files on disk are relative.
+        limits: Bounds of what it may hold.
 
     Raises:
         SceneError: A file is missing, or this is no model.
     """
     given = dict(spec.assets)
     files: dict[str, bytes] = {}
-    for assets, below in ((spec.meshes, spec.meshdir), (spec.textures, spec.texturedir)):
+    kinds = ((spec.meshes, spec.meshdir), (spec.hfields, spec.meshdir), (spec.skins, spec.meshdir))
+    for assets, below in (*kinds, (spec.textures, spec.texturedir)):
         for asset in assets:
             if asset.file:
                 data = given.get(asset.file)
-                data = read_file(folder / below / asset.file, named_by=where) if data is None else bytes(data)
+                path = folder / below / asset.file
                 asset.file = prefix + asset.file.replace("/", "_")
-                files[asset.file] = data
+                files[asset.file] = (
+                    read_file(path, named_by=where, most_bytes=limits.mesh_bytes) if data is None else bytes(data)
+                )
     spec.meshdir = spec.texturedir = ""
     return {**files, key: _xml(spec, files, where)}
 
@@ -315,55 +346,51 @@ def _xml(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> bytes:
     spec.assets = dict(files)
     for problem in size_problems(spec, where):
         raise problem
-    try:
+    with asking_mujoco("read this model", where):
         return str(spec.to_xml()).encode()
-    except ValueError as error:
-        raise SceneError(f"MuJoCo cannot read this model: {error}", where=where) from error
 
 
-def read_model(files: dict[str, bytes], name: str, *, where: str, room: bool) -> mujoco.MjSpec:
-    """A model of a bundle; meshes of a URDF are added to the bundle under the names that MuJoCo asks for.
+def read_model(
+    files: dict[str, bytes], name: str, *, where: str, room: bool, limits: Limits = DEFAULT.limits
+) -> mujoco.MjSpec:
+    """A model of a bundle, which names nothing outside of it.
 
     Args:
-        files: The bundle.
+        files: The bundle; files that the model needs are added under the names that MuJoCo asks for.
         name: Name of the model's document.
         where: File for error messages.
         room: Whether a URDF's root link is the world.
+        limits: Bounds of what it may hold.
 
     Raises:
-        SceneError: It is missing or is no model.
+        SceneError: It is missing or is no model, or it names a file that is not in the bundle.
     """
     if name not in files:
         raise SceneError("no such file", where=where, field="scene.model", value=name)
     where = f"{where}: {name}"
+    read = from_files(files, where)
     if is_urdf(files[name]):
-        spec, meshes = read_urdf(files[name], lambda uri: _mesh(files, uri, where), where=where, room=room)
-        files |= meshes
-        return spec
-    try:
-        return mujoco.MjSpec.from_string(files[name].decode("utf-8"))
-    except (ValueError, UnicodeDecodeError) as error:
-        raise SceneError(f"MuJoCo cannot read this model: {error}", where=where) from error
+        spec, found = read_urdf(
+            files[name],
+            lambda uri: read((uri, flat_name(uri)), "mesh")[1],
+            where=where,
+            room=room,
+            limits=limits,
+        )
+    else:
+        spec, found = read_mjcf(parse_markup(files[name], where=where, limits=limits), read, where=where, limits=limits)
+    files |= found
+    return spec
 
 
-def _mesh(files: Mapping[str, bytes], uri: str, where: str) -> bytes:
-    for name in (uri, flat_name(uri)):
-        if name in files:
-            return files[name]
-    raise SceneError("no such file", where=where, field="mesh", value=uri)
-
-
-def read_file(path: Path, *, named_by: str | None = None) -> bytes:
-    """A file's content.
+def read_file(path: Path, *, named_by: str | None = None, most_bytes: int = DEFAULT.limits.document_bytes) -> bytes:
+    """A regular file's content.
 
     Raises:
-        SceneError: It cannot be read.
+        SceneError: It cannot be read, or is too large.
     """
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        hint = f"named by {named_by}" if named_by else "check the path"
-        raise SceneError(f"cannot be read: {error.strerror}", where=path, hint=hint) from error
+    hint = f"named by {named_by}" if named_by else "check the path"
+    return read_whole(path, most_bytes=most_bytes, error=SceneError, hint=hint)
 
 
 def _folder() -> Path:

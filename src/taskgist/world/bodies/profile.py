@@ -21,6 +21,7 @@ import numpy as np
 
 from taskgist.common.toml import UNREADABLE, Attempts, TomlTable
 from taskgist.errors import InputError, UnknownNameError
+from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.hands import Hand, parse_hand
 from taskgist.world.bodies.urdf import SHAPES, Shapes
 from taskgist.world.geometry.transforms import IDENTITY_WXYZ, multiply
@@ -238,8 +239,8 @@ def _range(table: TomlTable, key: str) -> tuple[float, float]:
     return _radians((low, high))
 
 
-def read_eye(table: TomlTable, attempt: Attempts) -> Eye:
-    """The ``[eye]`` table."""
+def read_eye(table: TomlTable, attempt: Attempts, limits: Limits = DEFAULT.limits) -> Eye:
+    """The ``[eye]`` table; the limits are those of its image."""
     name = "site" if "site" in table else "frame"
     attempt(lambda: table.only({name, *FRAME_FIELDS, "exclude", "fov_deg", "image_px", "gaze_cone_deg"}), table)
     fov_rad = attempt(lambda: _fov_rad(table), (1.0, 1.0))
@@ -251,7 +252,7 @@ def read_eye(table: TomlTable, attempt: Attempts) -> Eye:
         exclude=exclude[0],
         housing=exclude[1:],
         fov_rad=fov_rad,
-        image_px=attempt(lambda: _image_px(table), (1, 1)),
+        image_px=attempt(lambda: _image_px(table, limits), (1, 1)),
         gaze_cone_rad=attempt(lambda: _gaze_cone_rad(table, fov_rad), 1.0),
     )
 
@@ -263,10 +264,13 @@ def _fov_rad(table: TomlTable) -> tuple[float, float]:
     return _radians(fov)
 
 
-def _image_px(table: TomlTable) -> tuple[int, int]:
+def _image_px(table: TomlTable, limits: Limits) -> tuple[int, int]:
     pixels = table.pair("image_px")
     if not all(value >= 1 and value == int(value) for value in pixels):
         raise table.error("an image needs at least one pixel each way", "image_px", pixels, "as [320, 240]")
+    if pixels[0] * pixels[1] > limits.image_pixels:
+        hint = f"at most {limits.image_pixels:,} pixels are cast (setting limits.image_pixels): give fewer each way"
+        raise table.error("an image too large", "image_px", pixels, hint)
     return int(pixels[0]), int(pixels[1])
 
 
@@ -401,19 +405,22 @@ TABLES = {"name", "model", "shapes", "eye", "head", "torso", "posture", "base", 
 RESTS = {"rest_deg", "rest_m"}
 
 
-def parse_profile(text: bytes | str, *, where: str | Path, stature_m: float | None = None) -> AgentProfile:
+def parse_profile(
+    text: bytes | str, *, where: str | Path, stature_m: float | None = None, limits: Limits = DEFAULT.limits
+) -> AgentProfile:
     """Read a profile.
 
     Args:
         text: The TOML document.
         where: File name for error messages.
         stature_m: Stature of the body, for lengths given as a share of it.
+        limits: The largest image of an eye.
 
     Raises:
         SceneError: A field is missing or has a value that cannot be.
         UnknownNameError: There is no such field.
     """
-    profile, problems = examine_profile(text, where=where, stature_m=stature_m)
+    profile, problems = examine_profile(text, where=where, stature_m=stature_m, limits=limits)
     if problems:
         raise problems[0]
     assert profile is not None
@@ -421,7 +428,7 @@ def parse_profile(text: bytes | str, *, where: str | Path, stature_m: float | No
 
 
 def examine_profile(
-    text: bytes | str, *, where: str | Path, stature_m: float | None = None
+    text: bytes | str, *, where: str | Path, stature_m: float | None = None, limits: Limits = DEFAULT.limits
 ) -> tuple[AgentProfile | None, tuple[InputError, ...]]:
     """As ``parse_profile``, with every problem instead of the first one.
 
@@ -430,11 +437,11 @@ def examine_profile(
     """
     attempt = Attempts()
     try:
-        table = TomlTable.parse(text, where)
+        table = TomlTable.parse(text, where, most_bytes=limits.toml_bytes)
     except InputError as error:
         return None, (error,)
     attempt(lambda: table.only(TABLES | RESTS), table)
-    eye = attempt(lambda: read_eye(table.table("eye"), attempt), NO_EYE)
+    eye = attempt(lambda: read_eye(table.table("eye"), attempt, limits), NO_EYE)
     fields = {name: attempt(partial(read, table), otherwise) for name, (read, otherwise) in READERS.items()}
     axes: dict[str, Any] = {key: _axis(table, part, key, attempt) for part, keys in AXES.items() for key in keys}
     no_arms: tuple[TomlTable, ...] = ()
@@ -460,7 +467,7 @@ AXES = {"head": ("pan", "tilt"), "torso": ("turn", "lean")}
 NO_EYE = Eye(Frame(UNREADABLE), UNREADABLE, (), (1.0, 1.0), (1, 1), 1.0)
 
 READERS: dict[str, tuple[Callable[[TomlTable], Any], Any]] = {
-    "name": (lambda table: table.text("name"), UNREADABLE),
+    "name": (lambda table: table.name("name"), UNREADABLE),
     "model": (lambda table: table.text("model"), UNREADABLE),
     "shapes": (read_shapes, "visual"),
     "legs": (lambda table: read_legs(table.table("posture")), Legs()),

@@ -10,6 +10,7 @@ import logging
 import os
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +18,7 @@ import mujoco
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
+from taskgist.common.compiled import compiled
 from taskgist.common.files import writing
 from taskgist.errors import InputError, SceneError
 from taskgist.world.geometry.shapes import hull_planes
@@ -25,8 +27,6 @@ from taskgist.world.geometry.shapes import hull_planes
 
 SAME_M = 1e-6
 """Vertices nearer than this are one: STL files repeat them in every triangle."""
-ROWS = 4096
-"""Faces looked at at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,22 +69,20 @@ def pieces(mesh: Piece) -> list[Piece]:
     return [_outward(_used(mesh, labels == name)) for name in names[np.argsort(-sizes, kind="stable")]]
 
 
-def hollow_m(piece: Piece) -> float:
-    """Depth of a piece's deepest hollow, metres: how far a face lies beneath the convex hull, along its normal.
+def is_hollow(piece: Piece, *, deeper_than_m: float) -> bool:
+    """Whether a piece has a deep hollow: a face that lies so far beneath the convex hull, along its normal.
 
-    Infinite for what is not closed, such as a bowl without thickness, and 0 for what is flat.
+    What is not closed, such as a bowl without thickness, has one; what is flat has none.
     """
     planes = _planes(piece.vertices)
     if planes is None:
-        return 0.0
+        return False
     if not piece.is_closed:
-        return float("inf")
+        return True
     corners = piece.corners
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
-    middles = corners.mean(axis=1)
-    rows = range(0, len(middles), ROWS)
-    return max(float(_exits_m(middles[i : i + ROWS], normals[i : i + ROWS], *planes).max()) for i in rows)
+    return bool(_some_beneath(corners.mean(axis=1), normals, *planes, deeper_than_m))
 
 
 def is_flat(piece: Piece) -> bool:
@@ -92,12 +90,25 @@ def is_flat(piece: Piece) -> bool:
     return _planes(piece.vertices) is None
 
 
-def _exits_m(points: Array, directions: Array, normals: Array, offsets: Array) -> Array:
-    """How far from each point its direction leaves a convex hull, (n,)."""
-    rates, rooms = directions @ normals.T, offsets - points @ normals.T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ways = np.where(rates > 1e-9, rooms / rates, np.inf)
-    return np.asarray(ways.min(axis=1))
+@compiled
+def _some_beneath(points: Array, directions: Array, normals: Array, offsets: Array, limit_m: float) -> bool:
+    """Whether the direction of some point leaves a convex hull farther away than the limit.
+
+    The first plane that a direction crosses sooner settles its point: fine meshes are looked through in no time.
+    """
+    for i in range(len(points)):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        dx, dy, dz = directions[i, 0], directions[i, 1], directions[i, 2]
+        beneath = True
+        for k in range(len(offsets)):
+            nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
+            rate = dx * nx + dy * ny + dz * nz
+            if rate > 1e-9 and offsets[k] - (x * nx + y * ny + z * nz) <= limit_m * rate:
+                beneath = False
+                break
+        if beneath:
+            return True
+    return False
 
 
 def _planes(vertices: Array) -> tuple[Array, Array] | None:
@@ -181,8 +192,9 @@ def parts_text(mesh: Piece, name: str) -> bytes | None:
         name: Its name, for messages.
     """
     kept = cache_folder() / parts_name(mesh)
-    if kept.is_file():
-        return kept.read_bytes()
+    with suppress(OSError):  # else they are found anew
+        if kept.is_file():
+            return kept.read_bytes()
     log.info("mesh %r is concave: cutting it into convex parts, once", name)
     found = _cut(mesh, name)
     if found is None:
@@ -233,7 +245,7 @@ def _cut(mesh: Piece, name: str) -> list[Piece] | None:
     for piece in apart if len(apart) <= MOST_PIECES else [mesh]:
         if is_flat(piece):
             parts.append(_thickened(piece))
-        elif hollow_m(piece) <= limit_m:
+        elif not is_hollow(piece, deeper_than_m=limit_m):
             parts.append(piece)
         else:
             cut = _coacd(piece, limit_m, name)
@@ -327,7 +339,7 @@ def _parts(
 ) -> tuple[str, ...]:
     """Names of the meshes of a concave mesh's parts; none for a convex one."""
     mesh = _mesh(model, name)
-    if hollow_m(mesh) <= tolerance_m(mesh):
+    if not is_hollow(mesh, deeper_than_m=tolerance_m(mesh)):
         return ()
     key = parts_name(mesh)
     text = files[key] if key in files else parts_text(mesh, name)

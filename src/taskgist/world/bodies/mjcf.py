@@ -1,0 +1,316 @@
+"""MJCF documents, with all that they name, as what MuJoCo may read without opening a file.
+
+Includes are put in, and every file that a document names is looked up by whoever has the files: a folder on disk, or
+the bundle of a recording, in which case nothing outside of it is ever opened. MuJoCo is given the text and the files.
+"""
+
+from __future__ import annotations
+
+import math
+import posixpath
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import mujoco
+
+from taskgist.common.files import read_whole
+from taskgist.errors import SceneError
+from taskgist.settings import DEFAULT, Limits
+from taskgist.world.bodies.markup import Marked, asking_mujoco, check_values, located, parse_markup, written
+from taskgist.world.bodies.meshes import check_mesh, image_pixels
+
+Read = Callable[[Sequence[str], str], tuple[str, bytes]]
+"""Gives the first of several files that is there, by paths relative to the model: its path and content.
+
+The text is the element and attribute that name it, for messages.
+"""
+
+
+def from_folder(folder: Path, where: str | Path, *, limits: Limits = DEFAULT.limits) -> Read:
+    """Files on disk, as a user's own scene names them.
+
+    Args:
+        folder: The folder of the model.
+        where: The model's file, for messages.
+        limits: The largest file.
+    """
+
+    def read(names: Sequence[str], named_by: str) -> tuple[str, bytes]:
+        for name in names:
+            path = folder / name
+            if path.is_file() or name == names[-1]:
+                break
+        hint = f"named by {where}: {named_by}"
+        return name, read_whole(path, most_bytes=limits.mesh_bytes, error=SceneError, hint=hint)
+
+    return read
+
+
+def from_files(files: Mapping[str, bytes], where: str | Path) -> Read:
+    """Files of a bundle, and nothing else, whatever a stranger's model names."""
+
+    def read(names: Sequence[str], named_by: str) -> tuple[str, bytes]:
+        for name in names:
+            if name in files:
+                return name, files[name]
+        hint = "a scene in a recording holds all its files, and nothing outside of it is opened"
+        raise SceneError(
+            "names a file that is not among the scene's own", where=where, field=named_by, value=names[0], hint=hint
+        )
+
+    return read
+
+
+def read_mjcf(
+    root: Marked, read: Read, *, where: str, prefix: str = "", limits: Limits = DEFAULT.limits
+) -> tuple[mujoco.MjSpec, dict[str, bytes]]:
+    """A document as a MuJoCo specification.
+
+    Args:
+        root: The document; changed.
+        read: Gives the files that it names.
+        where: File for error messages.
+        prefix: Put before the names of its files.
+        limits: Bounds of what it may ask for.
+
+    Returns:
+        The specification, and the files that it needs, by names without folders.
+
+    Raises:
+        SceneError: It is no model, names a file that cannot be read, or asks for too much.
+    """
+    if root.tag != "mujoco":
+        raise SceneError("not a model", where=where, field=root.tag, hint="its root element is <mujoco> or <robot>")
+    gathered = _Gathered(read, where, prefix, limits)
+    text = gathered.document(root, "", ())
+    if gathered.pixels > limits.texture_pixels:
+        hint = f"at most {limits.texture_pixels:,} are read (setting limits.texture_pixels)"
+        raise SceneError("textures too large", where=where, value=f"{gathered.pixels:,} pixels", hint=hint)
+    with asking_mujoco("read this model", where):
+        spec = mujoco.MjSpec.from_string(text, include=gathered.models, assets=gathered.files)
+    spec.comment = root.comment
+    return spec, gathered.files
+
+
+FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
+MOST_ATTACHED = 10
+NAMED_BY_FILE = ("mesh", "texture", "hfield")
+"""Elements that are called after their file where nothing else is said."""
+
+
+@dataclass
+class _Gathered:
+    """The documents and files of a model, as far as they were found.
+
+    Attributes:
+        files: Meshes, textures and the like, by names without folders.
+        models: Documents of models that are attached, likewise.
+        pixels: Of all textures together.
+    """
+
+    read: Read
+    where: str
+    prefix: str
+    limits: Limits
+    files: dict[str, bytes] = field(default_factory=dict)
+    models: dict[str, bytes] = field(default_factory=dict)
+    pixels: int = 0
+    _names: dict[str, str] = field(default_factory=dict)
+    _sizes: dict[str, int] = field(default_factory=dict)
+
+    def document(self, root: Marked, folder: str, trail: tuple[str, ...]) -> str:
+        """The text of a document that names nothing but ``files`` and ``models``; these are added.
+
+        Args:
+            root: The document; changed.
+            folder: Where it lies, relative to the whole model.
+            trail: The documents that led to it.
+        """
+        origins = self._include(root, folder)
+        check_values(root, where=self.where)
+        for element in root.iter():
+            for key, pixels in _asked(element):
+                self._check_asked(element, key, pixels)
+        dirs = _directories(root)
+        for element in list(root.iter()):
+            if element.tag == "model":
+                self._model(element, folder, trail)
+            elif element.tag != "compiler":
+                for key in [key for key in element.attrib if key.startswith("file")]:
+                    self._file(element, key, folder, origins.get(element, folder), dirs)
+        self._check_count(root, trail)
+        return written(root)
+
+    def _include(self, root: Marked, folder: str) -> dict[Element, str]:
+        """Put included documents in the place of what includes them, each once.
+
+        Returns:
+            The folder of every element that was included.
+        """
+        origins: dict[Element, str] = {}
+        seen: set[str] = set()
+        rest: list[Element] = [root]
+        while rest:
+            parent = rest.pop()
+            while (index := next((i for i, each in enumerate(parent) if each.tag == "include"), None)) is not None:
+                element = parent[index]
+                origin = origins.get(element, folder)
+                names = [_joined(at, element.get("file", "")) for at in dict.fromkeys((folder, origin))]
+                name, data = self.read(names, f"file of {element!r}")
+                if name in seen:
+                    raise located(element, "file", "is included twice", name, self.where, "include it once")
+                seen.add(name)
+                inner = parse_markup(data, where=name, limits=self.limits)
+                for each in inner.iter():
+                    assert isinstance(each, Marked)
+                    origins[each], each.line = posixpath.dirname(name), 0
+                self._check_few(len(origins))
+                parent[index : index + 1] = list(inner)
+            rest += parent
+        return origins
+
+    def _model(self, element: Element, folder: str, trail: tuple[str, ...]) -> None:
+        """A model that is attached becomes a document of its own."""
+        if "file" not in element.attrib:
+            return
+        name, data = self.read([_joined(folder, element.get("file", ""))], f"file of {element!r}")
+        if name in trail or len(trail) >= MOST_ATTACHED:
+            hint = f"at most {MOST_ATTACHED} are read, each attached to the next"
+            raise located(element, "file", "a model that attaches itself, or too many others", name, self.where, hint)
+        flat = self._flat(name)
+        if flat not in self.models:
+            child = parse_markup(data, where=name, limits=self.limits)
+            self.models[flat] = self.document(child, posixpath.dirname(name), (*trail, name)).encode()
+        element.set("file", flat)
+
+    def _file(self, element: Element, key: str, folder: str, origin: str, dirs: _Directories) -> None:
+        given = element.get(key, "").replace("\\", "/")
+        if not given:
+            return
+        given = posixpath.basename(given) if dirs.strip else given
+        below = dirs.textures if element.tag == "texture" else dirs.meshes
+        names = [_joined(posixpath.join(at, below), given) for at in dict.fromkeys((folder, origin))]
+        name, data = self.read(names, f"{key} of {element!r}")
+        flat = self._flat(name, given)
+        if flat not in self.files:
+            self.files[flat] = data
+            if element.tag in ("mesh", "flexcomp"):
+                kind = element.get("content_type", "")
+                check_mesh(data, name, where=self.where, kind=kind, limits=self.limits)
+            elif element.tag in ("texture", "hfield"):
+                self.pixels += image_pixels(data)
+        element.set(key, flat)
+        if element.tag in NAMED_BY_FILE and key == "file" and not element.get("name"):
+            element.set("name", posixpath.splitext(posixpath.basename(given))[0])
+
+    def _flat(self, name: str, given: str | None = None) -> str:
+        """A name without folders for a file, the same for the same file and for no other."""
+        if name not in self._names:
+            flat = self.prefix + (name if given is None else given).replace("/", "_")
+            taken = set(self._names.values())
+            self._names[name] = next(
+                each for each in (flat, *(f"{i}_{flat}" for i in range(1, len(taken) + 2))) if each not in taken
+            )
+        return self._names[name]
+
+    def _check_asked(self, element: Element, key: str, asked: float) -> None:
+        bound = self.limits.arena_bytes if key == "memory" else self.limits.array_length
+        setting = "arena_bytes" if key == "memory" else "array_length"
+        if element.tag in ("texture", "hfield"):
+            bound, setting = self.limits.texture_pixels, "texture_pixels"
+            self.pixels += int(min(asked, bound))
+        if not asked <= bound:
+            hint = f"at most {bound:,} (setting limits.{setting})"
+            raise located(element, key, "asks for too much memory", element.get(key), self.where, hint)
+
+    def _check_count(self, root: Marked, trail: tuple[str, ...]) -> None:
+        """Refuse what becomes too many elements when it is repeated and attached."""
+        count = 0.0
+        rest: list[tuple[Element, float]] = [(root, 1.0)]
+        while rest:
+            element, times = rest.pop()
+            times *= _copies(element)
+            attached = sum(self._sizes.values()) if element.tag == "attach" else 0
+            count += times * (1 + attached)
+            rest += ((each, times) for each in element)
+        self._check_few(count)
+        self._sizes[trail[-1] if trail else ""] = int(count)
+
+    def _check_few(self, count: float) -> None:
+        if not count <= self.limits.model_elements:
+            hint = f"at most {self.limits.model_elements:,} are read (setting limits.model_elements)"
+            raise SceneError("too many elements", where=self.where, value=f"{count:,.0f}", hint=hint)
+
+
+@dataclass(frozen=True)
+class _Directories:
+    """Where a document looks for its files."""
+
+    meshes: str
+    textures: str
+    strip: bool
+
+
+def _directories(root: Element) -> _Directories:
+    """What the document's ``<compiler>`` elements say, which is taken out of them: the last one counts."""
+    said: dict[str, str] = {}
+    for compiler in root.iter("compiler"):
+        for key in FOLDERS:
+            if key in compiler.attrib:
+                said[key] = compiler.attrib.pop(key).replace("\\", "/")
+    both = said.get("assetdir", "")
+    return _Directories(
+        said.get("meshdir", both), said.get("texturedir", both), said.get("strippath", "").lower() == "true"
+    )
+
+
+def _joined(folder: str, name: str) -> str:
+    """A path relative to a folder, without detours."""
+    return posixpath.normpath(posixpath.join(folder, name.replace("\\", "/"))) if name else name
+
+
+# --- What a document asks MuJoCo to make room for.
+
+SHAPED = {"texture": ("width", "height"), "hfield": ("nrow", "ncol"), "camera": ("resolution",)}
+LENGTHS = frozenset({"nsample", "njmax", "nconmax", "nstack", "nuserdata", "nkey"})
+UNITS = {"K": 2**10, "M": 2**20, "G": 2**30, "T": 2**40, "P": 2**50, "E": 2**60}
+
+
+def _asked(element: Element) -> Iterator[tuple[str, float]]:
+    """Attributes of an element that make MuJoCo allocate, and how much."""
+    keys = SHAPED.get(element.tag, ())
+    present = [key for key in keys if key in element.attrib]
+    if present:
+        yield present[0], math.prod(_product(element.get(key, "")) for key in present)
+    for key in element.attrib:
+        if key in LENGTHS:
+            yield key, _product(element.get(key, ""))
+        elif key.startswith("nuser_"):  # so many for every element, of which there may be thousands
+            yield key, 1000 * _product(element.get(key, ""))
+    if element.tag == "mesh" and "params" in element.attrib:  # steps along two directions, for meshes that are made
+        steps = max(map(_product, element.get("params", "").split()), default=0.0)
+        yield "params", steps**2
+    if element.tag == "numeric" and "size" in element.attrib:
+        yield "size", _product(element.get("size", ""))
+    if element.tag == "user" and "dim" in element.attrib:
+        yield "dim", _product(element.get("dim", ""))
+    if element.tag == "size" and "memory" in element.attrib:
+        memory = element.get("memory", "").strip()
+        yield "memory", _product(memory.rstrip("KMGTPEkmgtpe")) * UNITS.get(memory[-1:].upper(), 1)
+
+
+def _product(text: str) -> float:
+    """Product of the numbers of an attribute; 0 for what is none, which MuJoCo refuses itself."""
+    try:
+        return math.prod(abs(float(token)) for token in text.split())
+    except ValueError:
+        return 0.0
+
+
+def _copies(element: Element) -> float:
+    """How many there will be of what an element holds."""
+    if element.tag in ("replicate", "composite", "flexcomp"):
+        return max(1.0, _product(element.get("count", "1")))
+    return 1.0
