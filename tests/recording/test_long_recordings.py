@@ -69,12 +69,12 @@ def bytes_per_frame(work: Callable[[int], object]) -> float:
 
 def test_reading_holds_half_a_number_for_each(files: dict[int, Path]) -> None:
     """A message has some 6 kB of text, a frame nq numbers; packed they have four bytes each."""
-    assert bytes_per_frame(lambda frames: read(files[frames])) < 4 * room().nq + 150
+    assert bytes_per_frame(lambda frames: read(files[frames])) < 4 * room().nq + 300
 
 
 def test_writing_holds_nothing_but_the_index(tmp_path: Path) -> None:
     long = {frames: repeated(frames) for frames in (SHORT, LONG)}
-    assert bytes_per_frame(lambda frames: write(long[frames], tmp_path / "out.mcap")) < 150
+    assert bytes_per_frame(lambda frames: write(long[frames], tmp_path / "out.mcap")) < 400
 
 
 def test_labelling_holds_what_reading_holds(files: dict[int, Path]) -> None:
@@ -83,7 +83,7 @@ def test_labelling_holds_what_reading_holds(files: dict[int, Path]) -> None:
     def renamed(frames: int) -> None:
         relabel(files[frames], lambda _: dataclasses.replace(LABEL, task=f"task {next(tasks)}"))
 
-    assert bytes_per_frame(renamed) < 4 * room().nq + 150
+    assert bytes_per_frame(renamed) < 4 * room().nq + 300
 
 
 def test_watching_holds_times_and_no_more(files: dict[int, Path]) -> None:
