@@ -273,7 +273,7 @@ def assemble(file: SceneFile, bundle: Mapping[str, bytes], *, limits: Limits = D
     for entry in file.agents:
         body = _agent_spec(profiles[entry.name], files, entry, file.where, limits)
         room.assets = body.assets = _assets(files)  # MuJoCo warns if only one of them has any
-        with asking_mujoco(f"put {entry.name!r} into this scene", file.where):
+        with asking_mujoco(f"MuJoCo cannot put {entry.name!r} into this scene:", file.where):
             room.attach(body, prefix=f"{entry.name}/", frame=room.worldbody.add_frame())
     model = _compile(room, files, file.where)
     _check_objects(model, file, limits)
@@ -422,7 +422,7 @@ def _agent_spec(
 
 def _compile(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> mujoco.MjModel:
     spec.assets = _assets(files)
-    with asking_mujoco("compile this scene", where):
+    with asking_mujoco("MuJoCo cannot compile this scene:", where):
         return spec.compile()
 
 

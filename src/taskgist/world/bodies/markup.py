@@ -205,11 +205,11 @@ def _fits(token: str) -> bool:
 
 
 @contextmanager
-def asking_mujoco(to: str, where: str | Path) -> Iterator[None]:
+def asking_mujoco(problem: str, where: str | Path) -> Iterator[None]:
     """Let what MuJoCo says against a model come inside of ours.
 
     Args:
-        to: What it is asked to do, such as "read this model".
+        problem: What to say before its own words, such as "MuJoCo cannot read this model:".
         where: File for error messages.
 
     Raises:
@@ -219,7 +219,7 @@ def asking_mujoco(to: str, where: str | Path) -> Iterator[None]:
         yield
     except Exception as error:  # of several kinds, and whatever its C++ throws on strange models
         told = str(error).strip() or type(error).__name__
-        raise SceneError(f"MuJoCo cannot {to}: {told}", where=where) from error
+        raise SceneError(f"{problem} {told}", where=where) from error
 
 
 def located(

@@ -88,7 +88,7 @@ def read_mjcf(
     if gathered.pixels > limits.texture_pixels:
         hint = f"at most {limits.texture_pixels:,} are read (setting limits.texture_pixels)"
         raise SceneError("textures too large", where=where, value=f"{gathered.pixels:,} pixels", hint=hint)
-    with asking_mujoco("read this model", where):
+    with asking_mujoco("MuJoCo cannot read this model:", where):
         spec = mujoco.MjSpec.from_string(text, include=gathered.models, assets=gathered.files)
     spec.comment = root.comment
     return spec, gathered.files

@@ -346,7 +346,7 @@ def _xml(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> bytes:
     spec.assets = dict(files)
     for problem in size_problems(spec, where):
         raise problem
-    with asking_mujoco("read this model", where):
+    with asking_mujoco("MuJoCo cannot read this model:", where):
         return str(spec.to_xml()).encode()
 
 

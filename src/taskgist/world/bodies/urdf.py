@@ -82,7 +82,7 @@ def read_urdf(
         _call_root_world(robot, where)
     files = _gather_meshes(robot, read, where, prefix, limits)
     _set_compiler(robot)
-    with asking_mujoco("read this URDF", where):
+    with asking_mujoco("MuJoCo cannot read this URDF:", where):
         spec = mujoco.MjSpec.from_string(written(robot), assets=files)
     _group(spec)
     return spec, files
