@@ -285,7 +285,7 @@ CASES: dict[str, list[str]] = {
         "; restore it from a copy",
     ],
     "learn sound.json -k room.xml": ["room.xml: cannot be used as knowledge: file is not a database; give a knowledge"],
-    "learn good.mcap -k nowhere/k.db": ["nowhere/k.db: cannot be written: No such file", "; make its folder first"],
+    "learn good.mcap -k nowhere/k.db": ["nowhere/k.db: cannot be written: ", NO_FOLDER],
     "learn good.mcap -k empty": ["empty: cannot be knowledge: it is a folder; name a file"],
     "explain show -k none.db": ["none.db: no such knowledge file; learn something first"],
     "explain show -k settings.db": ["settings.db: made with settings ", "learn anew"],
@@ -352,7 +352,7 @@ def test_folders_that_may_not_be_written_to(sound: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr(
         os, "access", lambda _path, mode: mode != os.W_OK
     )  # whoever runs the tests may be allowed everything
-    assert "new.db: cannot be written: Permission denied; name a file" in refusal("learn good.mcap -k new.db", sound)
+    assert "new.db: cannot be written: the folder '.' is read-only; name a file" in refusal("learn good.mcap -k new.db", sound)
     for line in (
         "see good.mcap --agent P2 -o new.png",
         "import map_sound.toml -o new.mcap",

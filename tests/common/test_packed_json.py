@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from taskgist.common.packed_json import read_packed_json
+from taskgist.common.documents import read_packed_json
 from taskgist.errors import InputError
 
 MOST = 2**16

@@ -11,15 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from taskgist.common import columns
 from taskgist.observe import Observer, carrying, observer
 from taskgist.observe import frames as frames_module
 from taskgist.pipeline import check
-from taskgist.recording import Recording, container, foxglove, mcap, read, relabel, write
+from taskgist.recording import Recording, columns, container, foxglove, mcap, read, relabel, write
 from taskgist.recording import recording as recorded
 from tests.importing.recordings import LABEL, recording, room
 
-SHORT, LONG = 100, 400
+SHORT, LONG = 400, 1200
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -136,7 +136,7 @@ def test_nothing_is_explained_for_knowledge_that_cannot_be_added_to(monkeypatch:
         "pipe": "pipe: cannot be knowledge: it is a pipe; name a file",
         "folder": "folder: cannot be knowledge: it is a folder; name a file",
         "/dev/null": "/dev/null: cannot be knowledge: it is a device; name a file",
-        "nowhere/k.db": "nowhere/k.db: cannot be written: No such file or directory; make its folder first",
+        "nowhere/k.db": "nowhere/k.db: cannot be written: there is no folder 'nowhere'; name a file",
         "birds.db": "birds.db: a database, but not of taskgist",
         "postgresql://localhost:1/x": "the server cannot be reached",
     }.items():

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taskgist.common.toml import UNPRINTABLE
+from taskgist.common.text import UNSEEN
 from taskgist.errors import SceneError
 from taskgist.world import AgentEntry, Scene, Stage
 from taskgist.world.scene_file import SceneFile, parse_scene_file, write_scene_file
@@ -22,7 +22,7 @@ AWKWARD = 'say "hi" & <b> = \\ [agents]'
 CORNERS = np.array([(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)], dtype=float)
 FACES = np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
 
-texts = st.text(min_size=1, max_size=8).filter(lambda text: not UNPRINTABLE.search(text))
+texts = st.text(min_size=1, max_size=8).filter(lambda text: not UNSEEN.search(text))
 numbers = st.integers(-(10**9), 10**9).map(lambda number: number / 10**6)
 tables = st.dictionaries(texts, numbers, max_size=2)
 

@@ -240,6 +240,7 @@ def read_whole(
     path: Path,
     *,
     most_bytes: int,
+    setting: str = "document_bytes",
     error: type[InputError] = InputError,
     hint: str = "check the path",
     is_input: bool = True,
@@ -249,6 +250,7 @@ def read_whole(
     Args:
         path: The file.
         most_bytes: It may not be larger.
+        setting: The limit that says so, for the message.
         error: The class of the errors.
         hint: The way out if it is not there.
         is_input: As ``reading`` has it.
@@ -263,7 +265,7 @@ def read_whole(
                 "is too large",
                 where=path,
                 value=f"{size:,} bytes",
-                hint=f"at most {most_bytes:,} bytes are read (setting limits.document_bytes)",
+                hint=f"at most {most_bytes:,} bytes are read (setting limits.{setting})",
             )
         return stream.read(most_bytes)
 

@@ -1,18 +1,41 @@
-"""Text that others wrote, as a terminal may show it: nothing in it is a command to the terminal."""
+"""Text that others wrote: how a terminal may show it, and what is a name.
+
+Characters that move the cursor, that turn the direction of writing around, or that are halves of others are not seen.
+No name holds them, and a terminal is shown them as escapes, so that nothing in a text is a command to it.
+
+Unicode writes an accented letter as one character or as two, and editors leave spaces at the ends; neither makes
+another name.
+"""
 
 from __future__ import annotations
 
 import re
+import unicodedata
 
-COMMANDS = re.compile(
-    "[\0-\x08\x0b-\x1f\x7f-\x9f"  # control characters, but for tabulators and ends of lines
-    "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # what turns the direction of the text around
-    "\u2028\u2029\ud800-\udfff]"  # ends of lines that few know; halves of characters
-)
+DIRECTIONS = "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"
+"""Marks that turn the direction of the text around them."""
+ENDS = "\u2028\u2029"
+"""Ends of lines and paragraphs that few know."""
+HALVES = "\ud800-\udfff"
+UNSEEN = re.compile(f"[\0-\x1f\x7f-\x9f{DIRECTIONS}{ENDS}{HALVES}]")
+"""What no name holds."""
+COMMANDS = re.compile(f"[\0-\x08\x0b-\x1f\x7f-\x9f{DIRECTIONS}{ENDS}{HALVES}]")
+"""The same in running text, which holds tabulators and ends of lines."""
+
+
+def clean_name(text: str) -> str:
+    """The one spelling of a name: composed (NFC), without spaces at its ends, without what is not seen."""
+    return unicodedata.normalize("NFC", UNSEEN.sub("", text)).strip()
+
+
+def unseen_in(text: str) -> str | None:
+    """The first character of a text that no name holds; None if there is none."""
+    found = UNSEEN.search(text)
+    return found[0] if found else None
 
 
 def escaped(text: str) -> str:
-    r"""Text with each of these characters as ``\x1b`` or ``\u202e``."""
+    r"""Running text with each character that is not seen as ``\x1b`` or ``\u202e``."""
     return COMMANDS.sub(lambda found: _escape(ord(found[0])), text)
 
 

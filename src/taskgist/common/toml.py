@@ -13,7 +13,6 @@ A ``TomlTable`` hands out typed values and refuses fields that are not known::
 from __future__ import annotations
 
 import math
-import re
 import sys
 import tomllib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
@@ -21,15 +20,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
+from taskgist.common.text import COMMANDS, UNSEEN
 from taskgist.errors import InputError, SceneError, UnknownNameError, allowed_names
 
 T = TypeVar("T")
 REQUIRED: Any = object()
 """Stands for the default of a field that has none."""
-UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
-"""Control characters, and those that turn the direction of text: no name holds them."""
-IN_TEXTS = "\t\n\r"
-"""Control characters that longer texts, such as notes, do hold."""
 UNREADABLE = ""
 """Stands for a name that could not be read: no document can give it, as texts are not empty."""
 COUNTS = {2: "two", 3: "three", 4: "four"}
@@ -70,7 +66,7 @@ def parse_toml(
         hint = f"at most {most_bytes:,} bytes are read (setting limits.toml_bytes)"
         raise error("is too large", where=where, value=f"{len(data):,} bytes", hint=hint)
     try:
-        return tomllib.loads(data if isinstance(data, str) else data.decode("utf-8"))
+        return tomllib.loads(data if isinstance(data, str) else data.decode("utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
         raise error(f"not valid TOML: {problem}", where=where, hint="save it as TOML in UTF-8") from problem
     except ValueError:  # of Python's, about whole numbers of thousands of digits
@@ -97,7 +93,7 @@ class TomlTable:
         self.path = path
         self._asked: set[str] = set()
         for key in self.values:
-            if UNPRINTABLE.search(key):
+            if UNSEEN.search(key):
                 raise self.error("a name with control characters", value=key, hint="leave them out")
 
     @classmethod
@@ -151,7 +147,7 @@ class TomlTable:
     def name(self, key: str, default: T = REQUIRED) -> str | T:
         """A text of one line."""
         value = self.text(key, default)
-        if isinstance(value, str) and UNPRINTABLE.search(value):
+        if isinstance(value, str) and UNSEEN.search(value):
             raise self.error("holds a control character", key, value, "leave it out")
         return value
 
@@ -261,7 +257,7 @@ class TomlTable:
         return self
 
     def _printable(self, key: str, text: str) -> str:
-        if any(found not in IN_TEXTS for found in UNPRINTABLE.findall(text)):
+        if COMMANDS.search(text):
             raise self.error("holds a control character", key, text, "leave it out")
         return text
 

@@ -27,7 +27,7 @@ from typing import Any
 from taskgist.common.documents import DocumentError, parse_json
 from taskgist.common.files import read_whole
 from taskgist.common.frozen import FrozenMap, Json, canonical_text, freeze
-from taskgist.common.names import clean_name
+from taskgist.common.text import clean_name
 from taskgist.errors import FactsError, allowed_names
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import Episode, HypothesisTree, Snapshot

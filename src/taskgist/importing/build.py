@@ -118,7 +118,9 @@ def _add_object(room: mujoco.MjSpec, name: str, track: ObjectTrack, rgba: Colour
         if shape.mesh:
             geom.type, geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{name}_{number}"
             file = f"{name}_{number}{shape.mesh.suffix}"
-            content = read_whole(shape.mesh, most_bytes=DEFAULT.limits.bundle_bytes, error=MappingError)
+            content = read_whole(
+                shape.mesh, most_bytes=DEFAULT.limits.mesh_bytes, setting="mesh_bytes", error=MappingError
+            )
             room.assets = {**room.assets, file: content}
             room.add_mesh(name=geom.meshname, file=file, scale=[shape.scale_m] * 3)
         else:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from collections.abc import Collection, Mapping
 from collections.abc import Mapping as AnyMapping
 from pathlib import Path, PurePath
 from typing import Any
 
 from taskgist.common.files import read_whole
-from taskgist.common.toml import Document, TomlTable, is_finite_number
+from taskgist.common.toml import Document, TomlTable, is_finite_number, parse_toml
 from taskgist.errors import InputError, MappingError, UnknownNameError
 from taskgist.importing.mapping import (
     Clock,
@@ -94,12 +93,9 @@ def _extended(file: Path, seen: tuple[Path, ...], limits: Limits) -> tuple[dict[
 
 
 def _parsed(file: Path, limits: Limits) -> tuple[dict[str, Any], str]:
-    content = read_whole(file, most_bytes=limits.document_bytes, error=MappingError)
-    try:
-        text = content.decode("utf-8-sig")
-        return tomllib.loads(text), text
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
-        raise MappingError(f"not valid TOML: {problem}", where=file, hint="see docs/howto/import.md") from None
+    content = read_whole(file, most_bytes=limits.toml_bytes, setting="toml_bytes", error=MappingError)
+    document = parse_toml(content, file, MappingError, most_bytes=limits.toml_bytes)
+    return document, content.decode("utf-8-sig")
 
 
 def _with_parameters(document: dict[str, Any], given: Mapping[str, str], file: Path) -> dict[str, Any]:

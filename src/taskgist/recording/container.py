@@ -27,7 +27,7 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Metadata
 
-from taskgist.common.names import unseen_in
+from taskgist.common.text import unseen_in
 from taskgist.errors import RecordingError
 from taskgist.settings import Limits
 

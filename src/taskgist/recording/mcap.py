@@ -24,7 +24,7 @@ from mcap.writer import Writer
 from taskgist.common.arrays import Array
 from taskgist.common.documents import DocumentError, parse_json
 from taskgist.common.files import changing, reading, writing
-from taskgist.common.names import clean_name
+from taskgist.common.text import clean_name
 from taskgist.errors import InputError, RecordingError, allowed_names
 from taskgist.recording.container import OURS, SCENE_FOLDER, Survey, messages, survey
 from taskgist.recording.foxglove import BLOCK, FRAME_TRANSFORMS, SCENE_UPDATE, Viewer
@@ -74,7 +74,7 @@ def _read(stream: IO[bytes], found: Survey, source: Path, limits: Limits) -> Rec
         head = _values(found, "recording", RECORDING, ("name", "signals"))
         label = _values(found, "label", LABEL, LABELLED) if "label" in found.metadata else None
         provenance = _values(found, "provenance", PROVENANCE)
-        scene = Scene.from_bundle(found.files)
+        scene = Scene.from_bundle(found.files, limits=limits)
         frames = FrameColumns(scene, head["signals"], source, limits)
         topics = frozenset([STATE_TOPIC, *([SIGNALS_TOPIC] if head["signals"] else [])])
         for message in messages(stream, source, limits, topics):

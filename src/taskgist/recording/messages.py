@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.columns import Columns, PackedRows
 from taskgist.common.documents import DocumentError, parse_json
 from taskgist.errors import RecordingError, UnknownNameError
+from taskgist.recording.columns import Columns, PackedRows
 from taskgist.recording.container import Message
 from taskgist.recording.recording import Signal, decimals, free_slices, trackable
 from taskgist.settings import Limits

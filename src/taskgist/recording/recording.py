@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.columns import PackedRows
-from taskgist.common.names import clean_name, unseen_in
+from taskgist.common.text import clean_name, unseen_in
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
+from taskgist.recording.columns import PackedRows
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
 

@@ -65,7 +65,7 @@ def bundle_from_path(path: Path, *, limits: Limits = DEFAULT.limits) -> dict[str
     Raises:
         SceneError: A file is missing or is no model.
     """
-    text = read_file(path, most_bytes=limits.toml_bytes)
+    text = read_file(path, most_bytes=limits.toml_bytes, setting="toml_bytes")
     file = parse_scene_file(text, where=shown_path(path), limits=limits)
     bundle = {SCENE_FILE: text}
     model = find_file(file.model, near=path.parent, where=path, field="scene.model")
@@ -124,7 +124,7 @@ def _profile_files(agent: AgentEntry, scene_folder: Path, where: str, limits: Li
         field = f"{where}: agents.{agent.name}"
         if path.suffix != ".toml":
             raise UnknownNameError("profile", agent.profile, builtin_profiles(), where=field)
-        text = read_file(path, named_by=f"{field}.profile", most_bytes=limits.toml_bytes)
+        text = read_file(path, named_by=f"{field}.profile", most_bytes=limits.toml_bytes, setting="toml_bytes")
         folder, named = path.parent, shown_path(path)
     profile = parse_profile(text, where=named, stature_m=agent.body.get(STATURE), limits=limits)
     files = body_files(profile, agent.model_key, prefix=prefix, folder=folder, where=named, limits=limits)

@@ -17,8 +17,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from taskgist.common.documents import read_packed_json
 from taskgist.common.files import writing
-from taskgist.common.packed_json import read_packed_json
 from taskgist.common.workers import Progress, in_order, silent
 from taskgist.errors import InputError, TaskgistError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE

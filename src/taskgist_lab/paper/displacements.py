@@ -20,9 +20,9 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from taskgist.common.documents import read_packed_json
 from taskgist.common.files import writing
 from taskgist.common.frozen import FrozenMap, Json
-from taskgist.common.packed_json import read_packed_json
 from taskgist.common.workers import Progress, in_order, silent
 from taskgist.errors import KnowledgeError, TaskgistError
 from taskgist.facts.standard import STANDARD_TREE

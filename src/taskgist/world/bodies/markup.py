@@ -15,7 +15,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 from xml.parsers import expat
 
-from taskgist.common.toml import UNPRINTABLE
+from taskgist.common.text import UNSEEN
 from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT, Limits
 
@@ -179,7 +179,7 @@ def check_values(root: Element, *, where: str | Path, texts: frozenset[str] = TE
         SceneError: There is one.
     """
     for element, key, value in _attributes(root):
-        if UNPRINTABLE.search(value):
+        if UNSEEN.search(value):
             raise located(element, key, "holds a control character", value, where, "leave it out")
         if key not in texts and not _is_finite(value):
             raise located(element, key, "must be finite numbers", value, where, "give ordinary numbers")

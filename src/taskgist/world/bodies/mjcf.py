@@ -43,7 +43,7 @@ def from_folder(folder: Path, where: str | Path, *, limits: Limits = DEFAULT.lim
             if path.is_file() or name == names[-1]:
                 break
         hint = f"named by {where}: {named_by}"
-        return name, read_whole(path, most_bytes=limits.mesh_bytes, error=SceneError, hint=hint)
+        return name, read_whole(path, most_bytes=limits.mesh_bytes, setting="mesh_bytes", error=SceneError, hint=hint)
 
     return read
 

@@ -289,7 +289,10 @@ def model_files(
         spec, files = read_urdf(
             text,
             lambda uri: read_file(
-                find_file(uri, near=near, where=path, field="mesh"), named_by=str(path), most_bytes=limits.mesh_bytes
+                find_file(uri, near=near, where=path, field="mesh"),
+                named_by=str(path),
+                most_bytes=limits.mesh_bytes,
+                setting="mesh_bytes",
             ),
             where=path,
             prefix=prefix,
@@ -336,7 +339,9 @@ def spec_files(
                 path = folder / below / asset.file
                 asset.file = prefix + asset.file.replace("/", "_")
                 files[asset.file] = (
-                    read_file(path, named_by=where, most_bytes=limits.mesh_bytes) if data is None else bytes(data)
+                    read_file(path, named_by=where, most_bytes=limits.mesh_bytes, setting="mesh_bytes")
+                    if data is None
+                    else bytes(data)
                 )
     spec.meshdir = spec.texturedir = ""
     return {**files, key: _xml(spec, files, where)}
@@ -383,14 +388,26 @@ def read_model(
     return spec
 
 
-def read_file(path: Path, *, named_by: str | None = None, most_bytes: int = DEFAULT.limits.document_bytes) -> bytes:
+def read_file(
+    path: Path,
+    *,
+    named_by: str | None = None,
+    most_bytes: int = DEFAULT.limits.document_bytes,
+    setting: str = "document_bytes",
+) -> bytes:
     """A regular file's content.
+
+    Args:
+        path: The file.
+        named_by: The file that names it, for messages.
+        most_bytes: It may not be larger.
+        setting: The limit that says so.
 
     Raises:
         SceneError: It cannot be read, or is too large.
     """
     hint = f"named by {named_by}" if named_by else "check the path"
-    return read_whole(path, most_bytes=most_bytes, error=SceneError, hint=hint)
+    return read_whole(path, most_bytes=most_bytes, setting=setting, error=SceneError, hint=hint)
 
 
 def _folder() -> Path:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taskgist.common.names import clean_name, unseen_in
+from taskgist.common.text import clean_name, unseen_in
 
 
 @pytest.mark.parametrize(

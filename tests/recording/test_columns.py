@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from taskgist.common.arrays import Array
-from taskgist.common.columns import ROWS, Columns, PackedRows
+from taskgist.recording.columns import ROWS, Columns, PackedRows
 
 WIDTH = 5
 SCALE = np.array([1e4, 1e4, 1e5, 1e5, 1.0])
