@@ -293,7 +293,8 @@ class _Running:
         if code not in (0, 1, 2) or "Traceback (most recent call last)" in told:
             return "traceback"
         files = self.case.base.files.keys() | self._written
-        named = [Path(name).stem for name in (*self._spoiled, *(set(self.command) & files))]
+        given = [word for word in self.command if word in files or "/" in word]
+        named = [Path(name).stem for name in (*self._spoiled, *given)]
         return _odd_texts(code, out, told, named if self._spoiled else [""], self.command) or self._changed(code)
 
     def _changed(self, code: int) -> str:

@@ -352,7 +352,9 @@ def test_folders_that_may_not_be_written_to(sound: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr(
         os, "access", lambda _path, mode: mode != os.W_OK
     )  # whoever runs the tests may be allowed everything
-    assert "new.db: cannot be written: the folder '.' is read-only; name a file" in refusal("learn good.mcap -k new.db", sound)
+    assert "new.db: cannot be written: the folder '.' is read-only; name a file" in refusal(
+        "learn good.mcap -k new.db", sound
+    )
     for line in (
         "see good.mcap --agent P2 -o new.png",
         "import map_sound.toml -o new.mcap",

@@ -10,6 +10,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from taskgist.common.files import read_whole
+from taskgist.common.text import clean_name
 from taskgist.common.toml import Document, TomlTable, is_finite_number, parse_toml
 from taskgist.errors import InputError, MappingError, UnknownNameError
 from taskgist.importing.mapping import (
@@ -309,7 +310,7 @@ def load_mapping(
     people = {name: read_person(name, section, sources) for name, section in top.tables_by_name("people").items()}
     things = {name: read_thing(name, section, sources, base) for name, section in top.tables_by_name("objects").items()}
     mapping = ImportMapping(
-        name=about.text("name", file.stem),
+        name=about.text("name", clean_name(file.stem) or "recording"),
         file=file,
         files=files,
         data_dir=base,

@@ -14,6 +14,7 @@ from typing import Any
 
 import tomli_w
 
+from taskgist.common.text import clean_name
 from taskgist.common.toml import TomlTable
 from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT, Limits
@@ -94,7 +95,7 @@ def parse_scene_file(text: bytes | str, *, where: str, limits: Limits = DEFAULT.
     scene = document.table("scene").only(SCENE_KEYS)
     agents = document.table("agents")
     return SceneFile(
-        name=scene.name("name", Path(where).stem),
+        name=scene.name("name", clean_name(Path(where).stem) or "scene"),
         model=scene.text("model"),
         objects=scene.texts("objects") if "objects" in scene else None,
         estimated=scene.texts("estimated"),
