@@ -78,7 +78,7 @@ def test_pipes_and_zeros_are_refused_without_waiting(tmp_path: Path) -> None:
 
 def test_names_with_a_nul_are_told(tmp_path: Path) -> None:
     text = npz_mapping(tmp_path).replace('file = "data.npz"', 'file = "da\\u0000ta.npz"')
-    with pytest.raises(MappingError, match="sources.body.file: holds a control character"):
+    with pytest.raises(MappingError, match=r"sources.body.file: holds a control character"):
         tracks_of(tmp_path, text)
 
 

@@ -306,7 +306,7 @@ def test_who_waits_in_vain_is_told_for_how_long(tmp_path: Path) -> None:
 
 
 def test_addresses_that_mean_no_database(tmp_path: Path) -> None:
-    with pytest.raises(KnowledgeError, match="cannot be written: there is no folder '.*'; name a file"):
+    with pytest.raises(KnowledgeError, match=r"cannot be written: there is no folder '.*'; name a file"):
         save(KNOWLEDGE, tmp_path / "nowhere" / "knowledge.db")
     with pytest.raises(KnowledgeError, match="would not last"):
         save(KNOWLEDGE, "sqlite://")
