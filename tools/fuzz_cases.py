@@ -381,7 +381,8 @@ def _odd_texts(code: int, out: str, told: str, named: Sequence[str], command: Co
         return "no file named"
     if code == 2 and len(told) > 4000:
         return "a long message"
-    if code == 0 and command[-1:] == ("--json",) and not _is_json(out):
+    asked_for_json = command[-1:] == ("--json",) and not command[-2].startswith("--")  # else it is an option's value
+    if code == 0 and asked_for_json and not _is_json(out):
         return "no JSON"
     return ""
 
