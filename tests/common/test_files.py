@@ -227,3 +227,16 @@ def test_who_changes_a_file_waits_for_others(tmp_path: Path) -> None:
     for thread in threads:
         thread.join()
     assert target.read_bytes() == b"x" * 12
+
+
+def test_drafts_of_nobody_and_what_others_named_alike_are_left_alone(tmp_path: Path) -> None:
+    (tmp_path / ".data.notes.draft").write_bytes(b"mine")
+    os.mkfifo(tmp_path / ".data.0123456789ab.draft")
+    put(tmp_path / "data", b"1")
+    assert names(tmp_path) == [".data.0123456789ab.draft", ".data.notes.draft", "data"]
+
+
+def test_a_name_may_be_as_long_as_file_systems_allow(tmp_path: Path) -> None:
+    long = tmp_path / ("\u624b" * 80 + ".mcap")
+    put(long, b"1")
+    assert names(tmp_path) == [long.name]

@@ -12,6 +12,7 @@ from __future__ import annotations
 import errno
 import fcntl
 import os
+import re
 import secrets
 import stat
 from collections.abc import Iterable, Iterator
@@ -25,7 +26,7 @@ from taskgist.errors import InputError
 DRAFT = ".draft"
 """How the names of drafts end."""
 LONGEST_NAME = 100
-"""Characters of a target's name in the name of its draft: file systems allow 255 bytes."""
+"""Bytes of a target's name in the name of its draft: file systems allow 255."""
 KINDS = {
     stat.S_IFDIR: "a folder",
     stat.S_IFIFO: "a pipe",
@@ -139,9 +140,10 @@ def _replaced(final: Path, target: Path, *, replace: bool, error: type[InputErro
 
 def _draft(final: Path) -> tuple[Path, BinaryIO]:
     """A new draft of a file, locked; those that nobody writes any longer are gone."""
-    prefix = f".{final.name[:LONGEST_NAME]}."
+    prefix = f".{os.fsencode(final.name)[:LONGEST_NAME].decode(errors='ignore')}."
+    ours = re.compile(re.escape(prefix) + r"[0-9a-f]{12}" + re.escape(DRAFT))
     for left in final.parent.iterdir():
-        if left.name.startswith(prefix) and left.name.endswith(DRAFT):
+        if ours.fullmatch(left.name) and stat.S_ISREG(left.lstat().st_mode):
             with suppress(OSError), left.open("rb") as held:
                 fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 left.unlink()
@@ -171,8 +173,10 @@ def _name(draft: Path, final: Path, target: Path, *, replace: bool, error: type[
     except FileExistsError:
         _replaced(final, target, replace=False, error=error)
         raise
-    except OSError:  # a file system without links
-        draft.replace(final)
+    except OSError as problem:
+        if problem.errno not in (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK):
+            raise
+        draft.replace(final)  # a file system without links
 
 
 def _sync_folder(folder: Path) -> None:

@@ -42,6 +42,7 @@ SCENE_FOLDER = "scene/"
 """How the names of our attachments begin."""
 
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
+_LENGTHS = {int(Opcode.FOOTER): 20, int(Opcode.DATA_END): 4}  # bytes of records that all have the same
 _LONGEST_NAME = 1024  # bytes; longer ones are not ours
 _ENTRY_BYTES = 1024  # what an attachment takes beside its content
 _MOST_TOPICS = 20  # that a message tells
@@ -140,6 +141,10 @@ def walk(stream: IO[bytes]) -> Iterator[Place]:
         place = Place(kind, start, length)
         if place.end > size:
             raise ValueError(f"a record of {length:,} bytes begins at byte {start:,} of {size:,}")
+        if length != _LENGTHS.get(kind, length):
+            raise ValueError(f"a record of kind {kind} has {length:,} bytes instead of {_LENGTHS[kind]}")
+        if kind == 0:
+            raise ValueError(f"no record begins at byte {start:,}")
         yield place
         start = place.end
         if kind == Opcode.FOOTER:

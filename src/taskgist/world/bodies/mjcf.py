@@ -282,7 +282,9 @@ def _asked(element: Element) -> Iterator[tuple[str, float]]:
     """Attributes of an element that make MuJoCo allocate, and how much."""
     keys = SHAPED.get(element.tag, ())
     present = [key for key in keys if key in element.attrib]
-    if present:
+    if present and element.tag == "texture" and "builtin" in element.attrib and element.get("type") != "2d":
+        yield present[0], 6 * _product(element.get(present[0], "")) ** 2  # a cube has six square faces
+    elif present:
         yield present[0], math.prod(_product(element.get(key, "")) for key in present)
     for key in element.attrib:
         if key in LENGTHS:
