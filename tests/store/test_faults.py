@@ -380,3 +380,24 @@ def test_a_missing_driver_is_named_with_its_installation(monkeypatch: pytest.Mon
     message = told("postgresql://localhost/name")
     assert "no driver: " in message
     assert message.endswith('; install its driver: pip install "taskgist[postgres]"')
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "host=x user=u password=hunter2",
+        "postgresql://u:hunter2",
+        "//u:hunter2@h/x",
+        "postgresql://u:hun/hunter2@h/x",
+        "postgresql://u@h/x?pwd=hunter2",
+        "postgresql://u@h/x?p%61ssword=hunter2",
+        "mssql+pyodbc:///?odbc_connect=DRIVER%3Dx;UID%3Du;PWD%3Dhunter2",
+    ],
+)
+def test_a_password_is_not_shown_wherever_it_stands(address: str) -> None:
+    assert "hunter2" not in shown(address)
+
+
+@pytest.mark.parametrize("address", ["a/b:c.db", "postgresql://u@h:5432/x?host=/tmp", "postgresql://h:5432/x"])
+def test_an_address_without_a_password_is_shown_as_it_is(address: str) -> None:
+    assert shown(address) == address

@@ -18,7 +18,10 @@ Address = str | Path
 
 _SECRETS = (
     re.compile(r"^[\w+.-]+:/*[^:]*:(?P<secret>.*)@", re.DOTALL),  # to the last @, as passwords may hold some
-    re.compile(r"[?&;]\w*(?:pass|secret|token)\w*=(?P<secret>[^&;]*)", re.IGNORECASE),
+    re.compile(r"^(?:[\w+.-]+:)?//[^:]*:(?P<secret>.*)@", re.DOTALL),  # without a scheme
+    re.compile(r"^[\w+.-]*:?//[^:/?@]*:(?P<secret>(?!\d+(?:[/?]|$))[^/?@]+)(?=[/?]|$)"),  # without a host
+    re.compile(r"\w*(?:pass|pwd|secret|token)\w*\s*(?:=|%3D)\s*(?P<secret>[^&;\s]*)", re.IGNORECASE),
+    re.compile(r"[?&](?!(?:host|port|user|sslmode)=)[^=&]*=(?P<secret>[^&]*)", re.IGNORECASE),
 )
 _HIDDEN = "***"
 
@@ -60,9 +63,14 @@ def url_of(address: str) -> URL:
 def shown(address: Address) -> str:
     """The address as text that can be printed: without passwords, wherever they stand."""
     text = str(address)
-    for start, end in sorted((match.span("secret") for match in _secrets(text)), reverse=True):
-        text = f"{text[:start]}{_HIDDEN}{text[end:]}"
+    for pattern in _SECRETS:
+        text = pattern.sub(_without_secret, text)
     return text.replace("\0", "\\0")
+
+
+def _without_secret(found: re.Match[str]) -> str:
+    start, end = found.start("secret") - found.start(), found.end("secret") - found.start()
+    return f"{found[0][:start]}{_HIDDEN}{found[0][end:]}"
 
 
 def without_secrets(text: str, address: Address) -> str:
