@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import unicodedata
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -12,6 +11,7 @@ import typer
 from rich.text import Text
 
 from taskgist.cli.common import KNOWLEDGE, JsonOption, KnowledgeOption, about, command, console, print_json
+from taskgist.common.text import clean_name
 from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
@@ -162,7 +162,7 @@ def explain(
         _list_tasks(known.tasks, as_json=as_json)
         return
     with about(shown(knowledge)):
-        task = task if task in known.tasks else unicodedata.normalize("NFC", task.strip())
+        task = task if task in known.tasks else clean_name(task)
         understanding = known.understand(task, tree, replace(DEFAULT.learning, band=band))
     if node is not None:
         sentence = why(understanding, node)

@@ -48,7 +48,7 @@ def see(
         if object is not None:
             scene.object_body(object)
     path = out or where.with_name(f"{where.stem}_{body.name}_sees.png")
-    check_target(path, "--out", replace=replace, suffix=".png", what="pictures", inputs=[where])
+    check_target(path, "--out", replace=replace, suffix=".png", what="pictures")
     from taskgist.view.scene import see_picture  # with matplotlib, which only pictures should wait for
 
     see_picture(stage, agent, path, target=object)

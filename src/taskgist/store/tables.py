@@ -39,6 +39,7 @@ from taskgist.errors import KnowledgeError
 from taskgist.learning.explanation import Context, Explanation, explanation_from_json
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.understanding import Answer, answer_from_json
+from taskgist.store.faults import DAMAGED
 
 SCHEMA_VERSION = "2"
 """Version of these tables; ``migrations`` brings older ones up to it."""
@@ -112,8 +113,7 @@ def version(connection: Connection, where: str) -> str:
         hint = "learn something first: its tables are made by learning"
         raise KnowledgeError("a database without knowledge", where=where, hint=hint)
     if lost:
-        hint = "restore it from a copy, or learn anew from the recordings into another file or database"
-        raise KnowledgeError(f"is damaged knowledge: no table {', '.join(lost)}", where=where, hint=hint)
+        raise KnowledgeError(f"{DAMAGED.problem}: no table {', '.join(lost)}", where=where, hint=DAMAGED.hint)
     if of_file:  # what a file computes when it is read or written is not ours
         strange = connection.scalar(text("SELECT name FROM sqlite_master WHERE type IN ('view', 'trigger') LIMIT 1"))
         if strange is not None:
