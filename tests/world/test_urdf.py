@@ -13,9 +13,9 @@ from taskgist.errors import SceneError
 from taskgist.perspective import visibility
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, support_of
-from taskgist.world.bodies.meshes import STL_TRIANGLE, stl_from_dae
+from taskgist.world.bodies.meshes import STL_TRIANGLE, flat_name, stl_from_dae
 from taskgist.world.bodies.model_files import find_file, is_urdf
-from taskgist.world.bodies.urdf import flat_name, read_urdf
+from taskgist.world.bodies.urdf import read_urdf
 from tests.bodies import URDFS, is_there, needs
 
 ROOM = """<?xml version="1.0"?>
@@ -191,7 +191,7 @@ def test_urdf_is_told_from_mjcf() -> None:
     assert not is_urdf(b"<mujoco><worldbody/></mujoco>")
     assert not is_urdf(b"<mujoco><!-- <robot> --></mujoco>")
     with pytest.raises(SceneError, match="not a URDF document"):
-        read_urdf(b"<sdf/>", lambda _: b"", where="x")
+        read_urdf(b"<sdf/>", lambda _: b"", {}, where="x")
 
 
 @needs("pr2")
@@ -203,7 +203,8 @@ def test_every_link_of_a_robot_is_a_body(name: str) -> None:
     def read(uri: str) -> bytes:
         return find_file(uri, near=path.parent, where=path, field="mesh").read_bytes()
 
-    spec, files = read_urdf(text, read, where=path, prefix="R_", shapes="collision")
+    files: dict[str, bytes] = {}
+    spec = read_urdf(text, read, files, where=path, prefix="R_", shapes="collision")
     links = {line.split(b'"')[1].decode() for line in text.split(b"<link ")[1:] if line.startswith(b'name="')}
     assert {str(body.name) for body in spec.bodies} - {"world"} == links
     assert all(file.startswith("R_") and "/" not in file for file in files)

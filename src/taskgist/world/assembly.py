@@ -22,15 +22,15 @@ from taskgist.world.bodies.markup import asking_mujoco
 from taskgist.world.bodies.model_files import (
     BUILDERS,
     PACKAGE,
-    body_files,
+    add_body,
+    add_model,
+    add_spec,
     builtin_models,
     find_file,
-    model_files,
     name_problems,
     read_file,
     read_model,
     size_problems,
-    spec_files,
 )
 from taskgist.world.bodies.profile import (
     AgentProfile,
@@ -69,9 +69,9 @@ def bundle_from_path(path: Path, *, limits: Limits = DEFAULT.limits) -> dict[str
     file = parse_scene_file(text, where=shown_path(path), limits=limits)
     bundle = {SCENE_FILE: text}
     model = find_file(file.model, near=path.parent, where=path, field="scene.model")
-    bundle |= model_files(model, file.model, room=True, limits=limits)
+    add_model(model, file.model, bundle, room=True, limits=limits)
     for agent in file.agents:
-        bundle |= _profile_files(agent, path.parent, str(path), limits)
+        _add_agent(agent, bundle, path.parent, str(path), limits)
     return bundle
 
 
@@ -93,30 +93,27 @@ def bundle_from_spec(
         SceneError: As there.
     """
     folder = Path(room.modelfiledir)
-    bundle = {
-        SCENE_FILE: write_scene_file(file),
-        **spec_files(room.copy(), file.model, where=file.where, folder=folder, limits=limits),
-        **files,
-    }
+    bundle = {SCENE_FILE: write_scene_file(file), **files}
+    add_spec(room.copy(), file.model, bundle, where=file.where, folder=folder, limits=limits)
     for agent in file.agents:
         if agent.profile_key not in bundle:
-            bundle |= _profile_files(agent, Path(), file.where, limits)
+            _add_agent(agent, bundle, Path(), file.where, limits)
         elif agent.model_key not in bundle:
-            bundle |= _package_files(agent, bundle[agent.profile_key], file.where, limits)
+            _add_packaged(agent, bundle, file.where, limits)
     return bundle
 
 
-def _package_files(agent: AgentEntry, text: bytes, where: str, limits: Limits) -> dict[str, bytes]:
+def _add_packaged(agent: AgentEntry, bundle: dict[str, bytes], where: str, limits: Limits) -> None:
     """The model of a profile that is a value, where it is in a package of this machine."""
     at = f"{where}: {agent.profile_key}"
+    text = bundle[agent.profile_key]
     profile = parse_profile(text, where=at, stature_m=agent.body.get(STATURE), limits=limits)
-    if not profile.model.startswith(PACKAGE):
-        return {}
-    return body_files(profile, agent.model_key, prefix=f"{agent.name}_", folder=None, where=at, limits=limits)
+    if profile.model.startswith(PACKAGE):
+        add_body(profile, agent.model_key, bundle, prefix=f"{agent.name}_", folder=None, where=at, limits=limits)
 
 
-def _profile_files(agent: AgentEntry, scene_folder: Path, where: str, limits: Limits) -> dict[str, bytes]:
-    prefix = f"{agent.name}_"
+def _add_agent(agent: AgentEntry, bundle: dict[str, bytes], scene_folder: Path, where: str, limits: Limits) -> None:
+    """The profile and the model of an agent."""
     if agent.profile in builtin_profiles():
         text, folder, named = builtin_profile_text(agent.profile).encode(), None, f"profile {agent.profile}"
     else:
@@ -127,12 +124,12 @@ def _profile_files(agent: AgentEntry, scene_folder: Path, where: str, limits: Li
         text = read_file(path, named_by=f"{field}.profile", most_bytes=limits.toml_bytes, setting="toml_bytes")
         folder, named = path.parent, shown_path(path)
     profile = parse_profile(text, where=named, stature_m=agent.body.get(STATURE), limits=limits)
-    files = body_files(profile, agent.model_key, prefix=prefix, folder=folder, where=named, limits=limits)
-    if folder is not None and files:  # here, where the file's own name is known
-        spec = read_model(files, agent.model_key, where=named, room=False, limits=limits)
+    bundle[agent.profile_key] = text
+    add_body(profile, agent.model_key, bundle, prefix=f"{agent.name}_", folder=folder, where=named, limits=limits)
+    if folder is not None and agent.model_key in bundle:  # here, where the file's own name is known
+        spec = read_model(bundle, agent.model_key, where=named, room=False, limits=limits)
         for problem in name_problems(spec, profile, named):
             raise problem
-    return {agent.profile_key: text, **files}
 
 
 # --- Placing agents: from a scene file's words to the first state of the scene.
@@ -368,9 +365,8 @@ def _profile(entry: AgentEntry, files: dict[str, bytes], where: str, limits: Lim
         if profile.model not in builtin_models():
             raise _outside("model", profile.model, builtin_models(), at)
         size = _size(entry, where) if profile.model in BUILDERS else None
-        files |= body_files(
-            profile, entry.model_key, prefix=f"{entry.name}_", folder=None, where=at, size=size, limits=limits
-        )
+        prefix = f"{entry.name}_"
+        add_body(profile, entry.model_key, files, prefix=prefix, folder=None, where=at, size=size, limits=limits)
     return profile
 
 

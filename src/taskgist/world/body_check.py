@@ -16,7 +16,7 @@ from taskgist.errors import InputError, UnknownNameError
 from taskgist.world.assembly import DEFAULT_STATURE_M
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.bodies.human import HumanSize
-from taskgist.world.bodies.model_files import body_files, name_problems, read_file, read_model, size_problems
+from taskgist.world.bodies.model_files import add_body, name_problems, read_file, read_model, size_problems
 from taskgist.world.bodies.profile import (
     AS_THE_JOINT,
     OPTICAL_WXYZ,
@@ -174,9 +174,10 @@ def _files(given: AgentProfile, folder: Path | None, where: str) -> tuple[dict[s
     if given.model == UNREADABLE:
         return {}, ()
     key = f"{BODY}.model.xml"
+    files: dict[str, bytes] = {}
     try:
         size = HumanSize.from_stature(DEFAULT_STATURE_M)
-        files = body_files(given, key, prefix=f"{BODY}_", folder=folder, where=where, size=size)
+        add_body(given, key, files, prefix=f"{BODY}_", folder=folder, where=where, size=size)
         spec = read_model(files, key, where=where, room=False)
     except InputError as error:
         return {}, (error,)

@@ -1,7 +1,8 @@
-"""Meshes in files: COLLADA becomes STL, and what is too large, or nowhere, is refused before it is unpacked."""
+"""Meshes in files: named in a bundle, COLLADA becomes STL, and what is too large, or nowhere, is refused unread."""
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 import struct
@@ -16,6 +17,29 @@ from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.markup import parse_markup
 from taskgist.world.geometry.transforms import matrix_from_wxyz, normalized, wxyz_from_rotation_vector
+
+# --- Files of a bundle lie side by side, wherever they come from.
+
+
+def flat_name(uri: str) -> str:
+    """A file name, without folders, for what a document names by URI or path."""
+    return uri.partition("://")[2].strip("/").replace("/", "_") if "://" in uri else uri.replace("/", "_")
+
+
+def keep_file(files: dict[str, bytes], name: str, content: bytes) -> str:
+    """Add a file to a bundle under a name that no other content has.
+
+    Args:
+        files: The bundle, which is added to.
+        name: The name that it gets unless another file has it.
+        content: What it holds.
+
+    Returns:
+        Its name in the bundle.
+    """
+    names = itertools.chain([name], (f"{i}_{name}" for i in itertools.count(1)))
+    return next(each for each in names if files.setdefault(each, content) == content)
+
 
 # --- COLLADA meshes (``.dae``), which robot descriptions use and MuJoCo does not read, as binary STL.
 #

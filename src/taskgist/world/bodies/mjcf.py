@@ -19,7 +19,7 @@ from taskgist.common.files import read_whole
 from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.markup import Marked, asking_mujoco, check_values, located, parse_markup, written
-from taskgist.world.bodies.meshes import check_mesh, image_pixels
+from taskgist.world.bodies.meshes import check_mesh, image_pixels, keep_file
 
 Read = Callable[[Sequence[str], str], tuple[str, bytes]]
 """Gives the first of several files that is there, by paths relative to the model: its path and content.
@@ -64,34 +64,39 @@ def from_files(files: Mapping[str, bytes], where: str | Path) -> Read:
 
 
 def read_mjcf(
-    root: Marked, read: Read, *, where: str, prefix: str = "", limits: Limits = DEFAULT.limits
-) -> tuple[mujoco.MjSpec, dict[str, bytes]]:
+    root: Marked,
+    read: Read,
+    files: dict[str, bytes],
+    *,
+    where: str,
+    prefix: str = "",
+    limits: Limits = DEFAULT.limits,
+) -> mujoco.MjSpec:
     """A document as a MuJoCo specification.
 
     Args:
         root: The document; changed.
         read: Gives the files that it names.
+        files: The bundle, to which they are added by names without folders.
         where: File for error messages.
         prefix: Put before the names of its files.
         limits: Bounds of what it may ask for.
-
-    Returns:
-        The specification, and the files that it needs, by names without folders.
 
     Raises:
         SceneError: It is no model, names a file that cannot be read, or asks for too much.
     """
     if root.tag != "mujoco":
         raise SceneError("not a model", where=where, field=root.tag, hint="its root element is <mujoco> or <robot>")
-    gathered = _Gathered(read, where, prefix, limits)
+    gathered = _Gathered(read, files, where, prefix, limits)
     text = gathered.document(root, "", ())
     if gathered.pixels > limits.texture_pixels:
         hint = f"at most {limits.texture_pixels:,} are read (setting limits.texture_pixels)"
         raise SceneError("textures too large", where=where, value=f"{gathered.pixels:,} pixels", hint=hint)
     with asking_mujoco("MuJoCo cannot read this model:", where):
-        spec = mujoco.MjSpec.from_string(text, include=gathered.models, assets=gathered.files)
+        assets = {name: files[name] for name in gathered.names.values()}
+        spec = mujoco.MjSpec.from_string(text, include=gathered.models, assets=assets)
     spec.comment = root.comment
-    return spec, gathered.files
+    return spec
 
 
 FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
@@ -105,19 +110,21 @@ class _Gathered:
     """The documents and files of a model, as far as they were found.
 
     Attributes:
-        files: Meshes, textures and the like, by names without folders.
-        models: Documents of models that are attached, likewise.
+        files: The bundle.
+        names: Meshes, textures and the like of this model: their names in the bundle, by path.
+        models: Documents of models that are attached, by names without folders.
         pixels: Of all textures together.
     """
 
     read: Read
+    files: dict[str, bytes]
     where: str
     prefix: str
     limits: Limits
-    files: dict[str, bytes] = field(default_factory=dict)
+    names: dict[str, str] = field(default_factory=dict)
     models: dict[str, bytes] = field(default_factory=dict)
     pixels: int = 0
-    _names: dict[str, str] = field(default_factory=dict)
+    _attached: dict[str, str] = field(default_factory=dict)
     _sizes: dict[str, int] = field(default_factory=dict)
 
     def document(self, root: Marked, folder: str, trail: tuple[str, ...]) -> str:
@@ -179,11 +186,11 @@ class _Gathered:
         if name in trail or len(trail) >= MOST_ATTACHED:
             hint = f"at most {MOST_ATTACHED} are read, each attached to the next"
             raise located(element, "file", "a model that attaches itself, or too many others", name, self.where, hint)
-        flat = self._flat(name)
-        if flat not in self.models:
+        if name not in self._attached:
             child = parse_markup(data, where=name, limits=self.limits)
-            self.models[flat] = self.document(child, posixpath.dirname(name), (*trail, name)).encode()
-        element.set("file", flat)
+            text = self.document(child, posixpath.dirname(name), (*trail, name)).encode()
+            self._attached[name] = keep_file(self.models, name.replace("/", "_"), text)
+        element.set("file", self._attached[name])
 
     def _file(self, element: Element, key: str, folder: str, origin: str, dirs: _Directories) -> None:
         given = element.get(key, "").replace("\\", "/")
@@ -193,27 +200,16 @@ class _Gathered:
         below = dirs.textures if element.tag == "texture" else dirs.meshes
         names = [_joined(posixpath.join(at, below), given) for at in dict.fromkeys((folder, origin))]
         name, data = self.read(names, f"{key} of {element!r}")
-        flat = self._flat(name, given)
-        if flat not in self.files:
-            self.files[flat] = data
+        if name not in self.names:
+            self.names[name] = keep_file(self.files, self.prefix + given.replace("/", "_"), data)
             if element.tag in ("mesh", "flexcomp"):
                 kind = element.get("content_type", "")
                 check_mesh(data, name, where=self.where, kind=kind, limits=self.limits)
             elif element.tag in ("texture", "hfield"):
                 self.pixels += image_pixels(data)
-        element.set(key, flat)
+        element.set(key, self.names[name])
         if element.tag in NAMED_BY_FILE and key == "file" and not element.get("name"):
             element.set("name", posixpath.splitext(posixpath.basename(given))[0])
-
-    def _flat(self, name: str, given: str | None = None) -> str:
-        """A name without folders for a file, the same for the same file and for no other."""
-        if name not in self._names:
-            flat = self.prefix + (name if given is None else given).replace("/", "_")
-            taken = set(self._names.values())
-            self._names[name] = next(
-                each for each in (flat, *(f"{i}_{flat}" for i in range(1, len(taken) + 2))) if each not in taken
-            )
-        return self._names[name]
 
     def _check_asked(self, element: Element, key: str, asked: float) -> None:
         bound = self.limits.arena_bytes if key == "memory" else self.limits.array_length

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator
 from importlib import resources
 from pathlib import Path
 
@@ -21,9 +21,10 @@ from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.human import HumanSize, human_mjcf
 from taskgist.world.bodies.markup import asking_mujoco, parse_markup
+from taskgist.world.bodies.meshes import flat_name, keep_file
 from taskgist.world.bodies.mjcf import from_files, from_folder, read_mjcf
 from taskgist.world.bodies.profile import AgentProfile, Arm
-from taskgist.world.bodies.urdf import Shapes, flat_name, read_urdf
+from taskgist.world.bodies.urdf import Shapes, read_urdf
 
 # --- What a profile names, held against what its model has: every name that is missing, with the one that was meant.
 
@@ -228,21 +229,23 @@ def builtin_models() -> tuple[str, ...]:
     return tuple(sorted((*BUILDERS, *(path.stem for path in _folder().glob("*.xml")))))
 
 
-def body_files(
+def add_body(
     profile: AgentProfile,
     key: str,
+    files: dict[str, bytes],
     *,
     prefix: str,
     folder: Path | None,
     where: str,
     size: HumanSize | None = None,
     limits: Limits = DEFAULT.limits,
-) -> dict[str, bytes]:
-    """The files of an agent's model.
+) -> None:
+    """Add the files of an agent's model to a bundle.
 
     Args:
         profile: Names the model: built in, ``package://...``, or a file.
         key: Name of the model's document in the bundle.
+        files: The bundle.
         prefix: Put before the names of its meshes.
         folder: To which a file is relative; None if the profile is built in.
         where: The profile's file, for messages.
@@ -253,28 +256,32 @@ def body_files(
         SceneError: A file is missing or is no model.
     """
     if profile.model in BUILDERS:
-        return {key: BUILDERS[profile.model](size).encode()} if size else {}
+        if size:
+            files[key] = BUILDERS[profile.model](size).encode()
+        return
     if profile.model in builtin_models():
         path = _folder() / f"{profile.model}.xml"
     else:
         path = find_file(profile.model, near=folder, where=where, field="model")
-    return model_files(path, key, prefix=prefix, shapes=profile.shapes, limits=limits)
+    add_model(path, key, files, prefix=prefix, shapes=profile.shapes, limits=limits)
 
 
-def model_files(
+def add_model(
     path: Path,
     key: str,
+    files: dict[str, bytes],
     *,
     prefix: str = "",
     shapes: Shapes = "visual",
     room: bool = False,
     limits: Limits = DEFAULT.limits,
-) -> dict[str, bytes]:
-    """A model as one flat XML document under ``key``, and its meshes under names without folders.
+) -> None:
+    """Add a model to a bundle: one flat XML document under ``key``, and its meshes under names without folders.
 
     Args:
         path: MJCF or URDF.
         key: Name of the document.
+        files: The bundle.
         prefix: Put before the names of meshes.
         shapes: Which shapes of a URDF are seen.
         room: Whether a URDF's root link is the world.
@@ -286,7 +293,7 @@ def model_files(
     text = read_file(path, most_bytes=limits.document_bytes)
     if is_urdf(text):
         near = path.parent
-        spec, files = read_urdf(
+        spec = read_urdf(
             text,
             lambda uri: read_file(
                 find_file(uri, near=near, where=path, field="mesh"),
@@ -294,6 +301,7 @@ def model_files(
                 most_bytes=limits.mesh_bytes,
                 setting="mesh_bytes",
             ),
+            files,
             where=path,
             prefix=prefix,
             shapes=shapes,
@@ -303,26 +311,26 @@ def model_files(
     else:
         root = parse_markup(text, where=path, limits=limits)
         read = from_folder(path.parent, path, limits=limits)
-        spec, files = read_mjcf(root, read, where=str(path), prefix=prefix, limits=limits)
-    return {**files, key: _xml(spec, files, str(path))}
+        spec = read_mjcf(root, read, files, where=str(path), prefix=prefix, limits=limits)
+    files[key] = _xml(spec, str(path))
 
 
-def spec_files(
+def add_spec(
     spec: mujoco.MjSpec,
     key: str,
+    files: dict[str, bytes],
     *,
     where: str,
-    prefix: str = "",
     folder: Path = Path(),
     limits: Limits = DEFAULT.limits,
-) -> dict[str, bytes]:
-    """A specification as one flat MJCF document under ``key``, and its meshes under names without folders.
+) -> None:
+    """Add a specification to a bundle: one flat MJCF document under ``key``, and its meshes without folders.
 
     Args:
         spec: The model, which gets the new names; meshes are taken from its ``assets``, else from disk.
         key: Name of the document.
+        files: The bundle.
         where: File for error messages.
-        prefix: Put before the names of meshes.
         folder: To which files on disk are relative.
         limits: Bounds of what it may hold.
 
@@ -330,25 +338,30 @@ def spec_files(
         SceneError: A file is missing, or this is no model.
     """
     given = dict(spec.assets)
-    files: dict[str, bytes] = {}
-    kinds = ((spec.meshes, spec.meshdir), (spec.hfields, spec.meshdir), (spec.skins, spec.meshdir))
-    for assets, below in (*kinds, (spec.textures, spec.texturedir)):
-        for asset in assets:
-            if asset.file:
-                data = given.get(asset.file)
-                path = folder / below / asset.file
-                asset.file = prefix + asset.file.replace("/", "_")
-                files[asset.file] = (
-                    read_file(path, named_by=where, most_bytes=limits.mesh_bytes, setting="mesh_bytes")
-                    if data is None
-                    else bytes(data)
-                )
+    kept: dict[str, bytes] = {}
+
+    def keep(name: str, below: str) -> str:
+        if not name:
+            return name
+        data = given.get(name)
+        if data is None:
+            path = folder / below / name
+            data = read_file(path, named_by=where, most_bytes=limits.mesh_bytes, setting="mesh_bytes")
+        flat = keep_file(files, name.replace("/", "_"), bytes(data))
+        kept[flat] = files[flat]
+        return flat
+
+    for asset in (*spec.meshes, *spec.hfields, *spec.skins):
+        asset.file = keep(asset.file, spec.meshdir)
+    for texture in spec.textures:
+        texture.file = keep(texture.file, spec.texturedir)
+        texture.cubefiles = [keep(name, spec.texturedir) for name in texture.cubefiles]
+    spec.assets = kept
     spec.meshdir = spec.texturedir = ""
-    return {**files, key: _xml(spec, files, where)}
+    files[key] = _xml(spec, where)
 
 
-def _xml(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> bytes:
-    spec.assets = dict(files)
+def _xml(spec: mujoco.MjSpec, where: str) -> bytes:
     for problem in size_problems(spec, where):
         raise problem
     with asking_mujoco("MuJoCo cannot read this model:", where):
@@ -375,17 +388,15 @@ def read_model(
     where = f"{where}: {name}"
     read = from_files(files, where)
     if is_urdf(files[name]):
-        spec, found = read_urdf(
+        return read_urdf(
             files[name],
             lambda uri: read((uri, flat_name(uri)), "mesh")[1],
+            files,
             where=where,
             room=room,
             limits=limits,
         )
-    else:
-        spec, found = read_mjcf(parse_markup(files[name], where=where, limits=limits), read, where=where, limits=limits)
-    files |= found
-    return spec
+    return read_mjcf(parse_markup(files[name], where=where, limits=limits), read, files, where=where, limits=limits)
 
 
 def read_file(

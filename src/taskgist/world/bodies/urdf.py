@@ -14,7 +14,7 @@ In a room, the description's root link is the world, so that links below it stan
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Literal, get_args
 from xml.etree.ElementTree import Element, SubElement
@@ -25,7 +25,7 @@ import numpy as np
 from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.markup import TEXTS_IN_URDF, Marked, asking_mujoco, check_values, parse_markup, written
-from taskgist.world.bodies.meshes import check_mesh, stl_from_dae
+from taskgist.world.bodies.meshes import check_mesh, flat_name, keep_file, stl_from_dae
 
 Shapes = Literal["visual", "collision"]
 SHAPES: tuple[Shapes, ...] = get_args(Shapes)
@@ -45,26 +45,25 @@ INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 def read_urdf(
     text: bytes,
     read: Callable[[str], bytes],
+    files: dict[str, bytes],
     *,
     where: str | Path,
     prefix: str = "",
     shapes: Shapes = "visual",
     room: bool = False,
     limits: Limits = DEFAULT.limits,
-) -> tuple[mujoco.MjSpec, dict[str, bytes]]:
+) -> mujoco.MjSpec:
     """A description as a MuJoCo specification.
 
     Args:
         text: The URDF document.
         read: Gives the content of a mesh by the name under which the document knows it.
+        files: The bundle, to which the meshes are added.
         where: File for error messages.
         prefix: Put before the names of mesh files.
         shapes: ``collision`` leaves out what is only shown: less to carry, and to see through.
         room: Whether the root link is the world.
         limits: Bounds of what it may hold.
-
-    Returns:
-        The specification, and the meshes that it needs by file name.
 
     Raises:
         SceneError: It is no URDF, or names a mesh that cannot be read.
@@ -80,12 +79,12 @@ def read_urdf(
     _check_depth(robot, where, limits)
     if room:
         _call_root_world(robot, where)
-    files = _gather_meshes(robot, read, where, prefix, limits)
+    needed = _gather_meshes(robot, read, files, where, prefix, limits)
     _set_compiler(robot)
     with asking_mujoco("MuJoCo cannot read this URDF:", where):
-        spec = mujoco.MjSpec.from_string(written(robot), assets=files)
+        spec = mujoco.MjSpec.from_string(written(robot), assets={name: files[name] for name in needed})
     _group(spec)
-    return spec, files
+    return spec
 
 
 def _check_depth(robot: Element, where: str | Path, limits: Limits) -> None:
@@ -168,28 +167,27 @@ def _call_root_world(robot: Element, where: str | Path) -> None:
 
 
 def _gather_meshes(
-    robot: Element, read: Callable[[str], bytes], where: str | Path, prefix: str, limits: Limits
-) -> dict[str, bytes]:
-    """Every mesh under a name without folders, to which the document is changed."""
-    files: dict[str, bytes] = {}
+    robot: Element,
+    read: Callable[[str], bytes],
+    files: dict[str, bytes],
+    where: str | Path,
+    prefix: str,
+    limits: Limits,
+) -> Collection[str]:
+    """Put every mesh under a name without folders, to which the document is changed; these names."""
+    names: dict[str, str] = {}
     for mesh in robot.iter("mesh"):
         uri = mesh.get("filename")
         if not uri:
             raise SceneError("a mesh without a file", where=where, field="mesh", hint='write filename="..."')
-        name = prefix + flat_name(uri)
-        if name.lower().endswith(".dae"):
-            name = f"{name}.stl"
-        if name not in files:
-            data = read(uri)
-            files[name] = stl_from_dae(data, uri, limits=limits) if uri.lower().endswith(".dae") else data
-            check_mesh(files[name], name, where=where, limits=limits)
-        mesh.set("filename", name)
-    return files
-
-
-def flat_name(uri: str) -> str:
-    """A file name, without folders, for what a document names by URI or path; two of them never get the same."""
-    return uri.partition("://")[2].strip("/").replace("/", "_") if "://" in uri else uri.replace("/", "_")
+        if uri not in names:
+            data, name = read(uri), prefix + flat_name(uri)
+            if uri.lower().endswith(".dae"):
+                data, name = stl_from_dae(data, uri, limits=limits), f"{name}.stl"
+            check_mesh(data, name, where=where, limits=limits)
+            names[uri] = keep_file(files, name, data)
+        mesh.set("filename", names[uri])
+    return names.values()
 
 
 def _group(spec: mujoco.MjSpec) -> None:
