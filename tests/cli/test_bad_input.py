@@ -216,7 +216,7 @@ CASES: dict[str, list[str]] = {
     "label good.mcap --start nan": ["good.mcap: --start: must be a time (got nan); give seconds"],
     "label good.mcap --target P3": [f"good.mcap: no agent 'P3'; {AGENTS}"],
     "label good.mcap --target P1": ["good.mcap: --target: performing and target agent are the same (got 'P1'); name"],
-    "label good.mcap --task ''": ["good.mcap: --task: must be a name (got ''); give a text"],
+    "label good.mcap --task ''": ["good.mcap: --task: is empty (got ''); give a short text of one line"],
     "label unlabelled.mcap --task show": ["unlabelled.mcap: label: missing: --performer, --target, --object, --start,"],
     "label unlabelled.mcap --propose": ["unlabelled.mcap: --task: the facts do not tell", "name it: --task show"],
     "label cut.mcap --task show": ["cut.mcap: the file is cut off or damaged"],

@@ -195,7 +195,8 @@ def test_what_a_command_read_it_does_not_overwrite(tmp_path: Path) -> None:
         assert read_whole(tmp_path / "in", most_bytes=10) == b"1"
         with pytest.raises(InputError, match="read by the same command"):
             put(tmp_path / "link", b"2", replace=True)
-        read_whole(tmp_path / "extended", most_bytes=10, is_input=False)
+        with reading(tmp_path / "extended", is_input=False) as stream:
+            assert stream.read() == b"1"
         put(tmp_path / "extended", b"2", replace=True)
         with changing(tmp_path / "extended"):
             put(tmp_path / "extended", b"3", replace=True)

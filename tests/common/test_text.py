@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from taskgist.common.text import clean_name, unseen_in
+from taskgist.common.text import LONGEST_NAME, clean_name, fault_of_name
 
 
 @pytest.mark.parametrize(
@@ -31,11 +31,20 @@ def test_what_people_see_as_one_name_is_one(given_text: str, cleaned: str) -> No
 @given(st.text())
 def test_a_clean_name_is_seen_composed_and_stays(text: str) -> None:
     name = clean_name(text)
-    assert unseen_in(name) is None
+    assert (fault_of_name(name) is None) == (0 < len(name) <= LONGEST_NAME)
     assert unicodedata.is_normalized("NFC", name)
     assert name == name.strip() == clean_name(name)
 
 
-def test_what_is_not_seen_is_found() -> None:
-    assert unseen_in("a\x00b") == "\x00"
-    assert unseen_in("put away") is None
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("put away", None),
+        ("a\x00b", "holds a character that is not seen"),
+        (" \u00a0", "is empty"),
+        ("s" * LONGEST_NAME, None),
+        ("s" * (LONGEST_NAME + 1), "is longer than 200 characters"),
+    ],
+)
+def test_what_is_no_name_says_why(text: str, fault: str | None) -> None:
+    assert fault_of_name(text) == fault

@@ -67,7 +67,7 @@ def changed(path: str, value: object) -> dict[str, Any]:
             changed("target_agent", ["P2", "P3"]),
             "f.json: target_agent: not one name (got ['P2', 'P3']); several at once",
         ),
-        (changed("task", " "), "f.json: task: not a name"),
+        (changed("task", " "), "f.json: task: is empty"),
         (changed("start", None), "f.json: start: not an object"),
         (changed("start/see.efort", "x"), "f.json: start.see.efort: no such attribute; did you mean 'see.effort'?"),
         (changed("start/see.effort", "Arm_Effort"), "f.json: start.see.effort: no such value (got 'Arm_Effort')"),

@@ -117,7 +117,7 @@ TIMES = {"start_s": 0.0, "end_s": 0.1}
 LABELS: dict[str, tuple[dict[str, Any], str]] = {
     "several agents": ({"target_agent": ["P2", "P3"]}, r"target_agent: several values of one target agent.*label one"),
     "several objects": ({"target_object": ("cup", "box")}, r"several values of one target object are not supported"),
-    "no task": ({"task": " "}, r"task: must be a name"),
+    "no task": ({"task": " "}, r"task: is empty"),
     "unseen": ({"task": "gi\x1b[2Jve"}, r"task: holds a character that is not seen"),
     "turned": ({"target_object": "\u202epuc"}, r"target_object: holds a character that is not seen"),
     "alone": ({"target_agent": "P1"}, r"target_agent: performing and target agent are the same \(got 'P1'\)"),

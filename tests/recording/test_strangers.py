@@ -295,6 +295,20 @@ def test_messages_are_limited(file: Path) -> None:
     assert "(setting limits.message_bytes)" in text
 
 
+@pytest.mark.parametrize(
+    "kind", [Opcode.STATISTICS, Opcode.CHUNK_INDEX, Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX]
+)
+def test_records_of_the_summary_are_limited(kind: Opcode, file: Path) -> None:
+    """A sparse file, of which no more is read than is there."""
+    with file.open("r+b") as stream:
+        stream.seek(-len(MAGIC) - 29, io.SEEK_END)
+        stream.write(struct.pack("<BQ", kind, 5 * 2**30))
+        stream.truncate(stream.tell() + 5 * 2**30)
+        stream.seek(0, io.SEEK_END)
+        stream.write(struct.pack("<BQQQI", Opcode.FOOTER, 20, 0, 0, 0) + MAGIC)
+    assert "a record of its summary: is too large (got '5,368,709,120 bytes')" in refusal(file)
+
+
 def test_checksums_are_verified(file: Path) -> None:
     """One bit anywhere: the file is refused, or reads as before."""
     content, digest = file.read_bytes(), read(file).digest

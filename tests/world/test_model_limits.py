@@ -210,7 +210,7 @@ def test_what_is_no_file_is_refused_by_its_kind(tmp_path: Path) -> None:
     [
         ("a = " + "[" * 5000, "nested too deep"),
         ("a = " + "9" * 5000, "a number of too many digits"),
-        ('["agents"."P\\u001b[31m"]', r"a name with control characters \(got 'P\\x1b\[31m'\)"),
+        ('["agents"."P\\u001b[31m"]', r"a name that holds a character that is not seen \(got 'P\\x1b\[31m'\)"),
         ('[scene]\nmodel = "a\\u0000"', r"scene\.model: holds a control character"),
         ('[scene]\nname = "a\\nb"\nmodel = "a"', r"scene\.name: holds a control character"),
         ("#" * (DEFAULT.limits.toml_bytes + 1), r"too large.*limits\.toml_bytes"),

@@ -112,8 +112,8 @@ def read_packed_json(
     with reading(path, error=error, hint=hint, is_input=False) as stream:
         try:
             text = gzip.GzipFile(fileobj=stream).read(most_bytes + 1)
-            document = json.loads(text) if len(text) <= most_bytes else None
-        except (gzip.BadGzipFile, EOFError, zlib.error, ValueError, RecursionError) as cause:
+            document = parse_json(text) if len(text) <= most_bytes else None
+        except (gzip.BadGzipFile, EOFError, zlib.error, ValueError) as cause:
             raise error(f"{problem}: {type(cause).__name__}: {cause}", where=path, hint=hint) from cause
     if len(text) > most_bytes:
         limit = f"at most {most_bytes:,} bytes are unpacked (setting limits.document_bytes)"

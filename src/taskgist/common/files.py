@@ -194,9 +194,11 @@ def _unwritable(problem: Exception, target: Path, error: type[InputError]) -> In
     number = problem.errno if isinstance(problem, OSError) else None
     if number in (errno.ENOSPC, errno.EDQUOT):
         hint = "free some space, or name a file on another disk"
+    elif number == errno.ENAMETOOLONG:
+        hint = "give it a shorter name"
     elif number in (errno.ENOENT, errno.ENOTDIR):
         reason = f"there is no folder {str(target.parent)!r}"
-    elif number in (errno.EACCES, errno.EPERM, errno.EROFS):
+    elif number == errno.EROFS or (number in (errno.EACCES, errno.EPERM) and not os.access(target.parent, os.W_OK)):
         reason = f"the folder {str(target.parent)!r} is read-only"
     return error(f"cannot be written: {reason}", where=shown_path(target), hint=hint)
 
@@ -247,7 +249,6 @@ def read_whole(
     setting: str = "document_bytes",
     error: type[InputError] = InputError,
     hint: str = "check the path",
-    is_input: bool = True,
 ) -> bytes:
     """The content of a regular file.
 
@@ -257,12 +258,11 @@ def read_whole(
         setting: The limit that says so, for the message.
         error: The class of the errors.
         hint: The way out if it is not there.
-        is_input: As ``reading`` has it.
 
     Raises:
         InputError: It is no regular file, cannot be read, or is too large.
     """
-    with reading(path, error=error, hint=hint, is_input=is_input) as stream:
+    with reading(path, error=error, hint=hint) as stream:
         size = os.fstat(stream.fileno()).st_size
         if size > most_bytes:
             raise error(

@@ -22,16 +22,22 @@ UNSEEN = re.compile(f"[\0-\x1f\x7f-\x9f{DIRECTIONS}{ENDS}{HALVES}]")
 COMMANDS = re.compile(f"[\0-\x08\x0b-\x1f\x7f-\x9f{DIRECTIONS}{ENDS}{HALVES}]")
 """The same in running text, which holds tabulators and ends of lines."""
 
+LONGEST_NAME = 200
+"""Characters of a name (ours: three lines of a terminal)."""
+
 
 def clean_name(text: str) -> str:
     """The one spelling of a name: composed (NFC), without spaces at its ends, without what is not seen."""
     return unicodedata.normalize("NFC", UNSEEN.sub("", text)).strip()
 
 
-def unseen_in(text: str) -> str | None:
-    """The first character of a text that no name holds; None if there is none."""
-    found = UNSEEN.search(text)
-    return found[0] if found else None
+def fault_of_name(text: str) -> str | None:
+    """What keeps a text from being a name, as a clause; None if nothing does."""
+    if UNSEEN.search(text):
+        return "holds a character that is not seen"
+    if not clean_name(text):
+        return "is empty"
+    return f"is longer than {LONGEST_NAME} characters" if len(text) > LONGEST_NAME else None
 
 
 def escaped(text: str) -> str:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from taskgist.common.text import COMMANDS, UNSEEN
+from taskgist.common.text import COMMANDS, UNSEEN, fault_of_name
 from taskgist.errors import InputError, SceneError, UnknownNameError, allowed_names
 
 T = TypeVar("T")
@@ -93,8 +93,8 @@ class TomlTable:
         self.path = path
         self._asked: set[str] = set()
         for key in self.values:
-            if UNSEEN.search(key):
-                raise self.error("a name with control characters", value=key, hint="leave them out")
+            if fault := fault_of_name(key):
+                raise self.error(f"a name that {fault}", value=key, hint="name it otherwise")
 
     @classmethod
     def parse(cls, data: bytes | str, where: str | Path, *, most_bytes: int) -> TomlTable:

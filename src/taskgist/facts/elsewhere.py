@@ -27,7 +27,7 @@ from typing import Any
 from taskgist.common.documents import DocumentError, parse_json
 from taskgist.common.files import read_whole
 from taskgist.common.frozen import FrozenMap, Json, canonical_text, freeze
-from taskgist.common.text import clean_name
+from taskgist.common.text import clean_name, fault_of_name
 from taskgist.errors import FactsError, allowed_names
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import Episode, HypothesisTree, Snapshot
@@ -130,9 +130,11 @@ def _name(value: object, where: str | Path | None, field: str) -> str:
     if isinstance(value, list):
         hint = "several at once are not supported yet: write one file for each"
         raise FactsError("not one name", where=where, field=field, value=value, hint=hint)
-    name = clean_name(value) if isinstance(value, str) else ""
-    if not name:
+    if not isinstance(value, str):
         raise FactsError("not a name", where=where, field=field, value=value, hint="give a text")
+    name = clean_name(value)
+    if fault := fault_of_name(name):
+        raise FactsError(fault, where=where, field=field, value=value, hint="give a short text")
     return name
 
 

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from taskgist.common.array_files import ArrayFile
 from taskgist.common.arrays import Indices, Mask
+from taskgist.common.documents import parse_json
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.maps.configurations import Configuration, configurations
 from taskgist.maps.grid import Cells, Grid, Undecided, Zone, solid_cells
@@ -290,12 +291,12 @@ def read_maps(path: str | Path, *, limits: Limits = DEFAULT.limits) -> tuple[Abi
     arrays = {name: file.array(name) for name in ARRAYS}
     try:
         return _maps(arrays, path)
-    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError) as error:
         raise InputError("holds no ability maps", where=path, hint=HINT) from error
 
 
 def _maps(arrays: dict[str, np.ndarray], path: str | Path) -> tuple[AbilityMap, ...]:
-    about = json.loads(str(arrays["about"]))
+    about = parse_json(str(arrays["about"]))
     if about["version"] != VERSION:
         problem = "holds ability maps of another version"
         raise InputError(problem, where=path, field="version", value=about["version"], hint=HINT)

@@ -27,7 +27,7 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Metadata
 
-from taskgist.common.text import unseen_in
+from taskgist.common.text import UNSEEN
 from taskgist.errors import RecordingError
 from taskgist.settings import Limits
 
@@ -110,7 +110,7 @@ def survey(stream: IO[bytes], path: Path, limits: Limits) -> Survey:
     Args:
         stream: The file.
         path: Its name, for messages.
-        limits: Of the attachments together, and of a metadata record.
+        limits: Of the attachments together, and of the largest record that is held whole.
 
     Raises:
         RecordingError: It is no MCAP file, cut off or damaged, or holds more than is read.
@@ -236,6 +236,10 @@ def _channel(found: Survey, stream: IO[bytes], place: Place, path: Path, limits:
         found.topics.add(Channel.read(_fields(content(stream, place))).topic)
 
 
+def _index(_found: Survey, _stream: IO[bytes], place: Place, path: Path, limits: Limits) -> None:
+    refuse_size("a record of its summary", place.length, limits.message_bytes, "message_bytes", path)
+
+
 def _data_end(found: Survey, _stream: IO[bytes], place: Place, _path: Path, _limits: Limits) -> None:
     found.data_end = found.data_end or place
 
@@ -248,6 +252,10 @@ _SURVEYED: dict[Opcode, Callable[[Survey, IO[bytes], Place, Path, Limits], None]
     Opcode.ATTACHMENT: _attachment,
     Opcode.METADATA: _metadata,
     Opcode.CHANNEL: _channel,
+    Opcode.STATISTICS: _index,
+    Opcode.CHUNK_INDEX: _index,
+    Opcode.ATTACHMENT_INDEX: _index,
+    Opcode.METADATA_INDEX: _index,
     Opcode.DATA_END: _data_end,
     Opcode.FOOTER: _footer,
 }
@@ -271,7 +279,7 @@ def _check_file_name(name: str, path: Path) -> None:
     Names are only ever looked up among the attachments of the same recording: the scene of a user whose model is
     ``../models/room.xml`` has one of that name, which leads nowhere.
     """
-    if not name or unseen_in(name):
+    if not name or UNSEEN.search(name):
         raise RecordingError(
             "an attachment without a name, or with control characters in it",
             where=path,

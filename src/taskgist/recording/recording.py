@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.text import clean_name, unseen_in
+from taskgist.common.text import clean_name, fault_of_name
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.recording.columns import PackedRows
 from taskgist.world.scene import Scene
@@ -132,13 +132,12 @@ def _checked_name(field: str, value: object) -> str:
             value=value,
             hint=f"label one {noun}; make a copy of the recording with its own label for each other one",
         )
-    name = clean_name(value) if isinstance(value, str) else ""
-    if not isinstance(value, str) or not name:
-        raise LabelError("must be a name", field=field, value=value, hint="give a text that is not empty")
-    if unseen_in(value):
-        hint = "leave out tabs, ends of lines and marks that turn the direction of writing"
-        raise LabelError("holds a character that is not seen", field=field, value=value, hint=hint)
-    return name
+    if not isinstance(value, str):
+        raise LabelError("must be a name", field=field, value=value, hint="give a text")
+    if fault := fault_of_name(value):
+        hint = "give a short text of one line, without tabs and marks that turn the direction of writing"
+        raise LabelError(fault, field=field, value=value, hint=hint)
+    return clean_name(value)
 
 
 def _check_time(field: str, value: object) -> None:
