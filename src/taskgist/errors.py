@@ -134,6 +134,12 @@ MOST_NAMES = 5
 """Names that a message lists."""
 
 
+def most_read(limit: int, setting: str) -> str:
+    """The way out of what is too large, such as "at most 4,096 bytes are read (setting limits.table_bytes)"."""
+    unit = " bytes" if setting.endswith("_bytes") else ""
+    return f"at most {limit:,}{unit} are read (setting limits.{setting})"
+
+
 def allowed_names(given: object, allowed: Iterable[str]) -> str:
     """Text such as "did you mean 'Sitting'? (allowed: Standing, Sitting)"."""
     names = tuple(allowed)

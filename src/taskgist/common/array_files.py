@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.common.files import reading
-from taskgist.errors import InputError, UnknownNameError
+from taskgist.errors import InputError, UnknownNameError, most_read
 
 SUFFIX = ".npy"
 """How the names of arrays end in an archive."""
@@ -111,7 +111,7 @@ class ArrayFile:
                 where=self._where,
                 field=name,
                 value=f"{size:,} bytes",
-                hint=f"at most {self._most_bytes:,} bytes of a file are loaded (setting limits.table_bytes)",
+                hint=most_read(self._most_bytes, "table_bytes"),
             )
         content = stream.read(size)
         if len(content) < size:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from taskgist.common.files import reading
-from taskgist.errors import InputError
+from taskgist.errors import InputError, most_read
 
 DEEPEST = 64
 """Lists and objects within each other, at most (ours: facts and recordings hold six)."""
@@ -116,8 +116,7 @@ def read_packed_json(
         except (gzip.BadGzipFile, EOFError, zlib.error, ValueError) as cause:
             raise error(f"{problem}: {type(cause).__name__}: {cause}", where=path, hint=hint) from cause
     if len(text) > most_bytes:
-        limit = f"at most {most_bytes:,} bytes are unpacked (setting limits.document_bytes)"
-        raise error(f"{problem}: it is too large", where=path, hint=limit)
+        raise error(f"{problem}: it is too large", where=path, hint=most_read(most_bytes, "document_bytes"))
     if not isinstance(document, dict):
         raise error(f"{problem}: no object", where=path, value=document, hint=hint)
     return document

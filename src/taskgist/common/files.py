@@ -21,7 +21,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import BinaryIO
 
-from taskgist.errors import InputError
+from taskgist.errors import InputError, most_read
 
 DRAFT = ".draft"
 """How the names of drafts end."""
@@ -269,7 +269,7 @@ def read_whole(
                 "is too large",
                 where=path,
                 value=f"{size:,} bytes",
-                hint=f"at most {most_bytes:,} bytes are read (setting limits.{setting})",
+                hint=most_read(most_bytes, setting),
             )
         return stream.read(most_bytes)
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from taskgist.common.text import COMMANDS, UNSEEN, fault_of_name
-from taskgist.errors import InputError, SceneError, UnknownNameError, allowed_names
+from taskgist.errors import InputError, SceneError, UnknownNameError, allowed_names, most_read
 
 T = TypeVar("T")
 REQUIRED: Any = object()
@@ -63,7 +63,7 @@ def parse_toml(
         InputError: It is not TOML, nested too deep, or too large.
     """
     if len(data) > most_bytes:
-        hint = f"at most {most_bytes:,} bytes are read (setting limits.toml_bytes)"
+        hint = most_read(most_bytes, "toml_bytes")
         raise error("is too large", where=where, value=f"{len(data):,} bytes", hint=hint)
     try:
         return tomllib.loads(data if isinstance(data, str) else data.decode("utf-8-sig"))

@@ -19,7 +19,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.common.files import reading, shown_path
-from taskgist.errors import MappingError, UnknownNameError
+from taskgist.errors import MappingError, UnknownNameError, most_read
 from taskgist.importing.mapping import Name, TableFormat
 from taskgist.settings import DEFAULT
 
@@ -160,7 +160,7 @@ class CsvTable:
             left -= 8 * (width + 1) + self._add(cells, values)
             self._lines.append(at)
             if left < 0:
-                hint = f"at most {most_bytes:,} bytes of numbers are read (setting limits.table_bytes)"
+                hint = most_read(most_bytes, "table_bytes")
                 raise MappingError("the table is too large", where=f"{self.where}, line {at}", hint=hint)
         if not len(self._lines):
             raise MappingError("the table has no rows below its header", where=self.where)

@@ -28,7 +28,7 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Metadata
 
 from taskgist.common.text import UNSEEN
-from taskgist.errors import RecordingError
+from taskgist.errors import RecordingError, most_read
 from taskgist.settings import Limits
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -193,7 +193,7 @@ def refuse_size(what: str, size: int, limit: int, setting: str, path: Path) -> N
             where=path,
             field=what,
             value=f"{size:,} bytes",
-            hint=f"at most {limit:,} bytes are read (setting limits.{setting})",
+            hint=most_read(limit, setting),
         )
 
 

@@ -16,7 +16,7 @@ from xml.etree.ElementTree import Element
 from xml.parsers import expat
 
 from taskgist.common.text import UNSEEN
-from taskgist.errors import SceneError
+from taskgist.errors import SceneError, most_read
 from taskgist.settings import DEFAULT, Limits
 
 COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
@@ -67,7 +67,7 @@ def parse_markup(
         SceneError: It is not XML, is too large or too deep, or defines entities.
     """
     if len(data) > limits.document_bytes:
-        hint = f"at most {limits.document_bytes:,} bytes are read (setting limits.document_bytes)"
+        hint = most_read(limits.document_bytes, "document_bytes")
         raise SceneError("is too large", where=where, value=f"{len(data):,} bytes", hint=hint)
     most = limits.model_elements if most_elements is None else most_elements
     builder = _Builder(where, most, limits.model_depth)
@@ -141,7 +141,7 @@ class _Builder:
             raise SceneError("a document type that may define entities", where=self._where, hint=hint)
 
     def _beyond(self, problem: str, most: int, setting: str) -> SceneError:
-        return SceneError(problem, where=self._where, hint=f"at most {most:,} are read (setting limits.{setting})")
+        return SceneError(problem, where=self._where, hint=most_read(most, setting))
 
 
 def written(root: Element) -> str:

@@ -13,7 +13,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from taskgist.common.arrays import Array
-from taskgist.errors import SceneError
+from taskgist.errors import SceneError, most_read
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.markup import parse_markup
 from taskgist.world.geometry.transforms import matrix_from_wxyz, normalized, wxyz_from_rotation_vector
@@ -246,7 +246,7 @@ def check_mesh(data: bytes, name: str, *, where: str | Path, kind: str = "", lim
     """
     faces, finite = _known(data, (kind or name.replace(".", "/")).lower().rpartition("/")[2])
     if faces > limits.mesh_faces:
-        hint = f"simplify it: at most {limits.mesh_faces:,} are read (setting limits.mesh_faces)"
+        hint = f"simplify it: {most_read(limits.mesh_faces, 'mesh_faces')}"
         raise SceneError("too many triangles", where=f"{where}: {name}", value=f"{faces:,}", hint=hint)
     if not finite:
         raise SceneError("a mesh whose corners are not finite numbers", where=f"{where}: {name}", hint="export it anew")
