@@ -26,6 +26,8 @@ COARSE = Settings(
         turn_step_rad=math.radians(45),
         lean_step_rad=0.5,
         head_steps=3,
+        bends=((0.0, 0.5), (0.1, 1.0)),
+        leaving_step_m=0.4,
         move_radius_m=1.0,
         move_step_m=0.5,
     ),

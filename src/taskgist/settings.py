@@ -70,6 +70,24 @@ class Efforts:
     """A contact deeper than now by more than this blocks (ours: tracked bodies touch and overlap a little)."""
     seat_height_m: tuple[float, float] = (0.25, 0.70)
     """Heights of surfaces that people sit down onto (ours: from a child's stool to a low bar stool)."""
+    bends: tuple[tuple[float, float], ...] = tuple(
+        (share, math.radians(pitch))
+        for share, pitch in (
+            *((0.0, 15), (0.0, 30), (0.0, 45), (0.03, 60), (0.06, 75), (0.10, 30), (0.10, 60)),
+            *((0.15, 15), (0.20, 45), (0.25, 30), (0.30, 30)),
+        )
+    )
+    """Bends and crouches that are tried, the least first: how far the hips are lowered, as a share of the stature, and
+    how far the pelvis is pitched (ours: with the torso's lean they reach down to the floor in about equal steps, and
+    bring the eyes below a table)."""
+    lift_step_m: float = 0.1
+    """Step of a torso that is lifted (ours)."""
+    sliding_seat_m: float = 0.8
+    """A seat that is no larger than this either way slides (ours: chairs and stools; sofas and benches are longer)."""
+    leaving_seat_m: float = 1.2
+    """Farthest that a seat is pushed back, or that somebody moves along it, to stand up (ours: two seats)."""
+    leaving_step_m: float = 0.1
+    """Step of that (ours)."""
     state_bin_rad: float = math.radians(15.0)
     """Bin of the joint angles that make the symbol of an attained state S (ours)."""
 

@@ -66,7 +66,7 @@ class Twin:
         for level in range(5):
             if self._unknown(name, ability, level):
                 return Answer(None)
-            able = [each for each in self._able(name, ability, level) if self.states.allowed(each.qpos)]
+            able = [each for each in self._able(name, ability, level) if self.states.allowed(each.qpos, each.aside)]
             if able:
                 best = min((each.key, each.merit) for each in able)
                 least = [each for each in able if (each.key, each.merit) == best]

@@ -6,15 +6,21 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 from taskgist.perspective.effort import (
+    BEND,
+    CROUCH,
     LEAN,
+    LIFT,
     MOVE,
     NO_ACTION,
     NO_KNOWN_LEVEL,
     PAN,
+    PUSH,
+    SIDLE,
     SIT,
     STAND,
     TILT,
     TURN,
+    Amount,
     Effort,
     Occlusion,
     Reason,
@@ -53,6 +59,11 @@ def gerunds(effort: Effort) -> list[str]:
         TURN: lambda: f"turning the torso {_degrees(turns[TURN])}",
         LEAN: lambda: f"leaning {'forward' if turns[LEAN] > 0 else 'back'} {_degrees(turns[LEAN])}",
         STAND: lambda: "standing up",
+        BEND: lambda: f"bending at the hips {_degrees(_amount(effort).bent_rad)}",
+        CROUCH: lambda: f"crouching by {_amount(effort).lowered_m:.2f} m",
+        LIFT: lambda: f"moving the torso up or down by {_amount(effort).lowered_m:.2f} m",
+        PUSH: lambda: "pushing the seat back",
+        SIDLE: lambda: "moving along the seat",
         SIT: lambda: "sitting down",
         MOVE: lambda: _moving(effort),
     }
@@ -109,10 +120,15 @@ def _degrees(angle_rad: float) -> str:
     return f"{degrees:.0f}°" if degrees >= 0.5 else "less than 1°"
 
 
-def _moving(effort: Effort) -> str:
+def _amount(effort: Effort) -> Amount:
     assert effort.amount is not None, "an effort with actions has an amount"
-    turn = f"turning {_degrees(effort.amount.turned_rad)}"
-    return f"going {effort.amount.moved_m:.2f} m and {turn}" if effort.amount.moved_m else f"{turn} on the spot"
+    return effort.amount
+
+
+def _moving(effort: Effort) -> str:
+    amount = _amount(effort)
+    turn = f"turning {_degrees(amount.turned_rad)}"
+    return f"going {amount.moved_m:.2f} m and {turn}" if amount.moved_m else f"{turn} on the spot"
 
 
 def _stretching(action: str) -> str:

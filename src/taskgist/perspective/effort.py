@@ -7,7 +7,7 @@ told and stored wherever Python runs. How efforts are found is told in ``search`
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, astuple, dataclass, field, fields
 from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -39,6 +39,10 @@ EFFORT_NAMES: Mapping[Ability, tuple[str, ...]] = {
 PAN, TILT = "Pan_Head", "Tilt_Head"
 TURN, LEAN = "Turn_Torso", "Lean_Torso"
 STAND, SIT = "Make_Standing", "Make_Sitting"
+BEND, CROUCH, LIFT = "Bend_Hips", "Crouch", "Lift_Torso"
+"""Of the whole body, as standing up is (ours): the paper's bodies reach nothing that is lower than an arm is long."""
+PUSH, SIDLE = "Push_Seat_Back", "Move_Along_Seat"
+"""What whoever sits at a table does before standing up (ours): on a chair, or on a bench or sofa."""
 MOVE = "Move_To"
 NO_ACTION = "No_Action_Required"
 """What level 0 takes (5.1.5)."""
@@ -56,21 +60,25 @@ class Amount:
     """How much of an effort: compared in this order, so that a step weighs more than any turn (5.1.6).
 
     Attributes:
+        lowered_m: How far the hips are lowered, or the torso lifted or lowered, metres: people rather take a step.
+        bent_rad: How far the pelvis is pitched over the legs, radians.
         moved_m: Length of the way over the floor, metres.
         turned_rad: Turn of the whole body on the spot, radians.
         torso_rad: Turn and lean of the torso together, radians.
         head_rad: Pan and tilt of the head together, radians.
     """
 
+    lowered_m: float = 0.0
+    bent_rad: float = 0.0
     moved_m: float = 0.0
     turned_rad: float = 0.0
     torso_rad: float = 0.0
     head_rad: float = 0.0
 
     @property
-    def key(self) -> tuple[float, float, float, float]:
+    def key(self) -> tuple[float, ...]:
         """For comparing: rounded, so that equal amounts stay equal wherever the scene stands."""
-        return (round(self.moved_m, 6), round(self.turned_rad, 6), round(self.torso_rad, 6), round(self.head_rad, 6))
+        return tuple(round(amount, 6) for amount in astuple(self))
 
 
 # --- Evidence that an ability holds: what was found in the attained state.

@@ -131,7 +131,7 @@ def _free(
             misses.append(result)
             continue
         solution = Solution(candidate, result)
-        blocking = here.collisions.blocking(solution.state)
+        blocking = here.collisions_of(candidate).blocking(solution.state)
         if blocking is None:
             yield solution
             return

@@ -155,6 +155,7 @@ class Agent:
         joints: qpos index of each scalar joint, by its name without prefix, in the model's order.
         core_geoms: Solid shapes of head, torso and base: those that virtual actions must not push into things.
         geoms: All its shapes but the ghosts.
+        lifts: Names of the joints between base and shoulders that slide, as a torso's lift does.
     """
 
     name: str
@@ -170,6 +171,7 @@ class Agent:
     eye_exclude_body: int
     thigh_bodies: tuple[int, ...]
     arms: tuple[ArmIndices, ...]
+    lifts: tuple[str, ...]
     parts: Mapping[str, Indices]
 
     def arm(self, side: str) -> ArmIndices:
@@ -209,7 +211,17 @@ def resolve_agent(model: mujoco.MjModel, name: str, profile: AgentProfile, statu
         eye_exclude_body=_body(model, name, profile.eye.exclude),
         thigh_bodies=tuple(_body(model, name, thigh) for thigh in profile.legs.thighs),
         arms=arms,
+        lifts=_lifts(model, name, arms),
         parts=_parts(model, name, profile, bodies),
+    )
+
+
+def _lifts(model: mujoco.MjModel, name: str, arms: Iterable[ArmIndices]) -> tuple[str, ...]:
+    carriers = {body for arm in arms for body in (arm.carrier_body, *_ancestors(model, arm.carrier_body))}
+    return tuple(
+        str(model.joint(j).name).removeprefix(f"{name}/")
+        for j in range(model.njnt)
+        if int(model.jnt_bodyid[j]) in carriers and int(model.jnt_type[j]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
     )
 
 
