@@ -52,7 +52,8 @@ def test_what_hides_is_named_with_its_pixels() -> None:
 
 def test_a_blocked_way_is_told_where_nothing_nearer_is() -> None:
     shelf = Thing("shelf", (0.3, 0.3, 0.02), (0.5, 0.0, 0.85), free=False)
-    room = Room((chair(0.0), shelf, table(0.6, height=0.70), at(4.0, 0.0, 1.0)), (SITTER,))
+    behind = wall("wall", -0.26, half=(0.02, 3.0, 1.2))
+    room = Room((chair(0.0), behind, shelf, table(0.6, height=0.70), at(4.0, 0.0, 1.0)), (SITTER,))
     assert "elsewhere: Make_Standing is blocked: " in sentence(room, "reach")
 
 

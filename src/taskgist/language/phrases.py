@@ -84,7 +84,7 @@ EFFORTS = {
     "Arm_Torso_Effort": "takes an arm and the torso",
     "Head_Effort": "takes turning the head",
     "Head_Torso_Effort": "takes turning head and torso",
-    "Whole_Body_Effort": "takes standing up, sitting down, bending or crouching",
+    "Whole_Body_Effort": "takes standing up, sitting down or bending",
     "Displacement_Effort": "takes going elsewhere",
     "No_Possible_Known_Effort": "is not possible by any known effort",
 }
