@@ -4,8 +4,9 @@
     python -m tools.fuzz --seed 7 --case 1234      # one of them again, and what it says
 
 Nothing may end in an unexpected error, hang, take memory without bound, change what is only read, or bring control
-characters to the terminal; what is refused is refused by name. ``fuzz_seeds`` has the inputs, ``fuzz_tokens``
-and ``fuzz_mutations`` how they are spoiled, ``fuzz_cases`` how one is run and judged.
+characters to the terminal; what is refused is refused by name. ``fuzz_seeds`` and ``fuzz_rooms`` have the inputs,
+``fuzz_tokens``, ``fuzz_mutations`` and ``fuzz_names`` how they are spoiled, ``fuzz_cases`` and ``fuzz_checks`` how a
+case is run and judged.
 """
 
 from __future__ import annotations
@@ -85,8 +86,10 @@ def warmed(folder: Path) -> tuple[Seed, ...]:
             write_files(work, base.files)
             if CONCAVE.intersection(base.files.values()):
                 if (pid := os.fork()) == 0:
-                    _refused(work, base, command)
-                    os._exit(0)
+                    try:
+                        _refused(work, base, command)
+                    finally:
+                        os._exit(0)
                 os.waitpid(pid, 0)  # the parts are kept now
             if refused := _refused(work, base, command):
                 raise RuntimeError(f"{base.kind}: {' '.join(command)}: {refused}")

@@ -124,14 +124,51 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
         (folder / name).write_bytes(content)
 
 
+MEANT = (
+    *(
+        "P1",
+        "P2",
+        "R",
+        "cup",
+        "box",
+        "mug",
+        "table",
+        "see",
+        "reach",
+        "grasp",
+        "show",
+        "hide",
+        "narrow",
+        "--json",
+        "--why",
+    ),
+    *(
+        "0",
+        "0.05",
+        "0.4",
+        "1",
+        "2",
+        "0.1,0.1,0.2",
+        "room.toml",
+        "csv.toml",
+        "show_a.mcap",
+        "knowledge.db",
+        "facts.json",
+    ),
+)
+"""Arguments that mean something, here or elsewhere."""
+
+
 def _options_spoiled(rng: random.Random, command: Command) -> tuple[Command, tuple[str, ...]]:
     """A command with other arguments."""
     words = list(command)
     harmless = [word for word in (*WORDS, *NUMBERS, *NUMBERS) if "/etc" not in word]  # it might be a target
     for _ in range(rng.choice((1, 1, 2))):
         at = rng.randrange(1, len(words)) if len(words) > 1 else 0
-        what = rng.randrange(8)
-        if what == 0:
+        what = rng.randrange(12)
+        if what > 7:
+            words[at] = rng.choice(MEANT)
+        elif what == 0:
             words.pop(at)
         elif what == 1:
             words.insert(at, rng.choice((*harmless, *command, "--json", "--at", "--agent", "--every", "-o")))

@@ -1,6 +1,7 @@
 """What the fuzzer starts from: small inputs of every kind that are right, and the commands that read them.
 
-Most are written out here; recordings, knowledge, pools and maps are made by the code that is fuzzed.
+Rooms are in ``fuzz_rooms``, tables are written out here; recordings, knowledge, pools and maps are made by the code
+that is fuzzed.
 """
 
 from __future__ import annotations
