@@ -90,6 +90,9 @@ def read_mjcf(
         raise SceneError("textures too large", where=where, value=f"{gathered.pixels:,} pixels", hint=hint)
     with asking_mujoco("MuJoCo cannot read this model:", where):
         spec = mujoco.MjSpec.from_string(text, include=gathered.models, assets=gathered.files)
+    if len(spec.bodies) > limits.model_bodies:  # deformable things have one for every vertex of their file
+        hint = f"at most {limits.model_bodies:,} are read (setting limits.model_bodies)"
+        raise SceneError("too many bodies", where=where, value=f"{len(spec.bodies):,}", hint=hint)
     spec.comment = root.comment
     return spec, gathered.files
 
@@ -314,5 +317,6 @@ def _product(text: str) -> float:
 def _copies(element: Element) -> float:
     """How many there will be of what an element holds."""
     if element.tag in ("replicate", "composite", "flexcomp"):
-        return max(1.0, _product(element.get("count", "1")))
+        filed = element.tag != "flexcomp" or element.get("type") in ("mesh", "gmsh", "direct")
+        return max(1.0, _product(element.get("count", "1" if filed else "10 10 10")))  # as MuJoCo has it
     return 1.0
