@@ -214,3 +214,44 @@ def test_pieces_are_found_whatever_the_order_of_triangles_and_which_way_they_fac
     assert all(piece.is_closed for piece in found)
     volumes = sorted(float(np.linalg.det(piece.corners).sum()) / 6 for piece in found)
     assert volumes == pytest.approx(sorted(float(np.ptp(v, axis=0).prod()) for v, _ in apart))
+
+
+def cell_parts(mesh: Mesh) -> list[np.ndarray]:
+    """The parts of a mesh that lies in a room, found without CoACD."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "coacd", None)
+        scene = mesh_scene(meshes.body("thing", "thing", (0, 0, 1)), thing=mesh)
+    (name,) = parts_of(scene)
+    return read_parts(scene.bundle[name])
+
+
+def test_an_open_surface_is_parted_by_cells_that_hold_all_of_it_and_leave_its_inside_free() -> None:
+    """Without a lid; CoACD takes it for a shell of 180,000 triangles."""
+    vertices, faces = meshes.revolved([(0.0399, 0), (0.04, 0), (0.04, 0.1), (0.0399, 0.1)], 24)
+    found = cell_parts((vertices, faces[: len(faces) - 8]))
+    assert 20 < len(found) <= 6**3
+    for vertex in vertices:
+        assert any(
+            (part.min(axis=0) - 1e-5 <= vertex).all() and (vertex <= part.max(axis=0) + 1e-5).all() for part in found
+        )
+    assert min(np.hypot(part[:, 0], part[:, 1]).min() for part in found) > 0.035
+
+
+def test_a_mesh_too_fine_to_be_searched_is_parted_by_cells() -> None:
+    found = cell_parts(meshes.cup(around=1_000))
+    assert 20 < len(found) <= 6**3
+    stage = Stage(
+        mesh_scene(meshes.body("thing", "cup", (0, 0, 0), free=False) + BALL.format(0.06), cup=meshes.cup(around=1_000))
+    )
+    assert overlaps(stage, deeper_than_m=0.001) == {}
+
+
+def test_more_large_triangles_than_cells_can_be_given_leave_the_hull(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("taskgist.world.geometry.convex.PATCHES", 1_000)
+    with caplog.at_level(logging.WARNING, "taskgist.world"):
+        scene = mesh_scene(meshes.body("thing", "cup", (0, 0, 0)), cup=meshes.cup(around=999))
+    assert parts_of(scene) == []
+    assert "mesh 'cup' is concave, but taken for its convex hull" in caplog.text
+    assert "simplify it" in caplog.text
