@@ -1,8 +1,8 @@
 """Concave meshes as convex parts: found by CoACD [Wei 2022], kept in the user's cache, written as OBJ.
 
 The pieces of a mesh are looked at one by one: what is convex is a part already, only what has hollows is cut. CoACD is
-asked for closed pieces that are not too fine, since it takes minutes for others: their surface is parted by the cells
-of a grid instead, at a cost that grows with its size alone.
+asked for closed pieces that are not too fine, since it takes minutes for others. These, and those with which it comes
+to no end, are parted by the cells of a grid instead, at a cost that grows with their size alone.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled
 from taskgist.common.files import writing
 from taskgist.errors import InputError, SceneError
+from taskgist.world.geometry import coacd_process
 from taskgist.world.geometry.shapes import hull_planes, hull_triangles
 
 # --- Pieces of a mesh, and whether one has hollows that its convex hull would fill.
@@ -174,8 +175,6 @@ HOLLOW_SHARE = 0.01
 """And up to this share of the mesh's extent (ours: a cupboard's mouldings need no parts of their own)."""
 MOST_PIECES = 64
 """Meshes of more pieces are cut as a whole."""
-SEARCH = {"mcts_iterations": 20, "mcts_nodes": 10, "mcts_max_depth": 2, "resolution": 500, "seed": 1}
-"""CoACD's search: seconds instead of the default's minutes, with parts as tight."""
 SHEET_M = 0.001
 """Thickness given to what has none."""
 CUBE = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
@@ -195,7 +194,7 @@ def tolerance_m(mesh: Piece) -> float:
 def parts_name(mesh: Piece) -> str:
     """Name of the file with a mesh's parts, by a digest of what they depend on."""
     content = (np.round(mesh.vertices * 1e6).astype("<i8").tobytes(), mesh.faces.astype("<i8").tobytes())
-    search = repr((HOLLOW_M, HOLLOW_SHARE, MOST_PIECES, SHEET_M, sorted(SEARCH.items())))
+    search = repr((HOLLOW_M, HOLLOW_SHARE, MOST_PIECES, SHEET_M, sorted(coacd_process.SEARCH.items())))
     if not _is_searched(mesh):
         limit_m = tolerance_m(mesh)
         if any(not _is_searched(each) and is_hollow(each, deeper_than_m=limit_m) for each in _few_pieces(mesh)):
@@ -290,19 +289,17 @@ def _thickened(piece: Piece) -> Piece:
 
 
 def _coacd(piece: Piece, limit_m: float, name: str) -> list[Piece] | None:
-    try:
-        import coacd
-    except ImportError:
+    if not coacd_process.is_there():
         log.warning(
             "mesh %r is concave, but taken for its convex hull: nothing fits into it (to mend: pip install coacd)", name
         )
         return None
-    coacd.set_log_level("off")
-    found = coacd.run_coacd(coacd.Mesh(piece.vertices, piece.faces), threshold=limit_m, real_metric=True, **SEARCH)
-    if not found:
-        log.warning("mesh %r is concave, but cannot be cut into convex parts: taken for its convex hull", name)
-        return None
-    return [Piece(np.asarray(vertices), np.asarray(faces)) for vertices, faces in found]
+    found = coacd_process.searched(piece.vertices, piece.faces, limit_m)
+    if found is None:
+        problem = "mesh %r is parted by the cells of a grid: CoACD comes to no end with it (to mend: simplify it)"
+        log.warning(problem, name)
+        return _by_cells(piece, name)
+    return [Piece(vertices, faces) for vertices, faces in found]
 
 
 def _by_cells(piece: Piece, name: str) -> list[Piece] | None:
