@@ -11,11 +11,18 @@ from pathlib import Path
 
 import pytest
 
-from tools.fuzz_mutations import OF_SUFFIX, mutated
+from taskgist.pipeline.shipped import shipped_study
+from taskgist.world.scene import Scene
+from tools import fuzz_checks
+from tools.fuzz_cases import write_files
+from tools.fuzz_mutations import OF_SUFFIX, copied, mutated
+from tools.fuzz_names import NAMES, renamed
+from tools.fuzz_rooms import rooms
+from tools.fuzz_seeds import with_foreign_records
 from tools.fuzz_tokens import OF_BYTES, OF_TEXT, Mutation
 
 ROOT = Path(__file__).parent.parent
-CASES, SEED = 500, 11
+CASES, SEED = 500, 15
 
 MUTATIONS = {name: each for group in (OF_BYTES, OF_TEXT, *OF_SUFFIX.values()) for name, each in group.items()}
 
@@ -50,3 +57,57 @@ def test_what_cannot_be_taken_apart_is_spoiled_all_the_same() -> None:
             data, used = mutated(random.Random(seed), name, b"nothing of the kind")
             assert isinstance(data, bytes)
             assert used
+
+
+@pytest.mark.parametrize(
+    ("room", "scene", "taken", "by"),
+    [
+        ("crowded", "urdf.toml", "a/m.stl", "a_m.stl"),
+        ("crowded", "urdf.toml", "a_m.stl", "a/m.stl"),
+        ("crowded", "urdf.toml", "R_a_m.stl", "robot/a/m.stl"),
+        ("crowded", "urdf.toml", "robot/a/m.stl", "a/m.stl"),
+        ("many", "many.toml", "shapes/a/m.obj", "shapes/a_m.obj"),
+        ("many", "many.toml", "shapes/R_a.obj", "a.obj"),
+        ("many", "many.toml", "a.obj", "shapes/R_a.obj"),
+        ("many", "many.toml", "colours/a/m.png", "colours/a_m.png"),
+        ("many", "many.toml", "colours/m.obj", "colours/m.png"),
+        ("many", "many.toml", "shapes/hills.png", "colours/m.png"),
+    ],
+)
+def test_a_file_in_the_place_of_another_is_noticed(
+    room: str, scene: str, taken: str, by: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    right, load = rooms()[room], Scene.load
+    swapped = {**right, taken: right[by]}
+    for folder, files in (("right", right), ("swapped", swapped)):
+        write_files(tmp_path / folder, files)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path / "right")
+    wrong = fuzz_checks.own_files(("query", scene))
+    assert not wrong()
+    monkeypatch.setattr(Scene, "load", lambda path: load(tmp_path / "swapped" / path))
+    assert "another file in the place of" in wrong()
+
+
+def test_records_of_others_that_are_lost_are_noticed(tmp_path: Path) -> None:
+    ours, path = shipped_study()["show"][0].read_bytes(), tmp_path / "a.mcap"
+    shared = with_foreign_records(ours)
+    path.write_bytes(shared)
+    wrong = fuzz_checks.others_records(("label", str(path)))
+    path.write_bytes(copied(shared, lambda _: None))
+    assert not wrong()
+    path.write_bytes(ours)
+    assert wrong().startswith("lost ")
+
+
+@pytest.mark.parametrize("room", ["plain", "crowded"])
+def test_names_are_others_in_files_and_command_alike(room: str) -> None:
+    files, command = rooms()[room], ("query", "--agent", "P1", "--object", "cup")
+    followed = 0
+    for seed in range(40):
+        changed, asked = renamed(random.Random(seed), files, ("P1",), command)
+        assert (changed, asked) == renamed(random.Random(seed), files, ("P1",), command)
+        assert all(b"[agents.P1]" not in content for name, content in changed.items() if name.endswith(".toml"))
+        followed += asked != command
+    assert 20 < followed < 40
+    assert max(map(len, NAMES)) >= 100_000

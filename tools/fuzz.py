@@ -4,8 +4,9 @@
     python -m tools.fuzz --seed 7 --case 1234      # one of them again, and what it says
 
 Nothing may end in an unexpected error, hang, take memory without bound, change what is only read, or bring control
-characters to the terminal; what is refused is refused by name. ``fuzz_seeds`` has the inputs, ``fuzz_tokens``
-and ``fuzz_mutations`` how they are spoiled, ``fuzz_cases`` how one is run and judged.
+characters to the terminal; what is refused is refused by name. ``fuzz_seeds`` and ``fuzz_rooms`` have the inputs,
+``fuzz_tokens``, ``fuzz_mutations`` and ``fuzz_names`` how they are spoiled, ``fuzz_cases`` and ``fuzz_checks`` how a
+case is run and judged.
 """
 
 from __future__ import annotations
@@ -26,8 +27,9 @@ from pathlib import Path
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # a process with threads cannot be forked safely
 
-from tools.fuzz_cases import Outcome, chosen, outcomes, run
-from tools.fuzz_seeds import Seed, seeds
+from tools.fuzz_cases import Outcome, chosen, outcomes, run, write_files
+from tools.fuzz_rooms import CONCAVE
+from tools.fuzz_seeds import Command, Seed, seeds
 
 
 def main() -> int:
@@ -63,32 +65,52 @@ def main() -> int:
 def warmed(folder: Path) -> tuple[Seed, ...]:
     """The seeds, after all their commands have run in this process: what they load and compile, forks have.
 
+    Concave meshes are cut in a fork, for that starts threads. The parts are kept in a cache, which each case gets.
+
     Args:
         folder: An empty one, to work in.
 
     Raises:
-        RuntimeError: A command refuses a seed.
+        RuntimeError: A command refuses a seed, or has left a thread behind.
     """
     made = folder / "made"
     made.mkdir()
-    bases, before = seeds(made), Path.cwd()
+    os.environ["XDG_CACHE_HOME"] = str(folder / "cache")
+    bases, done = seeds(made), set()
     for base in bases:
         for command in base.commands:
+            if (same := (command, base.check, frozenset(base.files.items()))) in done:
+                continue
+            done.add(same)
             work = Path(tempfile.mkdtemp(dir=folder))
-            for name, content in base.files.items():
-                (work / name).write_bytes(content)
-            os.chdir(work)
-            said = io.StringIO()
-            try:
-                with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(said):
-                    status = run(command)
-            finally:
-                os.chdir(before)
-            if status not in (0, 1):
-                raise RuntimeError(f"{' '.join(command)} ends with {status}: {said.getvalue()}")
+            write_files(work, base.files)
+            if CONCAVE.intersection(base.files.values()):
+                if (pid := os.fork()) == 0:
+                    try:
+                        _refused(work, base, command)
+                    finally:
+                        os._exit(0)
+                os.waitpid(pid, 0)  # the parts are kept now
+            if refused := _refused(work, base, command):
+                raise RuntimeError(f"{base.kind}: {' '.join(command)}: {refused}")
+    if len(list(Path("/proc/self/task").iterdir())) > 1:
+        raise RuntimeError("a process with threads cannot be forked safely")
     gc.collect()
     gc.freeze()
     return bases
+
+
+def _refused(work: Path, base: Seed, command: Command) -> str | None:
+    """Why a command does not do what it should with files that are right; None if it does."""
+    before, said = Path.cwd(), io.StringIO()
+    os.chdir(work)
+    try:
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(said):
+            wrong = base.check(command) if base.check else str
+            status = run(command)
+            return (wrong() or None) if status in (0, 1) else f"ends with {status}: {said.getvalue()}"
+    finally:
+        os.chdir(before)
 
 
 def described(outcome: Outcome, *, whole: bool = False) -> str:

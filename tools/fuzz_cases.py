@@ -20,7 +20,7 @@ import stat
 import sys
 import time
 import traceback
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,6 +30,7 @@ from taskgist.maps.ability_map import read_maps
 from taskgist_lab.evaluation.pool import read_pool
 from taskgist_lab.paper.displacements import read_displacements
 from tools.fuzz_mutations import mutated
+from tools.fuzz_names import renamed
 from tools.fuzz_seeds import Command, Seed
 from tools.fuzz_tokens import NUMBERS, WORDS
 
@@ -49,8 +50,10 @@ GUARDED = 3
 """Exit status of a command that ends in an error that nobody expected."""
 UNEXPECTED = 70
 """Exit status of a fork that ends in an error that nobody caught."""
-OUT, ERR = "out", "err"
-"""Names of the files that hold what a command says."""
+OUT, ERR, WRONG = "out", "err", "wrong"
+"""Names of the files that hold what a command says, and what a check found."""
+READING = ("query", "explain", "facts", "check", "agent")
+"""Commands that write nothing."""
 
 
 @dataclass(frozen=True)
@@ -71,11 +74,14 @@ class Case:
         """Write the files; tell the command, how they were spoiled, and their names."""
         rng = random.Random(f"{self.seed}/{self.number}")
         command = rng.choice(self.base.commands)
-        for name, content in self.base.files.items():
-            (folder / name).write_bytes(content)
+        write_files(folder, self.base.files)
         if self.base.kind == "option":
             command, used = _options_spoiled(rng, command)
             return command, used, frozenset()
+        if self.base.kind == "name":
+            changed, command = renamed(rng, self.base.files, self.base.mutated, command)
+            write_files(folder, changed)
+            return command, ("renamed",), frozenset(changed)
         spoiled = rng.choice(self.base.mutated)
         if self.base.kind == "path":
             return *_path_spoiled(rng, folder, spoiled, command), frozenset({spoiled})
@@ -111,14 +117,58 @@ class Outcome:
     mebibytes: float
 
 
+def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write files by their paths."""
+    for name, content in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content)
+
+
+MEANT = (
+    *(
+        "P1",
+        "P2",
+        "R",
+        "cup",
+        "box",
+        "mug",
+        "table",
+        "see",
+        "reach",
+        "grasp",
+        "show",
+        "hide",
+        "narrow",
+        "--json",
+        "--why",
+    ),
+    *(
+        "0",
+        "0.05",
+        "0.4",
+        "1",
+        "2",
+        "0.1,0.1,0.2",
+        "room.toml",
+        "csv.toml",
+        "show_a.mcap",
+        "knowledge.db",
+        "facts.json",
+    ),
+)
+"""Arguments that mean something, here or elsewhere."""
+
+
 def _options_spoiled(rng: random.Random, command: Command) -> tuple[Command, tuple[str, ...]]:
     """A command with other arguments."""
     words = list(command)
     harmless = [word for word in (*WORDS, *NUMBERS, *NUMBERS) if "/etc" not in word]  # it might be a target
     for _ in range(rng.choice((1, 1, 2))):
         at = rng.randrange(1, len(words)) if len(words) > 1 else 0
-        what = rng.randrange(8)
-        if what == 0:
+        what = rng.randrange(12)
+        if what > 7:
+            words[at] = rng.choice(MEANT)
+        elif what == 0:
             words.pop(at)
         elif what == 1:
             words.insert(at, rng.choice((*harmless, *command, "--json", "--at", "--agent", "--every", "-o")))
@@ -237,9 +287,14 @@ class _Running:
                 os.dup2(os.open(name, os.O_RDONLY if descriptor == 0 else os.O_WRONLY | os.O_CREAT), descriptor)
             sys.stdout = io.TextIOWrapper(open(1, "wb", closefd=False), "utf-8")  # noqa: SIM115
             sys.stderr = io.TextIOWrapper(open(2, "wb", closefd=False), "utf-8", "backslashreplace")  # noqa: SIM115
+            with contextlib.suppress(FileNotFoundError):
+                shutil.copytree(Path(os.environ["XDG_CACHE_HOME"]) / "taskgist", self.folder / "taskgist")
             os.environ["XDG_CACHE_HOME"] = str(self.folder)
             os.chdir(self._work)
+            wrong = self.case.base.check(self.command) if self.case.base.check else str
             status = run(self.command)
+            if status in (0, 1) and (found := wrong()):
+                (self.folder / WRONG).write_text(found, "utf-8", "backslashreplace")
             if status == GUARDED:
                 run((*self.command, "--debug"))  # again, and where it happens
         except BaseException:
@@ -292,6 +347,8 @@ class _Running:
             return "unexpected error"
         if code not in (0, 1, 2) or "Traceback (most recent call last)" in told:
             return "traceback"
+        if wrong := _read(self.folder / WRONG):
+            return wrong
         files = self.case.base.files.keys() | self._written
         given = [word for word in self.command if word in files or "/" in word]
         named = [Path(name).stem for name in (*self._spoiled, *given)]
@@ -299,7 +356,7 @@ class _Running:
 
     def _changed(self, code: int) -> str:
         after = _digests(self._work)
-        written = set() if code == 2 else self._written
+        written = set() if code == 2 or self.command[0] in READING else self._written
         for name, digest in self._before.items():
             if after.get(name) != digest and name not in written:
                 return f"changed {name}"
@@ -348,11 +405,11 @@ def _own_bytes(pid: int) -> int:
 def _digests(folder: Path) -> dict[str, str]:
     """What is in a folder: digests of files, and what else there is."""
     found = {}
-    for path in folder.iterdir():
+    for path in folder.rglob("*"):
         kind = path.lstat()
         plain = stat.S_ISREG(kind.st_mode) and kind.st_size < 2**26
         content = hashlib.sha256(path.read_bytes()).hexdigest() if plain else f"{kind.st_mode} {kind.st_size}"
-        found[path.name] = content
+        found[str(path.relative_to(folder))] = content
     return found
 
 
@@ -364,7 +421,8 @@ def _read(path: Path) -> str:
         return ""
 
 
-CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+"""What moves the cursor, or turns the direction of writing around."""
 NOISE = re.compile(r"^\S*Warning\b|: \w*Warning: |^WARNING|^WARN\b", re.MULTILINE)
 USAGE = re.compile(r"^Usage: ", re.MULTILINE)
 

@@ -17,7 +17,7 @@ import tempfile
 import warnings
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -31,6 +31,7 @@ from mcap.records import Attachment, Chunk, Metadata
 from mcap.writer import CompressionType, Writer
 
 from tools.fuzz_tokens import (
+    LARGEST,
     OF_BYTES,
     OF_TEXT,
     Mutation,
@@ -210,13 +211,42 @@ def recording_swollen(rng: random.Random, data: bytes) -> bytes:
     """A recording with a chunk that unpacks to 3 GiB, somewhere between its records."""
     builder = RecordBuilder()
     Chunk("zstd", zstandard.compress(bytes(PIECE)) * PIECES, 1, 0, 0, PIECE * PIECES).write(builder)
-    ends, at = [], 8
-    while at + 9 <= len(data):  # each record is its kind, its length, and so many bytes
-        at += 9 + int.from_bytes(data[at + 1 : at + 9], "little")
-        ends.append(at)
-    place = rng.choice(ends[:20] or [len(data)])
+    place = rng.choice([end for _, end in _places(data)][:20] or [len(data)])
     chunk: bytes = builder.end()  # type: ignore[no-untyped-call]  # mcap leaves it untyped
     return data[:place] + chunk + data[place:]
+
+
+def record_changed(rng: random.Random, data: bytes) -> bytes:
+    """A record is of another kind or length, holds another number, stands elsewhere, not at all, or many times."""
+    start, end = rng.choice(_places(data))
+    record, others = data[start:end], data[:start] + data[end:]
+    what = rng.randrange(6)
+    if what == 0:
+        return data[:start] + bytes([rng.choice((*range(1, 16), 0, 128))]) + data[start + 1 :]
+    if what == 1:
+        length = rng.choice((0, 1, len(record) - 8, len(record) - 10, 2**31, 2**40, 2**63, 2**64 - 1))
+        return data[: start + 1] + max(0, length).to_bytes(8, "little") + data[start + 9 :]
+    if what == 2 and end - start > 9:
+        at, size = rng.randrange(start + 9, end), rng.choice((1, 2, 4, 8))
+        number = rng.choice((0, 1, 2**31 - 1, 2**63, rng.getrandbits(64), 2**64 - 1)) % (1 << 8 * size)
+        return (data[:at] + number.to_bytes(size, "little") + data[at + size :])[: len(data)]
+    if what == 3:
+        return data[:start] + record * rng.choice((0, 2, min(50_000, LARGEST // len(record)))) + data[end:]
+    if what == 4:
+        at = rng.choice([start for start, _ in _places(others)])
+        return others[:at] + record + others[at:]
+    other_start, other_end = rng.choice(_places(data))
+    return data[:start] + data[other_start:other_end] + data[end:]
+
+
+def _places(data: bytes) -> list[tuple[int, int]]:
+    """Where each record of a recording begins and ends: its kind, its length, and so many bytes."""
+    found, at = [], 8
+    while at + 9 <= len(data):
+        end = at + 9 + int.from_bytes(data[at + 1 : at + 9], "little")
+        found.append((at, end))
+        at = end
+    return found
 
 
 def recording_rebuilt(rng: random.Random, data: bytes) -> bytes:
@@ -228,9 +258,28 @@ def recording_rebuilt(rng: random.Random, data: bytes) -> bytes:
         rng.choice((_metadata_changed, _metadata_changed, _attachments_changed, _messages_changed))(
             rng, metadata, attachments, messages
         )
-    stream = io.BytesIO()
     compression = rng.choice((CompressionType.ZSTD, CompressionType.ZSTD, CompressionType.LZ4, CompressionType.NONE))
-    writer = Writer(stream, chunk_size=rng.choice((1, 1024, 2**24)), compression=compression)
+    return _recording(messages, metadata, attachments, compression, rng.choice((1, 1024, 2**24)))
+
+
+def copied(data: bytes, add: Callable[[Writer], None]) -> bytes:
+    """A recording with what it holds, and more."""
+    reader = make_reader(io.BytesIO(data))
+    return _recording(
+        list(reader.iter_messages()), list(reader.iter_metadata()), list(reader.iter_attachments()), more=add
+    )
+
+
+def _recording(
+    messages: Iterable[Any],
+    metadata: Iterable[Metadata],
+    attachments: Iterable[Attachment],
+    compression: CompressionType = CompressionType.ZSTD,
+    chunk_size: int = 2**20,
+    more: Callable[[Writer], None] = lambda _: None,
+) -> bytes:
+    stream = io.BytesIO()
+    writer = Writer(stream, chunk_size=chunk_size, compression=compression)
     writer.start(profile="", library="taskgist")
     for attached in attachments:
         writer.add_attachment(0, 0, attached.name, attached.media_type, attached.data)
@@ -242,6 +291,7 @@ def recording_rebuilt(rng: random.Random, data: bytes) -> bytes:
             schema_id = writer.register_schema(schema.name, schema.encoding, schema.data)
             channels[channel.id] = writer.register_channel(channel.topic, channel.message_encoding, schema_id)
         writer.add_message(channels[channel.id], message.log_time, message.data, message.publish_time)
+    more(writer)
     writer.finish()  # type: ignore[no-untyped-call]  # the one function that mcap leaves untyped
     return stream.getvalue()
 
@@ -367,7 +417,11 @@ OF_SUFFIX: Mapping[str, Mapping[str, Mutation]] = {
     ".npz": {"array_changed": array_changed, "array_swollen": array_swollen},
     ".npy": {"array_changed": array_changed},
     ".gz": {"packed_json_changed": packed_json_changed, "packed_json_swollen": packed_json_swollen},
-    ".mcap": {"recording_rebuilt": recording_rebuilt, "recording_swollen": recording_swollen},
+    ".mcap": {
+        "recording_rebuilt": recording_rebuilt,
+        "record_changed": record_changed,
+        "recording_swollen": recording_swollen,
+    },
     ".db": {"database_changed": database_changed},
     ".stl": {},
 }

@@ -1,6 +1,7 @@
 """What the fuzzer starts from: small inputs of every kind that are right, and the commands that read them.
 
-Most are written out here; recordings, knowledge, pools and maps are made by the code that is fuzzed.
+Rooms are in ``fuzz_rooms``, tables are written out here; recordings, knowledge, pools and maps are made by the code
+that is fuzzed.
 """
 
 from __future__ import annotations
@@ -8,12 +9,12 @@ from __future__ import annotations
 import dataclasses
 import io
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from mcap.writer import Writer
 
 from taskgist.learning.explanation import Context
 from taskgist.learning.knowledge import Knowledge
@@ -28,6 +29,9 @@ from taskgist.world.stage import Stage
 from taskgist_lab.evaluation.pool import NODES, SOURCES, empty_pool, write_pool
 from taskgist_lab.evaluation.values import CLEAN, Sample
 from taskgist_lab.paper.displacements import Displacements, write_displacements
+from tools.fuzz_checks import Check, others_records, own_files
+from tools.fuzz_mutations import copied
+from tools.fuzz_rooms import bracket, obj, prism, rooms, stl
 
 Command = tuple[str, ...]
 """Arguments of ``taskgist``; or ``read-maps``, ``read-pool``, ``read-displacements`` and a file."""
@@ -39,10 +43,11 @@ class Seed:
 
     Attributes:
         kind: What is fuzzed.
-        files: All files of the folder in which the commands run, by name.
-        mutated: Names of those that are spoiled.
+        files: All files of the folder in which the commands run, by path.
+        mutated: Those that are spoiled; for names, the names.
         commands: One of these is run.
-        written: Names of files that a command may change or make.
+        written: Files that a command may change or make.
+        check: What is asked of a command that succeeds.
     """
 
     kind: str
@@ -50,6 +55,7 @@ class Seed:
     mutated: tuple[str, ...]
     commands: tuple[Command, ...]
     written: tuple[str, ...] = ()
+    check: Check | None = None
 
 
 def seeds(folder: Path) -> tuple[Seed, ...]:
@@ -58,80 +64,141 @@ def seeds(folder: Path) -> tuple[Seed, ...]:
     Args:
         folder: An empty one, for files that are made by writing them.
     """
-    recorded = {f"{path.stem}.mcap": _excerpt(path, folder) for path in (shipped_study()["show"][0],)}
-    knowledge = _knowledge(folder / "show_a.mcap", folder / "knowledge.db")
-    rooms = {
-        "room.toml": ROOM_TOML.encode(),
-        "room.xml": ROOM_XML.encode(),
-        "mug.obj": _obj(),
-        "robot.toml": ROBOT_TOML.encode(),
-        "robot.xml": ROBOT_XML.encode(),
-    }
-    urdf = {
-        "urdf.toml": URDF_TOML.encode(),
-        "room.urdf": URDF.encode(),
-        "part.stl": _stl(),
-        "part.dae": _dae(),
-    }
-    tables = _tables()
-    questions = tuple(
-        ("query", "room.toml", "--agent", agent, "--object", thing, "--ability", ability, *json_)
-        for agent, thing, ability, json_ in (
-            ("P1", "cup", "reach", ()),
-            ("P1", "mug", "see", ("--json",)),
-            ("R", "box", "grasp", ()),
-            ("R", "cup", "see", ("--why",)),
-        )
-    )
-    in_urdf = tuple(
-        ("query", "urdf.toml", "--agent", agent, "--object", "vase", "--ability", "see") for agent in ("P1", "J")
-    )
-    from_csv: tuple[Command, ...] = (("import", "csv.toml", "-o", "out.mcap"),)
-    from_npz: tuple[Command, ...] = (("import", "npz.toml", "-o", "out.mcap", "--json"),)
-    watched: tuple[Command, ...] = (
-        ("label", "show_a.mcap"),
-        ("label", "show_a.mcap", "--task", "hide", "--json"),
-        ("check", "show_a.mcap"),
-        ("facts", "show_a.mcap", "--at", "1.5"),
-        ("learn", "show_a.mcap", "-k", "new.db"),
-        ("query", "show_a.mcap", "--agent", "P2", "--object", "cup", "--ability", "see", "--json"),
-    )
-    asked: tuple[Command, ...] = (
-        ("explain", "show", "-k", "knowledge.db"),
-        ("explain", "-k", "knowledge.db", "--json"),
-        ("learn", "facts.json", "-k", "knowledge.db"),
-    )
-    facts = {"facts.json": json.dumps(FACTS, indent=1).encode()}
-    pool, displaced, maps = _pool(folder), _displacements(folder), _maps(folder, rooms)
+    return (*_room_seeds(), *_table_seeds(), *_own_seeds(folder), *_mixed_seeds(folder))
+
+
+# --- Rooms: scenes, models, profiles, meshes.
+
+ASK_CUP: Command = ("query", "room.toml", "--agent", "P1", "--object", "cup", "--ability", "reach")
+ASK_MUG: Command = ("query", "room.toml", "--agent", "P1", "--object", "mug", "--ability", "see", "--json")
+ASK_BOX: Command = ("query", "room.toml", "--agent", "R", "--object", "box", "--ability", "grasp")
+ASK_WHY: Command = ("query", "room.toml", "--agent", "R", "--object", "cup", "--ability", "see", "--why")
+ASKED: tuple[Command, ...] = (ASK_CUP, ASK_MUG, ASK_BOX, ASK_WHY)
+IN_URDF: tuple[Command, ...] = tuple(
+    ("query", "urdf.toml", "--agent", agent, "--object", "vase", "--ability", "see") for agent in ("P1", "J")
+)
+IN_CROWDED: tuple[Command, ...] = (
+    ("query", "urdf.toml", "--agent", "R", "--object", "first", "--ability", "see"),
+    ("query", "urdf.toml", "--agent", "P1", "--object", "second", "--ability", "reach", "--json"),
+)
+IN_MANY: tuple[Command, ...] = (
+    ("query", "many.toml", "--agent", "R", "--object", "cup", "--ability", "see"),
+    ("query", "many.toml", "--agent", "P1", "--object", "bracket", "--ability", "reach", "--json"),
+)
+CHECK_ROBOT: Command = ("agent", "check", "robot.toml")
+
+
+def _room_seeds() -> tuple[Seed, ...]:
+    room = rooms()
+    plain, urdf, crowded, many = room["plain"], room["urdf"], room["crowded"], room["many"]
+    hollow = {**plain, "mug.obj": obj(bracket())}
+    crowded_meshes = tuple(name for name in crowded if name.endswith((".stl", ".dae")))
+    many_files = tuple(name for name in many if name.endswith((".obj", ".stl", ".png")))
     return (
-        Seed("scene", rooms, ("room.toml",), questions),
-        Seed("model", rooms, ("room.xml",), questions),
-        Seed("model", rooms, ("robot.xml",), (("agent", "check", "robot.toml"), questions[2])),
-        Seed("urdf", urdf, ("room.urdf",), in_urdf),
-        Seed("mesh", rooms, ("mug.obj",), (questions[1],)),
-        Seed("mesh", urdf, ("part.stl", "part.dae"), in_urdf),
-        Seed("profile", rooms, ("robot.toml",), (("agent", "check", "robot.toml"), questions[2], questions[3])),
-        Seed("mapping", tables, ("csv.toml",), from_csv, ("out.mcap",)),
-        Seed("mapping", tables, ("npz.toml",), from_npz, ("out.mcap",)),
-        Seed("table", tables, ("body.csv", "cup.tsv"), from_csv, ("out.mcap",)),
-        Seed("table", tables, ("data.npz", "cup.npy"), from_npz, ("out.mcap",)),
-        Seed("recording", recorded, ("show_a.mcap",), watched, ("show_a.mcap", "new.db")),
-        Seed("knowledge", {"knowledge.db": knowledge, **facts}, ("knowledge.db",), asked, ("knowledge.db",)),
-        Seed("facts", facts, ("facts.json",), (("learn", "facts.json", "-k", "new.db", "--json"),), ("new.db",)),
+        Seed("scene", plain, ("room.toml",), ASKED),
+        Seed("model", plain, ("room.xml",), ASKED),
+        Seed("model", plain, ("robot.xml",), (CHECK_ROBOT, ASK_BOX)),
+        Seed("model", many, ("many.xml", "many.xml", "lamp.xml"), IN_MANY, check=own_files),
+        Seed("model", room["counted"], ("room.xml",), (ASK_CUP,)),
+        Seed("urdf", urdf, ("room.urdf",), IN_URDF),
+        Seed("urdf", crowded, ("room.urdf", "robot.urdf", "robot.toml", "urdf.toml"), IN_CROWDED, check=own_files),
+        Seed("urdf", crowded, ("robot.urdf",), (CHECK_ROBOT,)),
+        Seed("mesh", hollow, ("mug.obj",), (ASK_MUG,)),
+        Seed("mesh", urdf, ("part.stl", "part.dae"), IN_URDF),
+        Seed("mesh", crowded, crowded_meshes, IN_CROWDED, check=own_files),
+        Seed("mesh", many, many_files, IN_MANY, check=own_files),
+        Seed("concave", hollow, ("room.xml", "room.toml"), (ASK_MUG,)),
+        Seed("concave", room["concave"], ("part.stl", "part.dae", "room.urdf"), IN_URDF),
+        Seed("profile", plain, ("robot.toml",), (CHECK_ROBOT, ASK_BOX, ASK_WHY)),
+        Seed("name", plain, ("P1", "cup", "mug"), (ASK_CUP, ASK_MUG)),
+        Seed("name", plain, ("R", "box", "table", "pan", "rh"), (ASK_BOX,)),
+        Seed("name", crowded, ("R", "first", "second", "head"), IN_CROWDED, check=own_files),
+    )
+
+
+# --- Tables and mappings.
+
+FROM_CSV: tuple[Command, ...] = (("import", "csv.toml", "-o", "out.mcap"),)
+FROM_NPZ: tuple[Command, ...] = (("import", "npz.toml", "-o", "out.mcap", "--json"),)
+FROM_ROS: tuple[Command, ...] = (("import", "ros.toml", "-o", "out.mcap"),)
+
+
+def _table_seeds() -> tuple[Seed, ...]:
+    tables, ros = _tables(), _ros_table()
+    return (
+        Seed("mapping", tables, ("csv.toml",), FROM_CSV, ("out.mcap",)),
+        Seed("mapping", tables, ("npz.toml",), FROM_NPZ, ("out.mcap",)),
+        Seed("mapping", ros, ("ros.toml",), FROM_ROS, ("out.mcap",)),
+        Seed("table", tables, ("body.csv", "cup.tsv"), FROM_CSV, ("out.mcap",)),
+        Seed("table", tables, ("data.npz", "cup.npy"), FROM_NPZ, ("out.mcap",)),
+        Seed("table", ros, ("topics.csv",), FROM_ROS, ("out.mcap",)),
+        Seed("name", tables, ("P1", "P2", "cup", "ball", "table", "give", "grip", "body"), FROM_CSV, ("out.mcap",)),
+    )
+
+
+# --- What taskgist itself writes.
+
+WATCHED: tuple[Command, ...] = (
+    ("label", "show_a.mcap"),
+    ("label", "show_a.mcap", "--task", "hide", "--json"),
+    ("check", "show_a.mcap"),
+    ("facts", "show_a.mcap", "--at", "1.5"),
+    ("learn", "show_a.mcap", "-k", "new.db"),
+    ("query", "show_a.mcap", "--agent", "P2", "--object", "cup", "--ability", "see", "--json"),
+)
+LABELLED: tuple[Command, ...] = (
+    ("label", "show_a.mcap", "--task", "hide", "--json"),
+    ("label", "show_a.mcap", "--start", "0.1", "--end", "2.5", "--task", "show", "--target", "P2", "--object", "cup"),
+)
+KNOWN: tuple[Command, ...] = (
+    ("explain", "show", "-k", "knowledge.db"),
+    ("explain", "-k", "knowledge.db", "--json"),
+    ("learn", "facts.json", "-k", "knowledge.db"),
+)
+LEARN_FACTS: Command = ("learn", "facts.json", "-k", "new.db", "--json")
+
+
+def _own_seeds(folder: Path) -> tuple[Seed, ...]:
+    facts = {"facts.json": json.dumps(FACTS, indent=1).encode()}
+    recorded = _recorded(folder)
+    shared = {name: with_foreign_records(data) for name, data in recorded.items()}
+    known = {"knowledge.db": _knowledge(folder / "show_a.mcap", folder / "knowledge.db"), **facts}
+    first = {"knowledge.db": FIRST_SCHEMA.read_bytes(), **facts}
+    pool, displaced, maps = _pool(folder), _displacements(folder), _maps(folder)
+    return (
+        Seed("recording", recorded, ("show_a.mcap",), WATCHED, ("show_a.mcap", "new.db")),
+        Seed("recording", shared, ("show_a.mcap",), LABELLED, ("show_a.mcap",), others_records),
+        Seed("knowledge", known, ("knowledge.db",), KNOWN, ("knowledge.db",)),
+        Seed("knowledge", first, ("knowledge.db",), KNOWN, ("knowledge.db",)),
+        Seed("facts", facts, ("facts.json",), (LEARN_FACTS,), ("new.db",)),
         Seed("pool", {"pool.json.gz": pool}, ("pool.json.gz",), (("read-pool", "pool.json.gz"),)),
         Seed("pool", {"moved.json.gz": displaced}, ("moved.json.gz",), (("read-displacements", "moved.json.gz"),)),
         Seed("map", {"maps.npz": maps}, ("maps.npz",), (("read-maps", "maps.npz"),)),
+        Seed("name", facts, ("show", "P1", "P2", "mug", "show-1"), (LEARN_FACTS,), ("new.db",)),
+        Seed("name", known, ("show", "P1", "mug"), (KNOWN[0], KNOWN[2]), ("knowledge.db",)),
+        Seed("name", shared, ("show", "P2", "cup"), LABELLED[1:], ("show_a.mcap",), others_records),
+    )
+
+
+# --- Arguments, and what is no regular file, with all of these.
+
+
+def _mixed_seeds(folder: Path) -> tuple[Seed, ...]:
+    plain, tables, recorded = rooms()["plain"], _tables(), _recorded(folder)
+    facts = {"facts.json": json.dumps(FACTS, indent=1).encode()}
+    known = {"knowledge.db": _knowledge(folder / "show_a.mcap", folder / "options.db"), **facts}
+    return (
         Seed(
             "option",
-            {**rooms, **recorded, **facts, **tables, "knowledge.db": knowledge},
+            {**plain, **recorded, **tables, **known},
             (),
-            (*questions, *watched, *asked, *from_csv, *OPTIONS),
+            (*ASKED, *WATCHED, *KNOWN, *FROM_CSV, *OPTIONS),
             ("show_a.mcap", "new.db", "knowledge.db", "out.mcap", "map.png", "map.npz", "eye.png"),
         ),
-        Seed("path", rooms, tuple(rooms), (questions[1], ("agent", "check", "robot.toml"))),
-        Seed("path", tables, tuple(tables), (*from_csv, *from_npz), ("out.mcap",)),
-        Seed("path", recorded, ("show_a.mcap",), watched, ("show_a.mcap", "new.db")),
-        Seed("path", {"knowledge.db": knowledge, **facts}, ("knowledge.db", "facts.json"), asked, ("knowledge.db",)),
+        Seed("path", plain, tuple(plain), (ASK_MUG, CHECK_ROBOT)),
+        Seed("path", tables, tuple(tables), (*FROM_CSV, *FROM_NPZ), ("out.mcap",)),
+        Seed("path", recorded, ("show_a.mcap",), WATCHED, ("show_a.mcap", "new.db")),
+        Seed("path", known, ("knowledge.db", "facts.json"), KNOWN, ("knowledge.db",)),
     )
 
 
@@ -148,164 +215,6 @@ OPTIONS: tuple[Command, ...] = (
     ("import", "csv.toml", "--data", ".", "--set", "folder=x", "-o", "out.mcap"),
     ("query", "show_a.mcap", "--at", "1.0", "--agent", "P2", "--object", "cup", "--ability", "see"),
 )
-
-# --- Rooms, bodies, meshes.
-
-ROOM_TOML = """[scene]
-name = "a table for two"
-model = "room.xml"
-objects = ["cup", "box", "mug"]
-estimated = ["table"]
-
-[agents.P1]
-profile = "human"
-position_m = [-0.95, 0.0]
-yaw_deg = 0
-posture = "sitting"
-body = { stature_m = 1.65 }
-joints_deg = { head_tilt = -20 }
-
-[agents.P2]
-position_m = [1.0, 0.2]
-yaw_deg = 180
-
-[agents.R]
-profile = "robot.toml"
-position_m = [0.0, 1.4]
-yaw_deg = -90
-"""
-ROOM_XML = """<mujoco model="room">
-  <compiler angle="radian" autolimits="true"/>
-  <asset>
-    <mesh name="mug" file="mug.obj" scale="1 1 1"/>
-    <texture name="grid" type="2d" builtin="checker" width="64" height="64"/>
-    <material name="wood" texture="grid" rgba="0.6 0.5 0.3 1"/>
-  </asset>
-  <worldbody>
-    <geom name="floor" type="plane" size="5 5 0.1" material="wood"/>
-    <body name="table" pos="0 0 0.7"><geom type="box" size="0.4 0.6 0.02"/></body>
-    <body name="chair" pos="-0.95 0 0"><geom type="box" size="0.2 0.2 0.225" pos="0 0 0.225"/></body>
-    <body name="cup" pos="0.1 0.1 0.77"><freejoint/><geom type="cylinder" size="0.04 0.05"/></body>
-    <body name="box" pos="-0.1 0.2 0.77"><freejoint/><geom type="box" size="0.05 0.05 0.05" mass="0.2"/></body>
-    <body name="mug" pos="0.0 -0.2 0.72"><freejoint/><geom type="mesh" mesh="mug"/></body>
-    <body name="lamp" pos="1 1 0"><geom type="capsule" fromto="0 0 0 0 0 1" size="0.05"/></body>
-    <body name="door" pos="0 3 1"><joint axis="0 0 1" range="-1 1"/><geom size="0.05 0.4 1" type="box"/></body>
-  </worldbody>
-</mujoco>
-"""
-ROBOT_TOML = """name = "own"
-model = "robot.xml"
-[eye]
-frame = "eye"
-exclude = ["head"]
-fov_deg = [63, 49]
-image_px = [160, 120]
-gaze_cone_deg = 30
-[head]
-pan = { joint = "pan", range_deg = [-80, 80] }
-tilt = { joint = "tilt" }
-[torso]
-turn = { joint = "turn" }
-[base]
-moves = true
-[rest_deg]
-s1 = 10
-[[arms]]
-side = "right"
-shoulder = "ra"
-root = "ra"
-hand = "rh"
-palm = { frame = "rh", offset_m = [0.06, 0, 0.01], rpy_deg = [0, 0, 0] }
-length_m = 0.5
-azimuth_deg = [-60, 120]
-elevation_deg = [-80, 70]
-[hand]
-kind = "parallel"
-opening_m = 0.12
-finger_length_m = 0.09
-finger_thickness_m = 0.02
-palm_m = [0.08, 0.04]
-"""
-ROBOT_XML = """<mujoco model="robot"><worldbody>
-<body name="base" pos="0 0 0.4"><geom type="cylinder" size="0.2 0.4"/>
-<body name="torso" pos="0 0 0.4"><joint name="turn" type="hinge" axis="0 0 1" range="-60 60"/>
-<geom type="box" size="0.1 0.15 0.2" pos="0 0 0.2"/>
-<body name="head" pos="0 0 0.5"><joint name="pan" type="hinge" axis="0 0 1" range="-90 90"/>
-<joint name="tilt" type="hinge" axis="0 -1 0" range="-45 45"/><geom type="sphere" size="0.08"/>
-<site name="eye" pos="0.08 0 0"/></body>
-<body name="ra" pos="0 -0.2 0.35"><joint name="s1" type="hinge" axis="0 1 0" range="-120 120"/>
-<geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.03"/>
-<body name="rh" pos="0.35 0 0"><joint name="e1" type="hinge" axis="0 0 1" range="-150 150"/>
-<geom type="box" size="0.04 0.03 0.02"/><site name="palm" pos="0.06 0 0"/></body></body>
-</body></body></worldbody></mujoco>
-"""
-URDF_TOML = """[scene]
-model = "room.urdf"
-[agents.P1]
-position_m = [-1.0, 0.0]
-[agents.J]
-profile = "jido"
-position_m = [1.2, 0]
-yaw_deg = 180
-"""
-URDF = """<?xml version="1.0"?>
-<robot name="room">
- <link name="world_root"/>
- <link name="table">
-  <visual><origin xyz="0 0 0.7" rpy="0 0 0"/><geometry><box size="0.8 1.2 0.04"/></geometry></visual>
-  <collision><origin xyz="0 0 0.7"/><geometry><box size="0.8 1.2 0.04"/></geometry></collision>
- </link>
- <link name="cup">
-  <inertial><mass value="0.2"/><inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/></inertial>
-  <visual><geometry><mesh filename="part.stl"/></geometry></visual>
-  <collision><geometry><cylinder radius="0.04" length="0.1"/></geometry></collision>
- </link>
- <link name="vase"><visual><geometry><mesh filename="part.dae" scale="1 1 1"/></geometry></visual></link>
- <joint name="j1" type="fixed"><parent link="world_root"/><child link="table"/></joint>
- <joint name="j2" type="floating"><origin xyz="0.1 0 0.72"/><parent link="world_root"/><child link="cup"/></joint>
- <joint name="j3" type="floating"><origin xyz="-0.1 0 0.72"/><parent link="world_root"/><child link="vase"/></joint>
-</robot>
-"""
-
-
-def _prism() -> tuple[list[tuple[float, float, float]], list[tuple[int, int, int]]]:
-    """Vertices and triangles of a hexagonal prism: convex, so that nothing is decomposed."""
-    ring = [(0.04 * math.cos(k * math.pi / 3), 0.04 * math.sin(k * math.pi / 3)) for k in range(6)]
-    vertices = [(x, y, z) for z in (0.0, 0.1) for x, y in ring]
-    sides = [face for a in range(6) for b in [(a + 1) % 6] for face in ((a, b, b + 6), (a, b + 6, a + 6))]
-    ends = [face for a in range(1, 5) for face in ((0, a + 1, a), (6, a + 6, a + 7))]
-    return vertices, sides + ends
-
-
-def _obj() -> bytes:
-    vertices, faces = _prism()
-    lines = [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in vertices]
-    return "\n".join(lines + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]).encode()
-
-
-def _stl() -> bytes:
-    vertices, faces = _prism()
-    triangles = np.zeros(len(faces), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    triangles["corners"] = np.array(vertices)[np.array(faces)]
-    return bytes(80) + np.array([len(faces)], dtype="<u4").tobytes() + triangles.tobytes()
-
-
-def _dae() -> bytes:
-    vertices, faces = _prism()
-    numbers = " ".join(f"{value:.5f}" for vertex in vertices for value in vertex)
-    indices = " ".join(str(index) for face in faces for index in face)
-    return f"""<?xml version="1.0"?>
-<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit meter="1"/></asset>
-<library_geometries><geometry id="g"><mesh>
-<source id="p"><float_array id="pa" count="{3 * len(vertices)}">{numbers}</float_array></source>
-<vertices id="vx"><input semantic="POSITION" source="#p"/></vertices>
-<triangles count="{len(faces)}"><input semantic="VERTEX" source="#vx" offset="0"/><p>{indices}</p></triangles>
-</mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="s"><node id="n"><translate>0 0 0</translate><rotate>0 0 1 30</rotate>
-<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
-<scene><instance_visual_scene url="#s"/></scene></COLLADA>
-""".encode()
-
 
 # --- Tables of tracked motion: two people facing each other across a table, and a cup that travels.
 
@@ -409,12 +318,31 @@ person = 0
 """ + _REST.format(second=1, cup="")
 
 
-def _tables() -> dict[str, bytes]:
+ROS_TOML = (
+    CSV_TOML.replace("body.csv", "topics.csv")
+    .replace('{ column = "stamp", unit = "ms" }', '{ column = "%time", unit = "ns" }', 1)
+    .replace('units = "mm"', 'units = "m"\noffset_s = -1_700_000_000')
+    .replace('"{person}_{point}_{axis}"', '"field.{person}.{point}.pose.position.{axis}"')
+    .replace(
+        '{ type = "cylinder", radius_m = 0.04, length_m = 0.10, axis = "z" }',
+        '{ type = "mesh", file = "a/m.stl", units = "m" }, { type = "mesh", file = "a_m.stl", units = "m" }',
+    )
+)
+UNUSED_COLUMNS = 300
+"""Of a table of topics; a real one has some hundreds that nobody asks for."""
+
+
+def _people() -> tuple[np.ndarray, np.ndarray]:
+    """Times in seconds, (frames,), and points of two people, (frames, people, points, 3)."""
     times_s = np.arange(FRAMES) / RATE_HZ
     standing = np.array(list(LANDMARKS.values()))
     facing = standing * (-1.0, -1.0, 1.0)
     sway = 0.02 * np.sin(times_s)[:, None, None] * (1.0, 0.5, 0.0)
-    people = np.stack([standing - (0.7, 0.0, 0.0) + sway, facing + (0.7, 0.0, 0.0) - sway], axis=1)
+    return times_s, np.stack([standing - (0.7, 0.0, 0.0) + sway, facing + (0.7, 0.0, 0.0) - sway], axis=1)
+
+
+def _tables() -> dict[str, bytes]:
+    times_s, people = _people()
     cup_m = np.stack([-0.2 + 0.6 * times_s, 0.1 * times_s, 0.77 + 0.1 * times_s], axis=1)
     turned = np.tile((0.0, 0.0, 0.0, 1.0), (FRAMES, 1))
     header = ["stamp", *(f"{p}_{n.upper()}_{axis}" for p in ("one", "two") for n in LANDMARKS for axis in "xyz")]
@@ -442,8 +370,35 @@ def _tables() -> dict[str, bytes]:
     }
 
 
-# --- What taskgist itself writes.
+def _ros_table() -> dict[str, bytes]:
+    """Two people in a table of topics: wide, in nanoseconds since 1970; and a cup of two meshes."""
+    times_s, people = _people()
+    points = [
+        f"field.{p}.{n.upper()}.pose.position.{axis}" for p in ("one", "two") for n in LANDMARKS for axis in "xyz"
+    ]
+    header = ["%time", "field.header.seq", *points, *(f"field.covariance{i}" for i in range(UNUSED_COLUMNS))]
+    rows = [
+        [
+            f"{1_700_000_000_000_000_000 + round(1e9 * t)}",
+            str(i),
+            *(f"{v:.4f}" for v in row.ravel()),
+            *["0.0"] * UNUSED_COLUMNS,
+        ]
+        for i, (t, row) in enumerate(zip(times_s, people, strict=True))
+    ]
+    return {
+        "ros.toml": ROS_TOML.encode(),
+        "topics.csv": "\n".join(",".join(row) for row in [header, *rows]).encode(),
+        "cup.tsv": _tables()["cup.tsv"],
+        "a/m.stl": stl(prism(0.10)),
+        "a_m.stl": stl(prism(0.12)),
+    }
 
+
+# --- What is made by the code that is fuzzed, or was by an earlier release.
+
+FIRST_SCHEMA = Path(__file__).parents[1] / "tests/store/data/knowledge_0_1_0.db"
+"""Knowledge of release 0.1.0."""
 FACTS = {
     "schema": "taskgist.facts/1",
     "task": "show",
@@ -480,6 +435,28 @@ def _excerpt(path: Path, folder: Path) -> bytes:
     return (folder / path.name).read_bytes()
 
 
+def _recorded(folder: Path) -> dict[str, bytes]:
+    path = shipped_study()["show"][0]
+    return {path.name: _excerpt(path, folder)}
+
+
+def with_foreign_records(data: bytes) -> bytes:
+    """A recording with channels, attachments and metadata of others."""
+
+    def add(writer: Writer) -> None:
+        writer.add_attachment(1, 1, "notes.txt", "text/plain", b"of the lab")
+        writer.add_attachment(1, 1, "notes.txt", "text/plain", b"of the lab, too")
+        writer.add_metadata("lab", {"room": "3", "scene": "\u0420\u0443\u043a\u0430"})
+        writer.add_metadata("lab", {"room": "4"})
+        schema = writer.register_schema("sensor_msgs/Image", "ros2msg", b"uint32 height")
+        for number, topic in enumerate(("/camera/image", "/taskgist/of_others")):
+            channel = writer.register_channel(topic, "cdr", schema)
+            for index in range(3):
+                writer.add_message(channel, 10**8 * index, bytes(range(100 + number)), 10**8 * index)
+
+    return copied(data, add)
+
+
 def _knowledge(recording: Path, path: Path) -> bytes:
     save(Knowledge().add(explain_recording(read(recording))), path)
     return path.read_bytes()
@@ -503,8 +480,8 @@ def _displacements(folder: Path) -> bytes:
     return (folder / "moved.json.gz").read_bytes()
 
 
-def _maps(folder: Path, rooms: Mapping[str, bytes]) -> bytes:
-    for name, content in rooms.items():
+def _maps(folder: Path) -> bytes:
+    for name, content in rooms()["plain"].items():
         (folder / name).write_bytes(content)
     stage = Stage(Scene.load(folder / "room.toml"))
     grid = Grid((-0.3, -0.3, 0.7), 0.0, 0.1, (4, 4, 4))

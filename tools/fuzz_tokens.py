@@ -124,6 +124,17 @@ def number_replaced(rng: random.Random, data: bytes) -> bytes:
     return _replaced(rng, data, lambda token: token[0].isdigit() or (token[0] in "+-" and len(token) > 1), NUMBERS)
 
 
+def number_nudged(rng: random.Random, data: bytes) -> bytes:
+    """One or two numbers are somewhat others: what is still right as a file goes deeper."""
+    tokens = TOKENS.findall(_text(data))
+    places = [place for place, token in enumerate(tokens) if re.fullmatch(r"[-+]?\d+(\.\d+)?", token)]
+    for place in rng.sample(places, min(len(places), rng.choice((1, 1, 2)))):
+        old = tokens[place]
+        new = float(old) * rng.choice((-1, 0, 0.1, 0.5, 0.9, 1.1, 2, 10, 1000)) + rng.choice((0, 0, 1, -1))
+        tokens[place] = f"{new:.6g}" if "." in old or rng.random() < 0.2 else str(round(new))
+    return "".join(tokens).encode("utf-8", "surrogatepass")
+
+
 def word_replaced(rng: random.Random, data: bytes) -> bytes:
     """A word is another one: of the file, or one that is no word."""
     words = [token for token in TOKENS.findall(_text(data)) if token[0].isalpha()]
@@ -209,5 +220,14 @@ OF_BYTES: Mapping[str, Mutation] = {
 }
 OF_TEXT: Mapping[str, Mutation] = {
     each.__name__: each
-    for each in (number_replaced, word_replaced, quoted_replaced, value_retyped, line_moved, element_moved, deepened)
+    for each in (
+        number_replaced,
+        number_nudged,
+        word_replaced,
+        quoted_replaced,
+        value_retyped,
+        line_moved,
+        element_moved,
+        deepened,
+    )
 }

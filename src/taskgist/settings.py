@@ -171,7 +171,9 @@ class Limits:
     toml_bytes: int = 4 * 2**20
     """Largest TOML document: scene, profile, mapping; a second or two are spent on a mebibyte."""
     model_elements: int = 30_000
-    """Elements of a model's document, with what it includes and repeats: MuJoCo needs a minute for 10,000 bodies."""
+    """Elements of a model's document, with what it includes and repeats."""
+    model_bodies: int = 3_000
+    """Bodies of a model: MuJoCo needs some seconds for these, half a minute for 10,000; rooms have hundreds."""
     model_depth: int = 200
     """How deep the elements of a document, or the links of a robot, hang one below the other."""
     mesh_bytes: int = 128 * 2**20

@@ -70,3 +70,18 @@ def test_corrected_facts_replace_the_old_ones(learned: Path) -> None:
     assert run("learn", "two.json")[0] == 2
     assert run("learn", "two.json", "--replace")[0] == 0
     assert len(load("knowledge.db").experience("show").explanations) == 1
+
+
+def test_nothing_is_added_to_what_cannot_be_shown_afterwards(learned: Path) -> None:
+    """An answer has nothing to do with the addition, but is told with it."""
+    document = '{"schema": "taskgist.facts/1", "task": "give", "demonstration": "d", "performing_agent": "P1"'
+    document += ', "target_agent": "P2", "target_object": "cup", "start": {"posture": "Standing"}, "end": {}}'
+    (learned / "one.json").write_text(document)
+    with sqlite3.connect(learned / "knowledge.db") as connection:
+        connection.execute("INSERT INTO taskgist_answers (digest, task, document) VALUES ('x', 'give', '{}')")
+    connection.close()
+    before = (learned / "knowledge.db").read_bytes()
+    code, output = run("learn", "one.json")
+    assert code == 2, output
+    assert "not an answer" in output
+    assert (learned / "knowledge.db").read_bytes() == before

@@ -12,6 +12,7 @@ import pytest
 from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, container_of, overlaps, support_of
+from taskgist.world.geometry import coacd_process
 from taskgist.world.geometry.convex import Piece, cache_folder, is_hollow, joined, pieces, read_parts
 from tests import meshes
 from tests.meshes import Mesh, mesh_scene
@@ -214,3 +215,78 @@ def test_pieces_are_found_whatever_the_order_of_triangles_and_which_way_they_fac
     assert all(piece.is_closed for piece in found)
     volumes = sorted(float(np.linalg.det(piece.corners).sum()) / 6 for piece in found)
     assert volumes == pytest.approx(sorted(float(np.ptp(v, axis=0).prod()) for v, _ in apart))
+
+
+def cell_parts(mesh: Mesh) -> list[np.ndarray]:
+    """The parts of a mesh that lies in a room, found without CoACD."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "coacd", None)
+        scene = mesh_scene(meshes.body("thing", "thing", (0, 0, 1)), thing=mesh)
+    (name,) = parts_of(scene)
+    return read_parts(scene.bundle[name])
+
+
+@pytest.mark.parametrize("fault", ["no end", "breakdown"])
+def test_where_coacd_comes_to_no_end_cells_part_the_mesh_and_a_warning_says_so(
+    fault: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    if fault == "no end":
+        monkeypatch.setattr(coacd_process, "CLOCK_S", 0.01)
+    else:
+        monkeypatch.setattr(coacd_process, "__file__", str(tmp_path / "missing.py"))
+    with caplog.at_level(logging.WARNING, "taskgist.world"):
+        scene = with_bin(FLOOR_M + RADIUS_M)
+    assert "mesh 'bin' is parted by the cells of a grid" in caplog.text
+    assert ("ball", "bin") not in overlaps(Stage(scene), deeper_than_m=0.01)
+
+
+def test_coacd_in_its_own_process_gives_what_it_gives_in_this_one() -> None:
+    coacd = pytest.importorskip("coacd")
+    vertices, faces = meshes.shell_bin()
+    found = coacd_process.searched(vertices, faces, 0.005)
+    coacd.set_log_level("off")
+    here = coacd.run_coacd(coacd.Mesh(vertices, faces), threshold=0.005, real_metric=True, **coacd_process.SEARCH)
+    assert found is not None
+    assert len(found) == len(here) > 4
+    for ours, theirs in zip(found, here, strict=True):
+        np.testing.assert_array_equal(ours[0], theirs[0])
+        np.testing.assert_array_equal(ours[1], theirs[1])
+
+
+def test_a_mesh_that_ends_coacds_process_ends_no_other() -> None:
+    """A cup with points on its axis where triangles have no area: CoACD breaks down."""
+    vertices, faces = meshes.revolved([(0.0, 0), (0.04, 0), (0.04, 0.1), (0.03, 0.1), (0.03, 0.01), (0.0, 0.01)], 12)
+    assert coacd_process.searched(vertices, faces, 0.005) is None
+
+
+def test_an_open_surface_is_parted_by_cells_that_hold_all_of_it_and_leave_its_inside_free() -> None:
+    """Without a lid; CoACD takes it for a shell of 180,000 triangles."""
+    vertices, faces = meshes.revolved([(0.0399, 0), (0.04, 0), (0.04, 0.1), (0.0399, 0.1)], 24)
+    found = cell_parts((vertices, faces[: len(faces) - 8]))
+    assert 20 < len(found) <= 6**3
+    for vertex in vertices:
+        assert any(
+            (part.min(axis=0) - 1e-5 <= vertex).all() and (vertex <= part.max(axis=0) + 1e-5).all() for part in found
+        )
+    assert min(np.hypot(part[:, 0], part[:, 1]).min() for part in found) > 0.035
+
+
+def test_a_mesh_too_fine_to_be_searched_is_parted_by_cells() -> None:
+    found = cell_parts(meshes.cup(around=1_000))
+    assert 20 < len(found) <= 6**3
+    stage = Stage(
+        mesh_scene(meshes.body("thing", "cup", (0, 0, 0), free=False) + BALL.format(0.06), cup=meshes.cup(around=1_000))
+    )
+    assert overlaps(stage, deeper_than_m=0.001) == {}
+
+
+def test_more_large_triangles_than_cells_can_be_given_leave_the_hull(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("taskgist.world.geometry.convex.PATCHES", 1_000)
+    with caplog.at_level(logging.WARNING, "taskgist.world"):
+        scene = mesh_scene(meshes.body("thing", "cup", (0, 0, 0)), cup=meshes.cup(around=999))
+    assert parts_of(scene) == []
+    assert "mesh 'cup' is concave, but taken for its convex hull" in caplog.text
+    assert "simplify it" in caplog.text

@@ -59,6 +59,11 @@ NOWHERE = bytes(80) + struct.pack("<I", 1) + struct.pack("<12f", *[0.0] * 8, np.
             body('<replicate count="99999"><replicate count="99999"><geom size="1"/></replicate></replicate>'),
             "elements",
         ),
+        (
+            body("".join(f'<flexcomp name="f{i}" spacing="1 1 1" dim="3"/>' for i in range(4))),
+            r"too many bodies .*4,00\d.*model_bodies",
+        ),
+        (body("<body/>" * 3_000), r"too many bodies .*3,00\d.*at most 3,000 .*limits\.model_bodies"),
         (body('<flexcomp name="f" type="grid" count="999 999 99" spacing="1 1 1" dim="3"/>'), "model_elements"),
         (body('<composite type="cable" count="99999999 1 1" size="1"><geom size=".1"/></composite>'), "model_elements"),
         (body("<body>" * 250 + "</body>" * 250), r"nested too deep; at most 200 .*limits\.model_depth"),

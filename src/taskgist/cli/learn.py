@@ -86,6 +86,7 @@ def learn(
             with progress_bar(quiet=as_json) as progress:
                 explanations.extend(explain_all(recordings, predicates=predicates, progress=progress))
         added = others.add(*explanations)
+        check(knowledge, tasks=added.tasks)  # all of them are shown afterwards
         update(knowledge, added.explanations, added.answers, relabelled="replace" if replace else "refuse")
     known = load(knowledge, tasks=added.tasks)
     if as_json:

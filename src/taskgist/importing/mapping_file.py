@@ -384,6 +384,10 @@ def _label(section: TomlTable, people: Collection[str], objects: Collection[str]
     return label
 
 
+OF_THE_ROOM = ("world", "floor")
+"""Names that the imported room gives to parts of its own."""
+
+
 def _check_whole(
     top: TomlTable, people: tuple[Person, ...], things: tuple[Thing, ...], supports: tuple[Support, ...]
 ) -> None:
@@ -393,5 +397,7 @@ def _check_whole(
     for name in names:
         if names.count(name) > 1:
             raise top.error("two of people, objects and supports have the same name", value=name)
+        if name in OF_THE_ROOM:
+            raise top.error("the room itself has that name", value=name, hint="name it otherwise")
         if not name.replace("_", "").replace("-", "").isalnum():
             raise top.error("a name must consist of letters, digits, - and _", value=name)

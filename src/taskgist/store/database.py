@@ -117,12 +117,19 @@ def update(
         transact(address, add, limits=limits)
 
 
-def check(address: Address, *, expected: Context | None = None, limits: Limits = DEFAULT.limits) -> None:
+def check(
+    address: Address,
+    *,
+    expected: Context | None = None,
+    tasks: Iterable[str] | None = None,
+    limits: Limits = DEFAULT.limits,
+) -> None:
     """Refuse an address at which ``update`` would fail, before any long work. Nothing is changed.
 
     Args:
         address: Path of a knowledge file, which need not exist, or URL of a database.
         expected: Settings and tree that its explanations must have been made with; None takes any.
+        tasks: Of which ``load`` must be able to read afterwards what was learned; it need not if left out.
         limits: How long to wait for other writers.
 
     Raises:
@@ -140,7 +147,10 @@ def check(address: Address, *, expected: Context | None = None, limits: Limits =
         connection.rollback()
         return found
 
-    _check_contexts(transact(address, rehearse, limits=limits), expected, where)
+    found = transact(address, rehearse, limits=limits)
+    _check_contexts(found, expected, where)
+    if found and tasks is not None:
+        load(address, tasks=tasks, limits=limits)
 
 
 def create(path: Path, knowledge: Knowledge) -> bool:

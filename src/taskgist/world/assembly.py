@@ -13,7 +13,7 @@ import numpy as np
 
 from taskgist.common.arrays import Indices
 from taskgist.common.files import shown_path
-from taskgist.errors import SceneError, UnknownNameError
+from taskgist.errors import SceneError, UnknownNameError, most_read
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.agent import SEEN_MASK, Agent, legs_for, resolve_agent, standing_height_m, subtree
 from taskgist.world.bodies.hands import add_ghosts
@@ -284,7 +284,7 @@ def assemble(file: SceneFile, bundle: Mapping[str, bytes], *, limits: Limits = D
 def _check_bytes(files: Mapping[str, bytes], where: str, limits: Limits) -> None:
     together = sum(map(len, files.values()))
     if together > limits.bundle_bytes:
-        hint = f"at most {limits.bundle_bytes:,} bytes are read (setting limits.bundle_bytes)"
+        hint = most_read(limits.bundle_bytes, "bundle_bytes")
         raise SceneError("the files of this scene are too large", where=where, value=f"{together:,} bytes", hint=hint)
 
 
@@ -298,7 +298,7 @@ def _check_objects(model: mujoco.MjModel, file: SceneFile, limits: Limits) -> No
             continue
         geoms = np.flatnonzero(np.isin(model.geom_bodyid, subtree(model, body)))
         if len(geoms) > limits.body_shapes:
-            hint = f"at most {limits.body_shapes:,} are read (setting limits.body_shapes): give it a mesh"
+            hint = f"give it a mesh: {most_read(limits.body_shapes, 'body_shapes')}"
             problem, field = f"{name!r} has too many shapes", f"scene.model {file.model!r}"
             raise SceneError(problem, where=file.where, field=field, value=len(geoms), hint=hint)
         extent_m = _extent_m(model, data, body, geoms)
@@ -397,7 +397,7 @@ def _agent_spec(
     """An agent's model with all that reasoning needs: a base that is free to move, frames, and shapes of grasps."""
     spec = _spec(files, entry.model_key, entry.name, room=False, limits=limits)
     if len(spec.geoms) > limits.body_shapes:
-        hint = f"at most {limits.body_shapes:,} are read (setting limits.body_shapes): leave out what is only shown"
+        hint = f"leave out what is only shown: {most_read(limits.body_shapes, 'body_shapes')}"
         field = f"{entry.name}: {entry.model_key}"
         raise SceneError("a body of too many shapes", where=where, field=field, value=len(spec.geoms), hint=hint)
     spec.compiler.balanceinertia = True  # MJCF text of a URDF has lost that; published inertias are often impossible

@@ -16,7 +16,7 @@ from xml.etree.ElementTree import Element
 import mujoco
 
 from taskgist.common.files import read_whole
-from taskgist.errors import SceneError
+from taskgist.errors import SceneError, most_read
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.markup import Marked, asking_mujoco, check_values, located, parse_markup, written
 from taskgist.world.bodies.meshes import check_mesh, image_pixels, keep_file
@@ -90,11 +90,12 @@ def read_mjcf(
     gathered = _Gathered(read, files, where, prefix, limits)
     text = gathered.document(root, "", ())
     if gathered.pixels > limits.texture_pixels:
-        hint = f"at most {limits.texture_pixels:,} are read (setting limits.texture_pixels)"
+        hint = most_read(limits.texture_pixels, "texture_pixels")
         raise SceneError("textures too large", where=where, value=f"{gathered.pixels:,} pixels", hint=hint)
     with asking_mujoco("MuJoCo cannot read this model:", where):
         assets = {name: files[name] for name in gathered.names.values()}
         spec = mujoco.MjSpec.from_string(text, include=gathered.models, assets=assets)
+    check_bodies(len(spec.bodies), where, limits)  # deformable things have one for every vertex of their file
     spec.comment = root.comment
     return spec
 
@@ -125,7 +126,7 @@ class _Gathered:
     models: dict[str, bytes] = field(default_factory=dict)
     pixels: int = 0
     _attached: dict[str, str] = field(default_factory=dict)
-    _sizes: dict[str, int] = field(default_factory=dict)
+    _sizes: dict[str, tuple[int, int]] = field(default_factory=dict)
 
     def document(self, root: Marked, folder: str, trail: tuple[str, ...]) -> str:
         """The text of a document that names nothing but ``files`` and ``models``; these are added.
@@ -223,21 +224,34 @@ class _Gathered:
 
     def _check_count(self, root: Marked, trail: tuple[str, ...]) -> None:
         """Refuse what becomes too many elements when it is repeated and attached."""
-        count = 0.0
+        elements = bodies = 0.0
         rest: list[tuple[Element, float]] = [(root, 1.0)]
         while rest:
             element, times = rest.pop()
             times *= _copies(element)
-            attached = sum(self._sizes.values()) if element.tag == "attach" else 0
-            count += times * (1 + attached)
+            attached = self._sizes.values() if element.tag == "attach" else ()
+            elements += times * (1 + sum(size for size, _ in attached))
+            bodies += times * ((element.tag in ("body", "flexcomp")) + sum(size for _, size in attached))
             rest += ((each, times) for each in element)
-        self._check_few(count)
-        self._sizes[trail[-1] if trail else ""] = int(count)
+        self._check_few(elements)
+        check_bodies(bodies, self.where, self.limits)
+        self._sizes[trail[-1] if trail else ""] = (int(elements), int(bodies))
 
     def _check_few(self, count: float) -> None:
         if not count <= self.limits.model_elements:
-            hint = f"at most {self.limits.model_elements:,} are read (setting limits.model_elements)"
+            hint = most_read(self.limits.model_elements, "model_elements")
             raise SceneError("too many elements", where=self.where, value=f"{count:,.0f}", hint=hint)
+
+
+def check_bodies(count: float, where: str | Path, limits: Limits) -> None:
+    """Refuse a model of too many bodies.
+
+    Raises:
+        SceneError: It is one.
+    """
+    if not count <= limits.model_bodies:
+        hint = most_read(limits.model_bodies, "model_bodies")
+        raise SceneError("too many bodies", where=where, value=f"{count:,.0f}", hint=hint)
 
 
 @dataclass(frozen=True)
@@ -308,7 +322,15 @@ def _product(text: str) -> float:
 
 
 def _copies(element: Element) -> float:
-    """How many there will be of what an element holds."""
-    if element.tag in ("replicate", "composite", "flexcomp"):
+    """How many there will be of what an element holds, as MuJoCo has it where nothing is said."""
+    if element.tag in ("replicate", "composite"):
         return max(1.0, _product(element.get("count", "1")))
-    return 1.0
+    if element.tag != "flexcomp" or element.get("type") in ("mesh", "gmsh", "direct"):
+        return 1.0
+    if element.get("dof") in FEW:
+        return FEW[element.get("dof", "")]
+    return max(1.0, _product(element.get("count", "10 10 10")))
+
+
+FEW = {"trilinear": 8.0, "quadratic": 27.0}
+"""Bodies of deformable things that bend in few ways, however many vertices they have."""

@@ -26,6 +26,7 @@ from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.markup import TEXTS_IN_URDF, Marked, asking_mujoco, check_values, parse_markup, written
 from taskgist.world.bodies.meshes import check_mesh, flat_name, keep_file, stl_from_dae
+from taskgist.world.bodies.mjcf import check_bodies
 
 Shapes = Literal["visual", "collision"]
 SHAPES: tuple[Shapes, ...] = get_args(Shapes)
@@ -77,6 +78,7 @@ def read_urdf(
     _drop_impossible_masses(robot)
     check_values(robot, where=where, texts=TEXTS_IN_URDF)
     _check_depth(robot, where, limits)
+    check_bodies(len(robot.findall("link")), where, limits)
     if room:
         _call_root_world(robot, where)
     needed = _gather_meshes(robot, read, files, where, prefix, limits)

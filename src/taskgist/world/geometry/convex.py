@@ -1,6 +1,8 @@
 """Concave meshes as convex parts: found by CoACD [Wei 2022], kept in the user's cache, written as OBJ.
 
-The pieces of a mesh are looked at one by one: what is convex is a part already, only what has hollows is cut.
+The pieces of a mesh are looked at one by one: what is convex is a part already, only what has hollows is cut. CoACD is
+asked for closed pieces that are not too fine, since it takes minutes for others. These, and those with which it comes
+to no end, are parted by the cells of a grid instead, at a cost that grows with their size alone.
 """
 
 from __future__ import annotations
@@ -21,7 +23,8 @@ from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled
 from taskgist.common.files import writing
 from taskgist.errors import InputError, SceneError
-from taskgist.world.geometry.shapes import hull_planes
+from taskgist.world.geometry import coacd_process
+from taskgist.world.geometry.shapes import hull_planes, hull_triangles
 
 # --- Pieces of a mesh, and whether one has hollows that its convex hull would fill.
 
@@ -113,18 +116,24 @@ def _some_beneath(points: Array, directions: Array, normals: Array, offsets: Arr
 
 def _planes(vertices: Array) -> tuple[Array, Array] | None:
     """Normals and offsets of the faces of a convex hull, in the frame of the points; None if they are flat."""
+    try:
+        model, turn = _compiled_hull(vertices)
+    except ValueError:
+        return None
+    normals, offsets = hull_planes(model, 0)
+    normals = normals @ turn.T
+    return normals, offsets + normals @ model.mesh_pos[0]
+
+
+def _compiled_hull(vertices: Array) -> tuple[mujoco.MjModel, Array]:
+    """A model of a mesh that is the hull of some points, and how it is turned, (3, 3); ValueError if they are flat."""
     spec = mujoco.MjSpec()
     spec.add_mesh(name="hull", uservert=vertices.ravel())
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="hull")
-    try:
-        model = spec.compile()
-    except ValueError:
-        return None
+    model = spec.compile()
     turn = np.zeros(9)
     mujoco.mju_quat2Mat(turn, model.mesh_quat[0].astype(float))
-    normals, offsets = hull_planes(model, 0)
-    normals = normals @ turn.reshape(3, 3).T
-    return normals, offsets + normals @ model.mesh_pos[0]
+    return model, turn.reshape(3, 3)
 
 
 def _edges(faces: Indices) -> Indices:
@@ -166,10 +175,15 @@ HOLLOW_SHARE = 0.01
 """And up to this share of the mesh's extent (ours: a cupboard's mouldings need no parts of their own)."""
 MOST_PIECES = 64
 """Meshes of more pieces are cut as a whole."""
-SEARCH = {"mcts_iterations": 20, "mcts_nodes": 10, "mcts_max_depth": 2, "resolution": 500, "seed": 1}
-"""CoACD's search: seconds instead of the default's minutes, with parts as tight."""
 SHEET_M = 0.001
 """Thickness given to what has none."""
+CUBE = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+SEARCHED_FACES = 10_000
+"""Pieces of more triangles are not searched, but parted by cells: CoACD takes 88 s for 200,000."""
+CELLS = 6
+"""Cells along the longest edge of the box around what is parted by them."""
+PATCHES = 2_000_000
+"""Most triangles that are sorted into cells, after the large ones are divided: some seconds."""
 
 
 def tolerance_m(mesh: Piece) -> float:
@@ -180,7 +194,11 @@ def tolerance_m(mesh: Piece) -> float:
 def parts_name(mesh: Piece) -> str:
     """Name of the file with a mesh's parts, by a digest of what they depend on."""
     content = (np.round(mesh.vertices * 1e6).astype("<i8").tobytes(), mesh.faces.astype("<i8").tobytes())
-    search = repr((HOLLOW_M, HOLLOW_SHARE, MOST_PIECES, SHEET_M, sorted(SEARCH.items())))
+    search = repr((HOLLOW_M, HOLLOW_SHARE, MOST_PIECES, SHEET_M, sorted(coacd_process.SEARCH.items())))
+    if not _is_searched(mesh):
+        limit_m = tolerance_m(mesh)
+        if any(not _is_searched(each) and is_hollow(each, deeper_than_m=limit_m) for each in _few_pieces(mesh)):
+            search += repr((SEARCHED_FACES, CELLS, PATCHES))
     return f"parts-{hashlib.sha256(b''.join((*content, search.encode()))).hexdigest()[:16]}.obj"
 
 
@@ -240,19 +258,28 @@ def cache_folder() -> Path:
 
 def _cut(mesh: Piece, name: str) -> list[Piece] | None:
     limit_m = tolerance_m(mesh)
-    apart = pieces(mesh)
     parts: list[Piece] = []
-    for piece in apart if len(apart) <= MOST_PIECES else [mesh]:
+    for piece in _few_pieces(mesh):
         if is_flat(piece):
             parts.append(_thickened(piece))
         elif not is_hollow(piece, deeper_than_m=limit_m):
             parts.append(piece)
         else:
-            cut = _coacd(piece, limit_m, name)
+            cut = _coacd(piece, limit_m, name) if _is_searched(piece) else _by_cells(piece, name)
             if cut is None:
                 return None
             parts += cut
     return parts
+
+
+def _few_pieces(mesh: Piece) -> list[Piece]:
+    apart = pieces(mesh)
+    return apart if len(apart) <= MOST_PIECES else [mesh]
+
+
+def _is_searched(piece: Piece) -> bool:
+    """Whether CoACD is asked for what has hollows."""
+    return piece.is_closed and len(piece.faces) <= SEARCHED_FACES
 
 
 def _thickened(piece: Piece) -> Piece:
@@ -262,19 +289,62 @@ def _thickened(piece: Piece) -> Piece:
 
 
 def _coacd(piece: Piece, limit_m: float, name: str) -> list[Piece] | None:
-    try:
-        import coacd
-    except ImportError:
+    if not coacd_process.is_there():
         log.warning(
             "mesh %r is concave, but taken for its convex hull: nothing fits into it (to mend: pip install coacd)", name
         )
         return None
-    coacd.set_log_level("off")
-    found = coacd.run_coacd(coacd.Mesh(piece.vertices, piece.faces), threshold=limit_m, real_metric=True, **SEARCH)
-    if not found:
-        log.warning("mesh %r is concave, but cannot be cut into convex parts: taken for its convex hull", name)
+    found = coacd_process.searched(piece.vertices, piece.faces, limit_m)
+    if found is None:
+        problem = "mesh %r is parted by the cells of a grid: CoACD comes to no end with it (to mend: simplify it)"
+        log.warning(problem, name)
+        return _by_cells(piece, name)
+    return [Piece(vertices, faces) for vertices, faces in found]
+
+
+def _by_cells(piece: Piece, name: str) -> list[Piece] | None:
+    """A surface by the cells of a grid, each with the hull of what lies in it; what is flat becomes a sheet."""
+    side_m = float(np.ptp(piece.vertices, axis=0).max()) / CELLS
+    corners = _divided(piece.corners, side_m / 2)
+    if corners is None:
+        log.warning(
+            "mesh %r is concave, but taken for its convex hull: it has too many large triangles (to mend: simplify it)",
+            name,
+        )
         return None
-    return [Piece(np.asarray(vertices), np.asarray(faces)) for vertices, faces in found]
+    cells = np.floor((corners.mean(axis=1) - piece.vertices.min(axis=0)) / side_m).astype(np.intp)
+    _, cell = np.unique(cells, axis=0, return_inverse=True)
+    order = np.argsort(cell.reshape(-1), kind="stable")
+    ends = np.cumsum(np.bincount(cell.reshape(-1)))[:-1]
+    return [_hull(np.unique(each.reshape(-1, 3), axis=0)) for each in np.split(corners[order], ends)]
+
+
+def _divided(corners: Array, longest_m: float) -> Array | None:
+    """Triangles, (n, 3, 3), halved until no edge is longer, (m, 3, 3); None if they become too many."""
+    done: list[Array] = []
+    rest = corners
+    while len(rest) + sum(len(each) for each in done) <= PATCHES:
+        edges_m = np.linalg.norm(np.roll(rest, -1, axis=1) - rest, axis=2)
+        long = edges_m.max(axis=1) > longest_m
+        done.append(rest[~long])
+        if not long.any():
+            return np.concatenate(done)
+        first = edges_m[long].argmax(axis=1)[:, None] + np.arange(3)
+        a, b, c = np.take_along_axis(rest[long], (first % 3)[:, :, None], axis=1).swapaxes(0, 1)
+        middle = (a + b) / 2
+        rest = np.concatenate((np.stack((a, middle, c), axis=1), np.stack((middle, b, c), axis=1)))
+    return None
+
+
+def _hull(points: Array) -> Piece:
+    """The convex hull of points; what is thinner than a sheet, or a line, is thickened to all sides."""
+    thinnest = np.linalg.eigh(np.cov(points.T, bias=True))[1][:, 0]
+    if np.ptp(points @ thinnest) < SHEET_M:
+        points = (points[:, None] + SHEET_M / 2 * CUBE).reshape(-1, 3)
+    model, turn = _compiled_hull(points)
+    corners = hull_triangles(model, 0) @ turn.T + model.mesh_pos[0]
+    vertices, faces = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    return Piece(vertices, faces.reshape(-1, 3))
 
 
 def _as_obj(parts: Sequence[Piece]) -> bytes:

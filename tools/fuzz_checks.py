@@ -1,0 +1,185 @@
+"""What a command that succeeds must have kept apart, or kept: looked at in the fork in which it ran.
+
+A check is given the command before it runs, in the folder where it runs, and gives what is asked when it has ended
+with 0 or 1: what is wrong, in a few words; nothing if all is as promised.
+"""
+
+from __future__ import annotations
+
+import copy
+import io
+import tomllib
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+import mujoco
+import numpy as np
+from mcap.reader import make_reader
+from numpy.typing import NDArray
+
+from taskgist.world.bodies.model_files import builtin_models, find_file, is_urdf
+from taskgist.world.geometry.convex import PART
+from taskgist.world.scene import Scene
+
+Check = Callable[[tuple[str, ...]], Callable[[], str]]
+Content = NDArray[np.float64] | NDArray[np.uint8]
+TOLERANCE = 1e-4
+"""Numbers of a file are written anew: in a bundle, and by MuJoCo."""
+
+
+# --- Scenes: no file takes another's place.
+#
+# For MJCF the witness is MuJoCo, which reads the files itself, out of their folders. It reads no COLLADA, and calls a
+# mesh of a URDF by its file: there each mesh is held against what it gives in a document of its own.
+
+
+def own_files(command: tuple[str, ...]) -> Callable[[], str]:
+    """Whether each mesh, image and height field of a scene is what its own file says."""
+
+    def wrong() -> str:
+        path = Path(next(word for word in command if word.endswith(".toml")))
+        scene = Scene.load(path)
+        for prefix, model, collides_only in _models(path, scene):
+            if is_urdf(model.read_bytes()):
+                at_fault = _wrong_link(scene.model, prefix, model, collides_only)
+            else:
+                at_fault = _wrong_asset(scene.model, prefix, model)
+            if at_fault:
+                return f"another file in the place of {at_fault}"
+        return ""
+
+    return wrong
+
+
+def _models(path: Path, scene: Scene) -> Iterator[tuple[str, Path, bool]]:
+    """Models of a scene that are files: what their names begin with, where they are, whether only solids count."""
+    document = tomllib.loads(path.read_text("utf-8"))
+    yield "", path.parent / document["scene"]["model"], False
+    for name, entry in zip(scene.agents, document.get("agents", {}).values(), strict=True):
+        given = entry.get("profile", "human")
+        if given.endswith(".toml"):
+            profile = tomllib.loads((path.parent / given).read_text("utf-8"))
+            if profile["model"] not in builtin_models():
+                model = find_file(profile["model"], near=(path.parent / given).parent, where=given, field="model")
+                yield f"{name}/", model, profile.get("shapes") == "collision"
+
+
+def _wrong_asset(whole: mujoco.MjModel, prefix: str, path: Path) -> str:
+    """The name of something that a room or robot has of another file, or lacks."""
+    try:
+        alone = mujoco.MjModel.from_xml_path(str(path))
+    except ValueError:  # what MuJoCo does not take from a folder, it is no witness of
+        return ""
+    found = _assets(whole)
+    for (kind, name), content in _assets(alone).items():
+        there = found.get((kind, prefix + name))
+        if there is None or there.shape != content.shape or not np.allclose(there, content, atol=TOLERANCE):
+            return f"{kind} {name!r}"
+    return ""
+
+
+def _assets(model: mujoco.MjModel) -> dict[tuple[str, str], Content]:
+    """What a model has of files, by kind and name: boxes of meshes, heights, pixels."""
+    found: dict[tuple[str, str], Content] = {}
+    for i in range(model.nmesh):
+        found["mesh", model.mesh(i).name] = _box(model, i)
+    for i in range(model.nhfield):
+        start = model.hfield_adr[i]
+        found["hfield", model.hfield(i).name] = model.hfield_data[
+            start : start + model.hfield_nrow[i] * model.hfield_ncol[i]
+        ]
+    for i in range(model.ntex):
+        start = model.tex_adr[i]
+        size = model.tex_height[i] * model.tex_width[i] * model.tex_nchannel[i]
+        found["texture", model.texture(i).name] = model.tex_data[start : start + size]
+    return found
+
+
+def _box(model: mujoco.MjModel, mesh: int) -> NDArray[np.float64]:
+    """The box around a mesh as its file has it, (2, 3): MuJoCo moves it to its own axes of inertia."""
+    start = model.mesh_vertadr[mesh]
+    vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]].astype(float)
+    turn = np.empty(9)
+    mujoco.mju_quat2Mat(turn, model.mesh_quat[mesh])
+    vertices = vertices @ turn.reshape(3, 3).T + model.mesh_pos[mesh]
+    return np.stack((vertices.min(axis=0), vertices.max(axis=0)))
+
+
+def _wrong_link(whole: mujoco.MjModel, prefix: str, path: Path, collides_only: bool) -> str:
+    """The name of a link of a URDF that has another mesh than its own."""
+    robot = ElementTree.parse(path).getroot()
+    children = {child.get("link") for child in robot.findall("joint/child")}
+    for link in robot.findall("link"):
+        kinds = ("collision",) if collides_only else ("visual", "collision")
+        meshes = [mesh for kind in kinds for mesh in link.findall(f"{kind}/geometry/mesh")]
+        name = str(link.get("name"))
+        body = "world" if not prefix and name not in children else prefix + name
+        own = _sorted(_alone(mesh, path) for mesh in meshes)
+        if not np.allclose(own, _sorted(_boxes(whole, body)), atol=TOLERANCE):
+            return f"a mesh of link {name!r}"
+    return ""
+
+
+def _sorted(boxes: Iterator[NDArray[np.float64]]) -> NDArray[np.float64]:
+    rows = sorted(tuple(np.round(box.ravel(), 4)) for box in boxes)
+    return np.array(rows).reshape(-1, 6)
+
+
+def _alone(mesh: Element, path: Path) -> NDArray[np.float64]:
+    """The box around a mesh that is alone in its document."""
+    file = find_file(mesh.get("filename", ""), near=path.parent, where=path, field="mesh")
+    own = copy.copy(mesh)
+    own.set("filename", f"alone{file.suffix}")
+    robot = Element("robot", name="alone")
+    SubElement(SubElement(SubElement(robot, "link", name="alone"), "visual"), "geometry").append(own)
+    room = {"scene.toml": b'[scene]\nmodel = "alone.urdf"\n', "alone.urdf": ElementTree.tostring(robot)}
+    return _box(Scene.from_bundle({**room, f"alone{file.suffix}": file.read_bytes()}).model, 0)
+
+
+def _boxes(model: mujoco.MjModel, body: str) -> Iterator[NDArray[np.float64]]:
+    for geom in np.flatnonzero(model.geom_bodyid == model.body(body).id):
+        mesh = int(model.geom_dataid[geom])
+        if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH and PART not in model.mesh(mesh).name:
+            yield _box(model, mesh)
+
+
+# --- Recordings: what others put into them stays.
+
+
+def others_records(command: tuple[str, ...]) -> Callable[[], str]:
+    """Whether a recording has all records that it had, but for its label."""
+    path = Path(next(word for word in command if word.endswith(".mcap")))
+    before = path.read_bytes()
+
+    def wrong() -> str:
+        after = path.read_bytes()
+        if after == before:
+            return ""
+        try:
+            had = _records(before)
+        except Exception:  # what other programs could not read anyway
+            return ""
+        lost = had - _records(after)
+        return f"lost {next(iter(lost))[0]}" if lost else ""
+
+    return wrong
+
+
+def _records(data: bytes) -> Counter[tuple[str, str, bytes]]:
+    """Messages, attachments and metadata of a recording, its label apart."""
+    reader = make_reader(io.BytesIO(data))
+    found = Counter(
+        ("a message", f"{channel.topic} {schema and schema.name} {message.log_time}", message.data)
+        for schema, channel, message in reader.iter_messages()
+    )
+    found.update(("an attachment", each.name, each.data) for each in reader.iter_attachments())
+    metadata = [each for each in reader.iter_metadata() if each.name != "taskgist.label"]
+    found.update(("metadata", each.name, _packed(each.metadata)) for each in metadata)
+    return found
+
+
+def _packed(values: Mapping[str, str]) -> bytes:
+    return repr(sorted(values.items())).encode("utf-8", "surrogatepass")

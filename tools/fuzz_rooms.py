@@ -1,0 +1,371 @@
+"""Rooms, robots and meshes from which the fuzzer starts: written out here, small, and right."""
+
+from __future__ import annotations
+
+import math
+import struct
+import zlib
+from collections.abc import Sequence
+
+import numpy as np
+
+ROOM_TOML = """[scene]
+name = "a table for two"
+model = "room.xml"
+objects = ["cup", "box", "mug"]
+estimated = ["table"]
+
+[agents.P1]
+profile = "human"
+position_m = [-0.95, 0.0]
+yaw_deg = 0
+posture = "sitting"
+body = { stature_m = 1.65 }
+joints_deg = { head_tilt = -20 }
+
+[agents.P2]
+position_m = [1.0, 0.2]
+yaw_deg = 180
+
+[agents.R]
+profile = "robot.toml"
+position_m = [0.0, 1.4]
+yaw_deg = -90
+"""
+ROOM_XML = """<mujoco model="room">
+  <compiler angle="radian" autolimits="true"/>
+  <asset>
+    <mesh name="mug" file="mug.obj" scale="1 1 1"/>
+    <texture name="grid" type="2d" builtin="checker" width="64" height="64"/>
+    <material name="wood" texture="grid" rgba="0.6 0.5 0.3 1"/>
+  </asset>
+  <worldbody>
+    <geom name="floor" type="plane" size="5 5 0.1" material="wood"/>
+    <body name="table" pos="0 0 0.7"><geom type="box" size="0.4 0.6 0.02"/></body>
+    <body name="chair" pos="-0.95 0 0"><geom type="box" size="0.2 0.2 0.225" pos="0 0 0.225"/></body>
+    <body name="cup" pos="0.1 0.1 0.77"><freejoint/><geom type="cylinder" size="0.04 0.05"/></body>
+    <body name="box" pos="-0.1 0.2 0.77"><freejoint/><geom type="box" size="0.05 0.05 0.05" mass="0.2"/></body>
+    <body name="mug" pos="0.0 -0.2 0.72"><freejoint/><geom type="mesh" mesh="mug"/></body>
+    <body name="lamp" pos="1 1 0"><geom type="capsule" fromto="0 0 0 0 0 1" size="0.05"/></body>
+    <body name="door" pos="0 3 1"><joint axis="0 0 1" range="-1 1"/><geom size="0.05 0.4 1" type="box"/></body>
+  </worldbody>
+</mujoco>
+"""
+ROBOT_TOML = """name = "own"
+model = "robot.xml"
+[eye]
+frame = "eye"
+exclude = ["head"]
+fov_deg = [63, 49]
+image_px = [160, 120]
+gaze_cone_deg = 30
+[head]
+pan = { joint = "pan", range_deg = [-80, 80] }
+tilt = { joint = "tilt" }
+[torso]
+turn = { joint = "turn" }
+[base]
+moves = true
+[rest_deg]
+s1 = 10
+[[arms]]
+side = "right"
+shoulder = "ra"
+root = "ra"
+hand = "rh"
+palm = { frame = "rh", offset_m = [0.06, 0, 0.01], rpy_deg = [0, 0, 0] }
+length_m = 0.5
+azimuth_deg = [-60, 120]
+elevation_deg = [-80, 70]
+[hand]
+kind = "parallel"
+opening_m = 0.12
+finger_length_m = 0.09
+finger_thickness_m = 0.02
+palm_m = [0.08, 0.04]
+"""
+ROBOT_XML = """<mujoco model="robot"><worldbody>
+<body name="base" pos="0 0 0.4"><geom type="cylinder" size="0.2 0.4"/>
+<body name="torso" pos="0 0 0.4"><joint name="turn" type="hinge" axis="0 0 1" range="-60 60"/>
+<geom type="box" size="0.1 0.15 0.2" pos="0 0 0.2"/>
+<body name="head" pos="0 0 0.5"><joint name="pan" type="hinge" axis="0 0 1" range="-90 90"/>
+<joint name="tilt" type="hinge" axis="0 -1 0" range="-45 45"/><geom type="sphere" size="0.08"/>
+<site name="eye" pos="0.08 0 0"/></body>
+<body name="ra" pos="0 -0.2 0.35"><joint name="s1" type="hinge" axis="0 1 0" range="-120 120"/>
+<geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.03"/>
+<body name="rh" pos="0.35 0 0"><joint name="e1" type="hinge" axis="0 0 1" range="-150 150"/>
+<geom type="box" size="0.04 0.03 0.02"/><site name="palm" pos="0.06 0 0"/></body></body>
+</body></body></worldbody></mujoco>
+"""
+URDF_TOML = """[scene]
+model = "room.urdf"
+[agents.P1]
+position_m = [-1.0, 0.0]
+[agents.J]
+profile = "jido"
+position_m = [1.2, 0]
+yaw_deg = 180
+"""
+URDF = """<?xml version="1.0"?>
+<robot name="room">
+ <link name="world_root"/>
+ <link name="table">
+  <visual><origin xyz="0 0 0.7" rpy="0 0 0"/><geometry><box size="0.8 1.2 0.04"/></geometry></visual>
+  <collision><origin xyz="0 0 0.7"/><geometry><box size="0.8 1.2 0.04"/></geometry></collision>
+ </link>
+ <link name="cup">
+  <inertial><mass value="0.2"/><inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/></inertial>
+  <visual><geometry><mesh filename="part.stl"/></geometry></visual>
+  <collision><geometry><cylinder radius="0.04" length="0.1"/></geometry></collision>
+ </link>
+ <link name="vase"><visual><geometry><mesh filename="part.dae" scale="1 1 1"/></geometry></visual></link>
+ <joint name="j1" type="fixed"><parent link="world_root"/><child link="table"/></joint>
+ <joint name="j2" type="floating"><origin xyz="0.1 0 0.72"/><parent link="world_root"/><child link="cup"/></joint>
+ <joint name="j3" type="floating"><origin xyz="-0.1 0 0.72"/><parent link="world_root"/><child link="vase"/></joint>
+</robot>
+"""
+
+
+# --- Files whose names meet where folders are left out; and what MJCF makes many of.
+
+CROWDED_TOML = """[scene]
+model = "room.urdf"
+[agents.P1]
+position_m = [-1.0, 0.0]
+[agents.R]
+profile = "robot.toml"
+position_m = [0.0, 1.4]
+yaw_deg = -90
+"""
+CROWDED_URDF = """<?xml version="1.0"?>
+<robot name="crowded">
+ <link name="floor"/>
+ <link name="first"><visual><geometry><mesh filename="a/m.stl"/></geometry></visual></link>
+ <link name="second"><visual><geometry><mesh filename="a_m.stl"/></geometry></visual></link>
+ <link name="third"><visual><geometry><mesh filename="R_a_m.stl"/></geometry></visual></link>
+ <link name="fourth"><visual><geometry><mesh filename="a/m.dae"/></geometry></visual></link>
+ <joint name="j1" type="floating"><origin xyz="0 0 0.7"/><parent link="floor"/><child link="first"/></joint>
+ <joint name="j2" type="floating"><origin xyz="0.2 0 0.7"/><parent link="floor"/><child link="second"/></joint>
+ <joint name="j3" type="floating"><origin xyz="0 0.2 0.7"/><parent link="floor"/><child link="third"/></joint>
+ <joint name="j4" type="floating"><origin xyz="0.2 0.2 0.7"/><parent link="floor"/><child link="fourth"/></joint>
+</robot>
+"""
+ROBOT_URDF_TOML = ROBOT_TOML.replace("robot.xml", "robot.urdf")
+ROBOT_URDF = """<?xml version="1.0"?>
+<robot name="robot">
+ <link name="base"><collision><geometry><mesh filename="a_m.stl"/></geometry></collision></link>
+ <link name="torso"><visual><geometry><mesh filename="package://robot/a/m.stl"/></geometry></visual></link>
+ <link name="head"><visual><geometry><sphere radius="0.08"/></geometry></visual></link>
+ <link name="eye"/>
+ <link name="ra"><visual><geometry><mesh filename="a/m.stl"/></geometry></visual></link>
+ <link name="rh"><collision><geometry><box size="0.08 0.06 0.04"/></geometry></collision></link>
+ <joint name="turn" type="revolute"><origin xyz="0 0 0.8"/><parent link="base"/><child link="torso"/>
+  <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+ <joint name="pan" type="revolute"><origin xyz="0 0 0.5"/><parent link="torso"/><child link="head"/>
+  <axis xyz="0 0 1"/><limit lower="-1.6" upper="1.6" effort="1" velocity="1"/></joint>
+ <joint name="tilt" type="revolute"><origin xyz="0.08 0 0"/><parent link="head"/><child link="eye"/>
+  <axis xyz="0 -1 0"/><limit lower="-0.8" upper="0.8" effort="1" velocity="1"/></joint>
+ <joint name="s1" type="revolute"><origin xyz="0 -0.2 0.35"/><parent link="torso"/><child link="ra"/>
+  <axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+ <joint name="e1" type="revolute"><origin xyz="0.35 0 0"/><parent link="ra"/><child link="rh"/>
+  <axis xyz="0 0 1"/><limit lower="-2.6" upper="2.6" effort="1" velocity="1"/></joint>
+</robot>
+"""
+MANY_TOML = ROOM_TOML.replace("room.xml", "many.xml").replace('["cup", "box", "mug"]', '["cup", "bracket"]')
+MANY_XML = """<mujoco model="many">
+  <compiler angle="radian" autolimits="true" meshdir="shapes" texturedir="colours"/>
+  <default><default class="seen"><geom contype="0" conaffinity="0"/></default></default>
+  <asset>
+    <mesh name="first" file="a/m.obj"/>
+    <mesh name="second" file="a_m.obj"/>
+    <mesh name="third" file="m.obj"/>
+    <mesh name="R_a" file="R_a.obj"/>
+    <mesh file="bracket.stl"/>
+    <texture name="plain" type="2d" file="m.obj" content_type="image/png"/>
+    <texture name="dice" type="cube" fileright="a/m.png" fileleft="a_m.png" fileup="m.png" filedown="a/m.png"
+             filefront="a_m.png" fileback="m.png"/>
+    <texture name="unfolded" type="cube" file="m.png" gridsize="1 1"/>
+    <texture name="sky" type="skybox" builtin="gradient" rgb1="0 0 1" rgb2="1 1 1" width="8" height="48"/>
+    <material name="dotted" texture="dice"/>
+    <hfield name="hills" file="hills.png" size="0.3 0.3 0.05 0.01"/>
+    <hfield name="steps" nrow="3" ncol="3" elevation="0 0 0 0 1 0 0 0 1" size="0.3 0.3 0.05 0.01"/>
+    <model name="lamp" file="lamp.xml"/>
+  </asset>
+  <worldbody>
+    <geom name="floor" type="plane" size="5 5 0.1"/>
+    <body name="table" pos="0 0 0.7"><geom type="box" size="0.4 0.6 0.02" material="dotted"/></body>
+    <body name="chair" pos="-0.95 0 0"><geom type="box" size="0.2 0.2 0.225" pos="0 0 0.225"/></body>
+    <body name="cup" pos="0.1 0.1 0.72"><freejoint/><geom class="seen" type="mesh" mesh="first"/>
+      <geom class="seen" type="mesh" mesh="second" pos="0 0 0.1"/></body>
+    <body name="bracket" pos="-0.1 0.1 0.72"><freejoint/><geom type="mesh" mesh="bracket"/></body>
+    <geom class="seen" type="mesh" mesh="third" pos="2 2 0"/>
+    <geom class="seen" type="mesh" mesh="R_a" pos="2 1 0"/>
+    <geom type="hfield" hfield="hills" pos="-2 2 0"/>
+    <geom type="hfield" hfield="steps" pos="-2 1 0"/>
+    <replicate count="3" offset="0.2 0 0" euler="0 0 0.1">
+      <body name="pole" pos="1 -2 0"><geom type="capsule" fromto="0 0 0.1 0 0 1" size="0.02"/></body>
+    </replicate>
+    <body name="curtain" pos="2 -1 1">
+      <flexcomp name="cloth" type="grid" count="3 3 1" spacing="0.1 0.1 0.1" radius="0.01" dim="2" rigid="true"/>
+    </body>
+    <frame pos="1 1 0"><attach model="lamp" body="lamp" prefix="l_"/></frame>
+  </worldbody>
+</mujoco>
+"""
+COUNTED_TOML = """[scene]
+model = "room.xml"
+[agents.P1]
+position_m = [-1.0, 0.0]
+"""
+COUNTED_XML = """<mujoco>
+  <asset>
+    <hfield name="h" nrow="4" ncol="4" size="1 1 0.1 0.1"/>
+    <texture name="t" type="cube" builtin="flat" width="8" height="8"/>
+    <mesh name="m" builtin="supersphere" params="6 1 1"/>
+  </asset>
+  <worldbody>
+    <body name="cup"><freejoint/><geom size="0.05"/></body>
+    <replicate count="3" offset="0 0 1"><replicate count="2" offset="0 1 0"><geom size="0.1"/></replicate></replicate>
+    <flexcomp name="f" type="box" count="3 3 3" spacing="0.1 0.1 0.1" radius="0.01" dim="3" rigid="true"/>
+    <flexcomp name="g" type="ellipsoid" count="4 4 4" spacing="0.1 0.1 0.1" radius="0.01" dim="3" rigid="true"/>
+    <geom type="hfield" hfield="h"/><geom type="mesh" mesh="m" contype="0" conaffinity="0"/>
+  </worldbody>
+</mujoco>
+"""
+LAMP_XML = """<mujoco model="lamp">
+  <asset><mesh name="m" file="a/m.obj"/></asset>
+  <worldbody>
+    <body name="lamp">
+      <geom type="mesh" mesh="m" contype="0" conaffinity="0"/><geom type="sphere" size="0.05" pos="0 0 0.3"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+MESHED_ROBOT_XML = ROBOT_XML.replace(
+    "<worldbody>", '<asset><mesh name="a" file="a.obj"/></asset><worldbody>', 1
+).replace('<geom type="sphere" size="0.08"/>', '<geom type="mesh" mesh="a"/>')
+
+
+def rooms() -> dict[str, dict[str, bytes]]:
+    """Files of rooms and their robots, by what they are for."""
+    robot = {"robot.toml": ROBOT_TOML.encode(), "robot.xml": ROBOT_XML.encode()}
+    return {
+        "plain": {"room.toml": ROOM_TOML.encode(), "room.xml": ROOM_XML.encode(), "mug.obj": obj(prism()), **robot},
+        "urdf": {
+            "urdf.toml": URDF_TOML.encode(),
+            "room.urdf": URDF.encode(),
+            "part.stl": stl(prism()),
+            "part.dae": dae(prism()),
+        },
+        "concave": {
+            "urdf.toml": URDF_TOML.encode(),
+            "room.urdf": URDF.replace("visual", "collision").encode(),
+            "part.stl": stl(bracket()),
+            "part.dae": dae(bracket()),
+        },
+        "crowded": {
+            "urdf.toml": CROWDED_TOML.encode(),
+            "room.urdf": CROWDED_URDF.encode(),
+            "robot.toml": ROBOT_URDF_TOML.encode(),
+            "robot.urdf": ROBOT_URDF.encode(),
+            "a/m.stl": stl(prism(0.10)),
+            "a_m.stl": stl(prism(0.11)),
+            "R_a_m.stl": stl(prism(0.12)),
+            "a/m.dae": dae(prism(0.13)),
+            "robot/a/m.stl": stl(prism(0.14)),
+        },
+        "counted": {"room.toml": COUNTED_TOML.encode(), "room.xml": COUNTED_XML.encode()},
+        "many": {
+            "many.toml": MANY_TOML.encode(),
+            "many.xml": MANY_XML.encode(),
+            "lamp.xml": LAMP_XML.encode(),
+            "shapes/a/m.obj": obj(prism(0.10)),
+            "shapes/a_m.obj": obj(prism(0.11)),
+            "shapes/m.obj": obj(prism(0.12)),
+            "shapes/R_a.obj": obj(prism(0.13)),
+            "shapes/bracket.stl": stl(bracket()),
+            "shapes/hills.png": png(1),
+            "a/m.obj": obj(prism(0.14)),
+            "a.obj": obj(prism(0.15)),
+            "colours/m.obj": png(2),
+            "colours/m.png": png(3),
+            "colours/a/m.png": png(4),
+            "colours/a_m.png": png(5),
+            "robot.toml": ROBOT_TOML.encode(),
+            "robot.xml": MESHED_ROBOT_XML.encode(),
+        },
+    }
+
+
+# --- Meshes and images.
+
+Mesh = tuple[Sequence[tuple[float, float, float]], Sequence[tuple[int, int, int]]]
+"""Vertices in metres, and triangles."""
+
+
+def prism(height_m: float = 0.1) -> Mesh:
+    """A hexagonal prism: convex, so that nothing is decomposed."""
+    ring = [(0.04 * math.cos(k * math.pi / 3), 0.04 * math.sin(k * math.pi / 3)) for k in range(6)]
+    ends = [face for a in range(1, 5) for face in ((0, a + 1, a), (6, a + 6, a + 7))]
+    return _walls(ring, height_m, ends)
+
+
+def bracket() -> Mesh:
+    """An L upright: concave, so that it is cut into convex parts."""
+    ring = [(0.04 * x, 0.04 * y) for x, y in ((0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2))]
+    ends = [face for a, b in ((4, 5), (5, 0), (0, 1), (1, 2)) for face in ((3, b, a), (9, a + 6, b + 6))]
+    return _walls(ring, 0.06, ends)
+
+
+def _walls(ring: Sequence[tuple[float, float]], height_m: float, ends: list[tuple[int, int, int]]) -> Mesh:
+    vertices = [(x, y, z) for z in (0.0, height_m) for x, y in ring]
+    sides = [face for a in range(6) for b in [(a + 1) % 6] for face in ((a, b, b + 6), (a, b + 6, a + 6))]
+    return vertices, sides + ends
+
+
+def obj(mesh: Mesh) -> bytes:
+    """The mesh as OBJ."""
+    vertices, faces = mesh
+    lines = [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in vertices]
+    return "\n".join(lines + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]).encode()
+
+
+def stl(mesh: Mesh) -> bytes:
+    """The mesh as binary STL."""
+    vertices, faces = mesh
+    triangles = np.zeros(len(faces), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    triangles["corners"] = np.array(vertices)[np.array(faces)]
+    return bytes(80) + np.array([len(faces)], dtype="<u4").tobytes() + triangles.tobytes()
+
+
+def dae(mesh: Mesh) -> bytes:
+    """The mesh as COLLADA."""
+    vertices, faces = mesh
+    numbers = " ".join(f"{value:.5f}" for vertex in vertices for value in vertex)
+    indices = " ".join(str(index) for face in faces for index in face)
+    return f"""<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit meter="1"/></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="pa" count="{3 * len(vertices)}">{numbers}</float_array></source>
+<vertices id="vx"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="{len(faces)}"><input semantic="VERTEX" source="#vx" offset="0"/><p>{indices}</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><translate>0 0 0</translate><rotate>0 0 1 30</rotate>
+<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>
+""".encode()
+
+
+def png(grey: int) -> bytes:
+    """An image of 4 x 4 pixels of one grey, but for a white one in the last row."""
+    header = struct.pack(">IIBBBBB", 4, 4, 8, 0, 0, 0, 0)
+    last = bytes(255 if i == grey % 4 else 10 * grey for i in range(4))
+    rows = b"".join(b"\0" + row for row in (*[bytes([10 * grey] * 4)] * 3, last))
+    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows)), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks
+    )
+
+
+CONCAVE = frozenset(write(bracket()) for write in (obj, stl, dae))
+"""Meshes that are cut into convex parts, as files."""
