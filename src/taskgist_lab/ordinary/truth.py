@@ -52,6 +52,8 @@ AT_EASE_M = {"low": 0.60, "middle": 0.80, "high": 0.72, "overhead": 0.58}
 """How far from the middle of the feet things are taken at ease, at a stature of ``MEAN_M``. The middle: 0.25 m to the
 edge of a table and 0.55 m over it."""
 MEAN_M = 1.75
+AT_HAND_M = (0.40, 1.15, 0.60)
+"""Between these heights, and so far from the middle of the hips, things are taken sitting."""
 FRONT_RAD = math.radians(50.0)
 """What is open at the front only is got at from so far aside."""
 EYES = 0.88
@@ -98,10 +100,20 @@ class Truths:
         person = self._person(name)
         if placed.middle_m[2] > OVER_MOST * person.stature_m:
             return Truth.DEBATABLE
+        if self._at_hand(person, placed):
+            return Truth.ABLE
         places = self._stands(name)
         away_m = np.hypot(*(places - np.array(placed.middle_m[:2])).T)
         nearest_first = np.argsort(away_m, kind="stable")[: int((away_m <= _at_ease_m(person, placed)).sum())]
         return Truth.ABLE if any(self._gets_at(place, placed) for place in places[nearest_first]) else Truth.DEBATABLE
+
+    def _at_hand(self, person: Person, placed: Placed) -> bool:
+        """Whether somebody who sits has a thing beside or before the body, within the length of an arm."""
+        seat, (x, y, z) = self.room.seats.get(person.name), placed.middle_m
+        if seat is None or not AT_HAND_M[0] <= z <= AT_HAND_M[1]:
+            return False
+        near = math.dist(person.position_m, (x, y)) <= AT_HAND_M[2] * person.stature_m / MEAN_M
+        return near and (placed.piece is seat or self._gets_at(person.position_m, placed))
 
     def _person(self, name: str) -> Person:
         return next(each for each in self.room.people if each.name == name)
