@@ -62,12 +62,15 @@ class Efforts:
     """Step of the torso's turn (ours)."""
     head_steps: int = 6
     """Steps from the present head direction to the one aimed at the object (ours)."""
-    move_radius_m: float = 2.0
-    """Farthest displacement considered (ours: a few steps)."""
+    move_radius_m: float = 8.0
+    """Farthest displacement considered (ours: from end to end of a room; what is left untried is told)."""
     move_step_m: float = 0.25
     """Grid of floor positions, anchored at the agent (ours)."""
     collision_m: float = 0.01
     """A contact deeper than now by more than this blocks (ours: tracked bodies touch and overlap a little)."""
+    passing_m: float = 0.03
+    """A contact that is deeper than now by no more than this does not stop who walks by (ours: legs and clothes yield,
+    feet are turned aside, as between a sofa and its table)."""
     seat_height_m: tuple[float, float] = (0.25, 0.70)
     """Heights of surfaces that people sit down onto (ours: from a child's stool to a low bar stool)."""
     bends: tuple[tuple[float, float], ...] = tuple(

@@ -57,16 +57,18 @@ class States:
         self.solid = self.world.solid_geoms({agent.name, *held})
         self.core = [int(geom) for geom in agent.core_geoms]
         self.usual = self.world.depths(self.core, self.solid)
-        self._free: dict[tuple[bytes, str | None], bool] = {}
+        self._free: dict[tuple[bytes, str | None, float], bool] = {}
         self.posture = posture_of(stage, agent, settings.contact)
 
-    def allowed(self, qpos: Array, aside: str | None = None) -> bool:
+    def allowed(self, qpos: Array, aside: str | None = None, *, passing: bool = False) -> bool:
         """Whether head, torso and base are nowhere deeper in anything than now, by more than the tolerance."""
-        key = qpos.tobytes(), aside
+        efforts = self.settings.efforts
+        limit = efforts.passing_m if passing else efforts.collision_m
+        key = qpos.tobytes(), aside, limit
         if key not in self._free:
             self.world.show(qpos)
             solid = [geom for geom in self.solid if self.stage.scene.owners[geom] != aside]
-            depths, limit = self.world.depths(self.core, solid), self.settings.efforts.collision_m
+            depths = self.world.depths(self.core, solid)
             self._free[key] = all(depth <= self.usual.get(pair, 0.0) + limit for pair, depth in depths.items())
         return self._free[key]
 
@@ -210,7 +212,7 @@ class States:
         base = upright.qpos[self.agent.base]
         there = np.array(upright.qpos)
         there[self.agent.base] = (*self.spot(base, cell), *base[2:])
-        return self.allowed(there, upright.aside)
+        return self.allowed(there, upright.aside, passing=True)
 
 
 def _of(found: Posture) -> Candidate:

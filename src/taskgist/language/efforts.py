@@ -44,7 +44,8 @@ def why(effort: Effort) -> str:
     if effort.level is None:
         return f"it is unknown whether {_claim(effort)}: {effort.reason}"
     if effort.level == NO_KNOWN_LEVEL:
-        return f"{effort.agent} cannot {effort.ability} the {effort.target}: {_hindrance(effort)}"
+        untried = f" ({effort.evidence.untried} was not tried)" if effort.evidence.untried else ""
+        return f"{effort.agent} cannot {effort.ability} the {effort.target}: {_hindrance(effort)}{untried}"
     if effort.actions == (NO_ACTION,):
         return f"{_claim(effort)} without effort: {_now(effort)}"
     return f"{_claim(effort)} by {listed(gerunds(effort))}; {_with_less(effort)}"

@@ -148,7 +148,8 @@ def configurations(here: Viewpoint, level: int) -> Iterator[Configuration]:
     target = now[:3] + AHEAD_M * np.array([math.cos(heading), math.sin(heading), 0.0])
     batches = list(here.candidates.of_level(level, target))
     if level == 4 and batches:
-        offsets = np.unique(np.round(np.concatenate([batch.offsets_m for batch in batches]), 9), axis=0)
+        places = np.array([place.offset_m for place in here.candidates.places])
+        offsets = np.unique(np.round(places, 9), axis=0)
     for candidates in _first_of_each_posture(batches) if level == 4 else batches:
         agent_frames = candidates.torso.frames
         neck = agent_frames.usable(here.actions if level else frozenset()).neck

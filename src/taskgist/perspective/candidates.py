@@ -298,21 +298,36 @@ class Ways:
         offsets_m: How far it moves, metres along the world's x and y, (p, 2).
         lengths_m: Lengths of the ways, (p,).
         rounded_m: The same, rounded for comparing.
+        cells: Their cells of the floor, (p, 2).
     """
 
     offsets_m: Array
     lengths_m: Array
     rounded_m: Array
+    cells: Indices
 
     @classmethod
     def to(cls, places: Sequence[Place]) -> Ways:
         """The ways to some places."""
         offsets = np.array([place.offset_m for place in places]).reshape(-1, 2)
         lengths = np.array([place.way_m for place in places])
-        return cls(offsets, lengths, np.round(lengths, DIGITS))
+        cells = np.array([place.cell for place in places], dtype=np.intp).reshape(-1, 2)
+        return cls(offsets, lengths, np.round(lengths, DIGITS), cells)
+
+    def thinned(self, away_m: Array) -> Ways:
+        """Fewer and fewer of them where what an agent turns to is far: a step changes little there.
+
+        Args:
+            away_m: How far it is from each of the places, metres, (p,).
+        """
+        lattice = np.exp2(np.searchsorted(THINNED_M, away_m)).astype(np.intp)[:, None]
+        kept = (self.cells % lattice == 0).all(axis=1)
+        return Ways(self.offsets_m[kept], self.lengths_m[kept], self.rounded_m[kept], self.cells[kept])
 
 
-NO_WAY = Ways(np.zeros((1, 2)), np.zeros(1), np.zeros(1))
+THINNED_M = (2.0, 4.0)
+"""Distances beyond which only every second cell each way is a place, and every fourth (ours: no arm is so long)."""
+NO_WAY = Ways(np.zeros((1, 2)), np.zeros(1), np.zeros(1), np.zeros((1, 2), dtype=np.intp))
 """The base stays."""
 NO_TURN = np.zeros(1)
 
@@ -499,8 +514,9 @@ class Walk:
         for index, (torso, ways) in enumerate(batches):
             if index == len(known):
                 base = np.array(torso.start.state.qpos[torso.agent.base])
-                turned_rad = turns_towards(target, base, self._facing_rad, ways.offsets_m)
-                known.append(Candidates(torso, ways, turned_rad))
+                near = ways.thinned(np.hypot(*(target[:2] - base[:2] - ways.offsets_m).T))
+                turned_rad = turns_towards(target, base, self._facing_rad, near.offsets_m)
+                known.append(Candidates(torso, near, turned_rad))
             yield known[index]
 
     def _floor_ways(self) -> Iterator[Ways]:

@@ -331,12 +331,14 @@ class Evidence:
             unknown, the last one says what was not tracked.
         told: The miss that ``reason`` tells; None where there was none.
         attained: What was found in the attained state; None at level 5 and if unknown.
+        untried: What might be possible at level 5, and was left untried; None if nothing was.
     """
 
     reason: str
     misses: tuple[Miss, ...]
     told: Miss | None
     attained: Attained | None
+    untried: str | None = None
 
 
 def evidence_document(evidence: Attained | Hindrance | None) -> dict[str, object]:
@@ -416,11 +418,13 @@ class Effort:
         """The evidence as plain data, fit for JSON."""
         evidence, told = self.evidence, self.evidence.told
         amount = {} if self.amount is None else {"amount": asdict(self.amount)}
+        untried = {} if evidence.untried is None else {"untried": evidence.untried}
         return {
             "reason": evidence.reason,
             "not_with_less": [miss.text for miss in evidence.misses],
             "miss": evidence_document(told.hindrance if told else None),
             **amount,
+            **untried,
             **evidence_document(evidence.attained),
         }
 

@@ -306,6 +306,13 @@ class CandidateSource:
         return Walk(torso, yaw_of(state.qpos[agent.base][3:]) + turned_rad, floor)
 
     @property
+    def untried(self) -> str | None:
+        """What was left out of the candidates that were made; None if nothing was."""
+        if self.__dict__.get("walk") is None or self.walk is None or not self.walk.floor.goes_on:
+            return None
+        return f"going farther than {self._here.settings.efforts.move_radius_m:g} m"
+
+    @property
     def places(self) -> tuple[Place, ...]:
         """All places that the agent can get to; none if it cannot walk."""
         return () if self.walk is None else self.walk.places
