@@ -11,11 +11,15 @@ left out and counted::
 
 from __future__ import annotations
 
+import math
+import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
+
+import numpy as np
 
 from taskgist.common.workers import Progress, in_order, silent
 from taskgist.perspective.effort import ABILITIES, NO_KNOWN_LEVEL, Ability
@@ -43,6 +47,7 @@ class Pair:
         truth: What any person says, by ability.
         levels: Effort levels, by ability; None is unknown.
         reasons: Why an answer that is wrong was given, by ability.
+        taken_ms: Time on the processor that each answer took, milliseconds, by ability.
     """
 
     room: str
@@ -53,6 +58,7 @@ class Pair:
     truth: dict[Ability, Truth]
     levels: dict[Ability, int | None]
     reasons: dict[Ability, str]
+    taken_ms: dict[Ability, float] = field(compare=False)
 
     def is_wrong(self, ability: Ability) -> bool:
         """Whether the answer is not what any person says; what is debatable never is."""
@@ -137,6 +143,12 @@ class RoomsFound(Result):
         known = {str(level): counts[level] for level in LEVELS}
         return known | ({UNKNOWN: counts[None]} if counts[None] else {})
 
+    def times_ms(self, truth: Truth, ability: Ability) -> tuple[float, float, float]:
+        """Median, 95 % quantile and most of the time that an answer takes, milliseconds; not a number for none."""
+        times = [pair.taken_ms[ability] for pair in self.of(truth, ability)] or [math.nan]
+        median, most, worst = np.quantile(times, (0.5, 0.95, 1.0)).tolist()
+        return median, most, worst
+
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
         return {
@@ -150,6 +162,11 @@ class RoomsFound(Result):
                     "nobody_called_possible": self.invented(ability).plain,
                     "levels_of_able": self.levels(ability),
                     "reasons": dict(self.reasons(ability).most_common()),
+                    "taken_ms": {
+                        truth.name.lower(): [rounded(each) for each in self.times_ms(truth, ability)]
+                        for truth in Truth
+                        if self.of(truth, ability)
+                    },
                 }
                 for ability in ABILITIES
             },
@@ -196,18 +213,31 @@ def _judged_number(seed: int, number: int) -> list[Pair]:
 
 def judged_room(room: FurnishedRoom) -> Iterator[Pair]:
     """Ask all efforts in a room."""
-    efforts, truths = SceneEfforts(Stage(room.scene())), Truths(room)
+    stage, truths = Stage(room.scene()), Truths(room)
+    _warm_up(stage)
+    efforts = SceneEfforts(stage)
     for person in room.people:
         for placed in room.placed:
-            asked = {ability: efforts.effort(person.name, placed.thing.name, ability) for ability in ABILITIES}
+            asked, taken_ms = {}, {}
+            for ability in ABILITIES:
+                start_s = time.process_time()
+                asked[ability] = efforts.effort(person.name, placed.thing.name, ability)
+                taken_ms[ability] = 1000 * (time.process_time() - start_s)
             truth = {ability: truths.of(person, placed, ability) for ability in ABILITIES}
             levels = {ability: effort.level for ability, effort in asked.items()}
             names = (room.name, person.name, placed.thing.name, placed.spot.name)
-            pair = Pair(*names, needs(room, person, placed), truth, levels, {})
+            pair = Pair(*names, needs(room, person, placed), truth, levels, {}, taken_ms)
             for ability in filter(pair.is_wrong, ABILITIES):
                 told = asked[ability].evidence.told
                 pair.reasons[ability] = told.reason.value if told else asked[ability].reason
             yield pair
+
+
+def _warm_up(stage: Stage) -> None:
+    """Have compiled what is compiled once."""
+    efforts, scene = SceneEfforts(stage), stage.scene
+    for ability in ABILITIES:
+        efforts.effort(scene.agents[0], scene.objects[0], ability)
 
 
 def _plain(shares: dict[str, dict[Ability, Share]]) -> dict[str, dict[Ability, dict[str, float]]]:
@@ -242,9 +272,21 @@ def sheets(found: RoomsFound) -> Iterator[Sheet]:
     yield _shares("Able, called impossible: by what it takes", "what it takes", found.by(needs_of), counted)
     yield _shares("Able, called impossible: by place", "where it lies", found.by(spot_of))
     yield _shares("Nobody, called possible: by place", "where it lies", found.by(spot_of, Truth.NOBODY))
+    yield _times(found)
     reasons = tuple((ability, why, str(n)) for ability in ABILITIES for why, n in found.reasons(ability).most_common())
     if reasons:
         yield Sheet("Able, called impossible: the reason told", ("ability", "reason", "pairs"), reasons)
+
+
+def _times(found: RoomsFound) -> Sheet:
+    rows = tuple(
+        (truth.value, *(" / ".join(f"{each:.1f}" for each in found.times_ms(truth, ability)) for ability in ABILITIES))
+        for truth in Truth
+    )
+    note = (
+        "Time on the processor; whatever is computed once for a person counts for the first thing that is asked about."
+    )
+    return Sheet("Milliseconds of an answer: median / 95 % / most", ("truth", *ABILITIES), rows, note)
 
 
 def _shares(title: str, first: str, shares: dict[str, dict[Ability, Share]], note: str = "") -> Sheet:

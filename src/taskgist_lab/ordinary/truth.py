@@ -52,7 +52,7 @@ AT_EASE_M = {"low": 0.60, "middle": 0.80, "high": 0.72, "overhead": 0.58}
 """How far from the middle of the feet things are taken at ease, at a stature of ``MEAN_M``. The middle: 0.25 m to the
 edge of a table and 0.55 m over it."""
 MEAN_M = 1.75
-AT_HAND_M = (0.40, 1.15, 0.60)
+AT_HAND_M = (0.40, 1.15, 0.70)
 """Between these heights, and so far from the middle of the hips, things are taken sitting."""
 FRONT_RAD = math.radians(50.0)
 """What is open at the front only is got at from so far aside."""

@@ -184,7 +184,7 @@ def test_distance_to_furniture_minds_heights() -> None:
 def pair(truth: Truth, level: int | None, spot: str = "table") -> Pair:
     levels: dict[Ability, int | None] = dict.fromkeys(ABILITIES, level)
     truths, reasons = dict.fromkeys(ABILITIES, truth), dict.fromkeys(ABILITIES, "why")
-    return Pair("room", "P", "cup", spot, ("an arm",), truths, levels, reasons)
+    return Pair("room", "P", "cup", spot, ("an arm",), truths, levels, reasons, dict.fromkeys(ABILITIES, 1.0))
 
 
 def test_what_is_wrong_and_what_is_not() -> None:
@@ -207,6 +207,13 @@ def test_shares_are_counted() -> None:
     }
     assert found.levels("see") == {"0": 0, "1": 1, "2": 0, "3": 0, "4": 0, "5": 1}
     assert found.reasons("see") == {"why": 1}
+
+
+def test_times_are_those_of_a_truth() -> None:
+    found = RoomsFound(0, 1, (pair(Truth.ABLE, 5), pair(Truth.NOBODY, 5)))
+    assert found.times_ms(Truth.ABLE, "see") == (1.0, 1.0, 1.0)
+    assert math.isnan(found.times_ms(Truth.DEBATABLE, "see")[0])
+    assert set(found.to_json()["abilities"]["see"]["taken_ms"]) == {"able", "nobody"}
 
 
 def test_an_unknown_level_is_counted_apart() -> None:
