@@ -14,15 +14,15 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from taskgist.common.workers import Progress, in_order, silent
-from taskgist.perspective.effort import ABILITIES, NO_KNOWN_LEVEL, Ability
+from taskgist.perspective.effort import ABILITIES, NO_KNOWN_LEVEL, Ability, Effort
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.world.stage import Stage
 from taskgist_lab.evaluation.sheets import Sheet
@@ -35,8 +35,30 @@ UNKNOWN = "unknown"
 
 
 @dataclass(frozen=True)
+class Answer:
+    """What perspective says of one ability, beside what any person says.
+
+    Attributes:
+        truth: What any person says.
+        level: The effort level; None is unknown.
+        reason: Why that level is told, where it is wrong; else empty.
+        taken_ms: Time on the processor that it took, milliseconds.
+    """
+
+    truth: Truth
+    level: int | None
+    reason: str = field(default="", compare=False)
+    taken_ms: float = field(default=0.0, compare=False)
+
+    @property
+    def is_wrong(self) -> bool:
+        """Whether it is not what any person says; where that is debatable, it never is."""
+        return self.truth is (Truth.ABLE if self.level == NO_KNOWN_LEVEL else Truth.NOBODY)
+
+
+@dataclass(frozen=True)
 class Pair:
-    """What perspective says of one person and one thing, beside what any person says.
+    """One person and one thing.
 
     Attributes:
         room: Name of the room.
@@ -44,10 +66,7 @@ class Pair:
         thing: Name of the thing.
         spot: Where it lies, by what people call that.
         needs: What it takes, beside an arm.
-        truth: What any person says, by ability.
-        levels: Effort levels, by ability; None is unknown.
-        reasons: Why an answer that is wrong was given, by ability.
-        taken_ms: Time on the processor that each answer took, milliseconds, by ability.
+        answers: One for each ability.
     """
 
     room: str
@@ -55,15 +74,7 @@ class Pair:
     thing: str
     spot: str
     needs: tuple[str, ...]
-    truth: dict[Ability, Truth]
-    levels: dict[Ability, int | None]
-    reasons: dict[Ability, str]
-    taken_ms: dict[Ability, float] = field(compare=False)
-
-    def is_wrong(self, ability: Ability) -> bool:
-        """Whether the answer is not what any person says; what is debatable never is."""
-        impossible = self.levels[ability] == NO_KNOWN_LEVEL
-        return self.truth[ability] is (Truth.ABLE if impossible else Truth.NOBODY)
+    answers: Mapping[Ability, Answer]
 
 
 @dataclass(frozen=True)
@@ -76,7 +87,7 @@ class Share:
     @staticmethod
     def among(pairs: Iterable[Pair], ability: Ability) -> Share:
         """Of pairs."""
-        wrong = [pair.is_wrong(ability) for pair in pairs]
+        wrong = [pair.answers[ability].is_wrong for pair in pairs]
         return Share(sum(wrong), len(wrong))
 
     @property
@@ -111,7 +122,7 @@ class RoomsFound(Result):
 
     def of(self, truth: Truth, ability: Ability) -> list[Pair]:
         """Pairs of which any person says this."""
-        return [pair for pair in self.pairs if pair.truth[ability] is truth]
+        return [pair for pair in self.pairs if pair.answers[ability].truth is truth]
 
     def missed(self, ability: Ability) -> Share:
         """Of what an able adult gets at, what is called impossible."""
@@ -133,19 +144,22 @@ class RoomsFound(Result):
         }
         return {name: shares for name, shares in found.items() if any(share.of for share in shares.values())}
 
+    def answers(self, truth: Truth, ability: Ability) -> list[Answer]:
+        """Answers where any person says this."""
+        return [pair.answers[ability] for pair in self.of(truth, ability)]
+
     def reasons(self, ability: Ability) -> Counter[str]:
         """Why what an able adult gets at is called impossible."""
-        return Counter(pair.reasons[ability] for pair in self.of(Truth.ABLE, ability) if pair.is_wrong(ability))
+        return Counter(answer.reason for answer in self.answers(Truth.ABLE, ability) if answer.is_wrong)
 
     def levels(self, ability: Ability) -> dict[str, int]:
         """How often each effort level was found for what an able adult gets at."""
-        counts = Counter(pair.levels[ability] for pair in self.of(Truth.ABLE, ability))
-        known = {str(level): counts[level] for level in LEVELS}
-        return known | ({UNKNOWN: counts[None]} if counts[None] else {})
+        counts = Counter(answer.level for answer in self.answers(Truth.ABLE, ability))
+        return {str(level): counts[level] for level in LEVELS} | {UNKNOWN: counts[None]}
 
     def times_ms(self, truth: Truth, ability: Ability) -> tuple[float, float, float]:
         """Median, 95 % quantile and most of the time that an answer takes, milliseconds; not a number for none."""
-        times = [pair.taken_ms[ability] for pair in self.of(truth, ability)] or [math.nan]
+        times = [answer.taken_ms for answer in self.answers(truth, ability)] or [math.nan]
         median, most, worst = np.quantile(times, (0.5, 0.95, 1.0)).tolist()
         return median, most, worst
 
@@ -173,7 +187,7 @@ class RoomsFound(Result):
             "able_called_impossible_by_place": _plain(self.by(spot_of)),
             "able_called_impossible_by_need": _plain(self.by(needs_of)),
             "nobody_called_possible_by_place": _plain(self.by(spot_of, Truth.NOBODY)),
-            "wrong": [_plain_pair(pair) for pair in self.pairs if any(map(pair.is_wrong, ABILITIES))],
+            "wrong": [_plain_pair(pair) for pair in self.pairs if any(each.is_wrong for each in pair.answers.values())],
         }
 
 
@@ -218,19 +232,20 @@ def judged_room(room: FurnishedRoom) -> Iterator[Pair]:
     efforts = SceneEfforts(stage)
     for person in room.people:
         for placed in room.placed:
-            asked, taken_ms = {}, {}
+            answers: dict[Ability, Answer] = {}
             for ability in ABILITIES:
                 start_s = time.process_time()
-                asked[ability] = efforts.effort(person.name, placed.thing.name, ability)
-                taken_ms[ability] = 1000 * (time.process_time() - start_s)
-            truth = {ability: truths.of(person, placed, ability) for ability in ABILITIES}
-            levels = {ability: effort.level for ability, effort in asked.items()}
+                effort = efforts.effort(person.name, placed.thing.name, ability)
+                taken_ms = 1000 * (time.process_time() - start_s)
+                answer = Answer(truths.of(person, placed, ability), effort.level, taken_ms=taken_ms)
+                answers[ability] = replace(answer, reason=_reason(effort)) if answer.is_wrong else answer
             names = (room.name, person.name, placed.thing.name, placed.spot.name)
-            pair = Pair(*names, needs(room, person, placed), truth, levels, {}, taken_ms)
-            for ability in filter(pair.is_wrong, ABILITIES):
-                told = asked[ability].evidence.told
-                pair.reasons[ability] = told.reason.value if told else asked[ability].reason
-            yield pair
+            yield Pair(*names, needs(room, person, placed), answers)
+
+
+def _reason(effort: Effort) -> str:
+    told = effort.evidence.told
+    return told.reason.value if told else effort.reason
 
 
 def _warm_up(stage: Stage) -> None:
@@ -245,8 +260,11 @@ def _plain(shares: dict[str, dict[Ability, Share]]) -> dict[str, dict[Ability, d
 
 
 def _plain_pair(pair: Pair) -> dict[str, Any]:
-    truth = {ability: value.name.lower() for ability, value in pair.truth.items()}
-    return {**vars(pair), "needs": list(pair.needs), "truth": truth}
+    answers = {
+        ability: {"truth": each.truth.name.lower(), "level": each.level, "wrong": each.is_wrong, "reason": each.reason}
+        for ability, each in pair.answers.items()
+    }
+    return {**vars(pair), "needs": list(pair.needs), "answers": answers}
 
 
 # --- As tables of text.
@@ -260,11 +278,11 @@ def sheets(found: RoomsFound) -> Iterator[Sheet]:
             found.missed(ability).text,
             found.invented(ability).text,
             str(len(found.of(Truth.DEBATABLE, ability))),
-            *(str(number) for number in list(found.levels(ability).values())[: len(LEVELS)]),
+            *map(str, found.levels(ability).values()),
         )
         for ability in ABILITIES
     )
-    header = ("ability", "able, called impossible", "nobody, called possible", "debatable", *map(str, LEVELS))
+    header = ("ability", "able, called impossible", "nobody, called possible", "debatable", *map(str, LEVELS), UNKNOWN)
     note = "On the right: how often each effort level was found for what an able adult gets at."
     title = f"{found.rooms} ordinary rooms, {len(found.pairs)} pairs of person and thing"
     yield Sheet(title, header, rows, note)
