@@ -27,7 +27,8 @@ from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.world.stage import Stage
 from taskgist_lab.evaluation.sheets import Sheet
 from taskgist_lab.evaluation.values import Result, rounded
-from taskgist_lab.ordinary.rooms import FurnishedRoom, furnished
+from taskgist_lab.ordinary.furnishing import furnished
+from taskgist_lab.ordinary.rooms import FurnishedRoom
 from taskgist_lab.ordinary.truth import Truth, Truths, needs
 
 LEVELS = range(NO_KNOWN_LEVEL + 1)
@@ -52,8 +53,9 @@ class Answer:
 
     @property
     def is_wrong(self) -> bool:
-        """Whether it is not what any person says; where that is debatable, it never is."""
-        return self.truth is (Truth.ABLE if self.level == NO_KNOWN_LEVEL else Truth.NOBODY)
+        """Whether it is not what any person says; never where that is debatable, or the level unknown."""
+        impossible = self.level == NO_KNOWN_LEVEL
+        return self.level is not None and self.truth is (Truth.ABLE if impossible else Truth.NOBODY)
 
 
 @dataclass(frozen=True)

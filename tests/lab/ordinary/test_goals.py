@@ -10,7 +10,7 @@ import pytest
 from taskgist.perspective.effort import Ability
 from taskgist_lab.evaluation.ordinary_rooms import RoomsFound, judged_rooms
 
-ROOMS, SEED = 3, 12
+ROOMS, SEED = 3, 14
 MISSED_MOST = 0.04
 today = pytest.mark.xfail(reason="bodies cannot do yet what people can", raises=AssertionError)
 

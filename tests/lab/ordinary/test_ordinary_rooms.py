@@ -11,8 +11,9 @@ import pytest
 
 from taskgist.perspective.effort import ABILITIES
 from taskgist_lab.evaluation.ordinary_rooms import Answer, Pair, RoomsFound, judged_room, judged_rooms, sheets, spot_of
+from taskgist_lab.ordinary.furnishing import furnished
 from taskgist_lab.ordinary.furniture import Spot, cabinet, drawer, table, wall
-from taskgist_lab.ordinary.rooms import FurnishedRoom, Placed, distance_m, furnished
+from taskgist_lab.ordinary.rooms import FurnishedRoom, Placed, distance_m
 from taskgist_lab.ordinary.things import KINDS, thing_of
 from taskgist_lab.ordinary.truth import Truth, Truths, needs
 from taskgist_lab.simulator.room import Person
@@ -191,7 +192,7 @@ def test_what_is_wrong_and_what_is_not() -> None:
     assert Answer(Truth.NOBODY, 4).is_wrong
     assert not Answer(Truth.NOBODY, 5).is_wrong
     assert not any(Answer(Truth.DEBATABLE, level).is_wrong for level in (0, 5, None))
-    assert not Answer(Truth.ABLE, None).is_wrong
+    assert not any(Answer(truth, None).is_wrong for truth in Truth)
 
 
 def test_shares_are_counted() -> None:
