@@ -25,7 +25,8 @@ PIPELINE = RECOGNITION | LANGUAGE | {"store", "moving", "maps", "importing", "pi
 SIMULATOR = RECORDING | {"moving", "lab simulator"}
 GENERATOR = SIMULATOR | {"lab generator"}
 PAPER = PIPELINE | {"lab simulator", "lab paper"}
-EVALUATION = PAPER | {"lab generator", "lab evaluation"}
+ORDINARY = WORLD | {"lab simulator", "lab ordinary"}
+EVALUATION = PAPER | {"lab generator", "lab ordinary", "lab evaluation"}
 
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
@@ -49,6 +50,7 @@ ROOMS: dict[str, set[str]] = {
     "lab simulator": SIMULATOR,
     "lab generator": GENERATOR,
     "lab paper": PAPER,
+    "lab ordinary": ORDINARY,
     "lab evaluation": EVALUATION,
     "lab view": EVALUATION | {"view", "lab view"},
     "lab cli": EVALUATION | {"view", "cli", "lab view", "lab cli"},
@@ -75,6 +77,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "lab simulator": {"numpy", "mujoco"},
     "lab generator": {"numpy", "mujoco"},
     "lab paper": {"numpy"},
+    "lab ordinary": {"numpy", "mujoco"},
     "lab evaluation": {"numpy"},
     "lab view": {"numpy", "matplotlib"},
     "lab cli": {"typer", "rich"},

@@ -9,11 +9,14 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import FancyBboxPatch
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
+from matplotlib.transforms import Affine2D
 
 from taskgist.common.workers import Progress, cores, in_order, silent
 from taskgist.facts.tree import HypothesisTree, Node
 from taskgist.learning.understanding import Understanding
+from taskgist.perspective.effort import Ability
 from taskgist.pipeline.explain import label_of
 from taskgist.recording.mcap import read
 from taskgist.recording.recording import Label, Recording
@@ -23,10 +26,14 @@ from taskgist.view.scene import camera_outside, draw_eye, draw_outside
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 from taskgist_lab.evaluation.experiments import CLAUSE, SETTINGS, Needs, Table, Transfer
+from taskgist_lab.evaluation.ordinary_rooms import Pair
 from taskgist_lab.evaluation.robustness import Comparison, Robustness
 from taskgist_lab.evaluation.values import Result
+from taskgist_lab.ordinary.rooms import LENGTH_M, SECOND_M, WIDTH_M, FurnishedRoom
+from taskgist_lab.ordinary.truth import Truth
 from taskgist_lab.paper.judging import Judged, understanding_of
 from taskgist_lab.paper.published import COLUMNS
+from taskgist_lab.simulator.room import Person
 
 # --- Contact sheets: many demonstrations at a glance, the end of each one seen from outside.
 
@@ -423,3 +430,73 @@ def _draw_ends(axes: Sequence[Axes], recording: Recording) -> None:
 def _ends(recording: Recording) -> tuple[Label, tuple[State, State]]:
     label = label_of(recording)
     return label, (recording.at(label.start_s), recording.at(label.end_s))
+
+
+# --- Ordinary rooms in plan view: who and what, coloured by the effort that perspective finds.
+
+LEVEL_COLOURS = ("#1a7f4b", "#52a84f", "#9ac442", "#e3c22f", "#e8923a", "#1c1c1c")
+"""By effort level, 0 to 5."""
+WRONG = "#d01c1c"
+PLAN_IN = (4.2, 2.9)
+OVER_M = 1.3
+"""Boxes above this are drawn as outlines alone: one looks beneath them."""
+
+
+def ordinary_room_picture(room: FurnishedRoom, pairs: Sequence[Pair], ability: Ability, path: Path) -> Path:
+    """Save a plan view of a room for each person in it: things by effort level, wrong answers ringed.
+
+    Args:
+        room: The room.
+        pairs: Its pairs of person and thing.
+        ability: Whose answers are shown.
+        path: The PNG file to write.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    columns = min(3, len(room.people))
+    rows = math.ceil(len(room.people) / columns)
+    figure = Figure(figsize=(PLAN_IN[0] * columns, PLAN_IN[1] * rows + 0.5), layout="constrained")
+    figure.suptitle(f"{ability}, for each person (arrow) in turn", fontsize=11)
+    panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axes in panels:
+        axes.set_axis_off()
+    for axes, person in zip(panels, room.people, strict=False):
+        _draw_plan(axes, room, person)
+        for pair, placed in zip((each for each in pairs if each.person == person.name), room.placed, strict=True):
+            answer, (x, y, _), size = pair.answers[ability], placed.middle_m, 6.0
+            colour = SOFT if answer.level is None else LEVEL_COLOURS[answer.level]
+            axes.plot(x, y, "s" if answer.truth is Truth.NOBODY else "o", color=colour, markersize=size)
+            if answer.is_wrong:
+                axes.plot(x, y, "o", markersize=2 * size, markerfacecolor="none", markeredgecolor=WRONG, mew=1.5)
+            elif answer.truth is Truth.DEBATABLE:
+                axes.plot(x, y, ".", color="white", markersize=size / 2)
+    marks = [Line2D([], [], marker="o", ls="", color=colour) for colour in LEVEL_COLOURS]
+    marks += [Line2D([], [], marker="o", ls="", color=SOFT, mfc="none", mec=WRONG, ms=11)]
+    marks += [Line2D([], [], marker=mark, ls="", color=INK) for mark in ("s", "o")]
+    marks += [Line2D([], [], marker="o", ls="", mfc="white", mec=INK, ms=4)]
+    names = [*(f"level {level}" for level in range(6)), "wrong", "nobody gets at it", "an able adult does", "debatable"]
+    figure.legend(marks, names, loc="outside lower center", ncols=5, frameon=False, fontsize=8)
+    return save_figure(figure, path)
+
+
+def _draw_plan(axes: Axes, room: FurnishedRoom, person: Person) -> None:
+    """Furniture as seen from above, everybody, and where one of them looks."""
+    for piece in room.pieces:
+        for box in sorted(piece.boxes, key=lambda box: box.top_m):
+            x, y = box.centre_m[0] - box.size_m[0] / 2, box.centre_m[1] - box.size_m[1] / 2
+            patch = Rectangle((x, y), *box.size_m[:2], linewidth=0.4, edgecolor=SOFT)
+            patch.set_facecolor("none" if box.under_m > OVER_M else "#555555" if piece.kind == "wall" else "#ece3d4")
+            turned = Affine2D().rotate(piece.yaw_rad).translate(*piece.centre_m)
+            patch.set_transform(turned + axes.transData)
+            axes.add_patch(patch)
+    for each in room.people:
+        x, y = each.position_m
+        axes.add_patch(Circle((x, y), 0.2, facecolor="#7d9fc9" if each is person else "#dddddd", edgecolor=SOFT))
+    x, y = person.position_m
+    ahead = (x + 0.5 * math.cos(person.yaw_rad), y + 0.5 * math.sin(person.yaw_rad))
+    axes.annotate("", ahead, (x, y), arrowprops={"arrowstyle": "->"})
+    axes.set_title(person.name, fontsize=9)
+    axes.set_xlim(-0.2, LENGTH_M + SECOND_M + 0.2)
+    axes.set_ylim(-0.2, WIDTH_M + 0.2)
+    axes.set_aspect("equal")

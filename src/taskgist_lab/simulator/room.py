@@ -233,7 +233,7 @@ class Room:
 
     def scene(self) -> Scene:
         """The room as a scene with everybody at rest."""
-        return Scene.from_spec(self._spec(), map(_entry, self.people), name=self.name)
+        return Scene.from_spec(self._spec(), map(agent_entry, self.people), name=self.name)
 
     def varied(self, rng: np.random.Generator, *, distance_m: float, angle_rad: float) -> Room:
         """The room with its people and things moved and turned at random.
@@ -281,7 +281,7 @@ def _shift(rng: np.random.Generator, distance_m: float, angle_rad: float) -> tup
     return float(dx), float(dy), float(rng.uniform(-angle_rad, angle_rad))
 
 
-def _entry(person: Person) -> AgentEntry:
+def agent_entry(person: Person) -> AgentEntry:
     """The person as an agent of a scene, to micrometres; robots rest as their profiles have it."""
     entry = AgentEntry(
         person.name,
