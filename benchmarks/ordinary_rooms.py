@@ -17,7 +17,7 @@ from taskgist.cli.common import console, print_json, progress_bar
 from taskgist.perspective.effort import ABILITIES
 from taskgist_lab.evaluation.ordinary_rooms import judged_room, judged_rooms, sheets
 from taskgist_lab.evaluation.sheets import Sheet
-from taskgist_lab.ordinary.rooms import furnished
+from taskgist_lab.ordinary.furnishing import furnished
 
 SEED, ROOMS = 1000, 24
 

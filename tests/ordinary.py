@@ -67,9 +67,13 @@ class Line:
     reach: str
     grasp: str
 
+    def text(self, ability: Ability) -> str:
+        """What is right for an ability, as it is written."""
+        return {"see": self.see, "reach": self.reach, "grasp": self.grasp}[ability]
+
     def expected(self, ability: Ability) -> Expected:
         """What is right for an ability."""
-        return Expected.of({"see": self.see, "reach": self.reach, "grasp": self.grasp}[ability])
+        return Expected.of(self.text(ability))
 
     def scene(self) -> Scene:
         """The scene."""

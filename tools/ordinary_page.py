@@ -11,7 +11,7 @@ from taskgist.cli.common import progress_bar
 from taskgist.settings import DEFAULT
 from taskgist_lab.evaluation.ordinary_rooms import RoomsFound, judged_room, judged_rooms, sheets
 from taskgist_lab.evaluation.sheets import Sheet
-from taskgist_lab.ordinary.rooms import furnished
+from taskgist_lab.ordinary.furnishing import furnished
 from taskgist_lab.view import ordinary_room_picture
 from tools.markdown import filled, header, row
 

@@ -464,13 +464,12 @@ def ordinary_room_picture(room: FurnishedRoom, pairs: Sequence[Pair], ability: A
     for axes, person in zip(panels, room.people, strict=False):
         _draw_plan(axes, room, person)
         for pair, placed in zip((each for each in pairs if each.person == person.name), room.placed, strict=True):
-            level, (x, y, _) = pair.levels[ability], placed.middle_m
-            colour = SOFT if level is None else LEVEL_COLOURS[level]
-            size, debatable = 6.0, pair.truth[ability] is Truth.DEBATABLE
-            axes.plot(x, y, "s" if pair.truth[ability] is Truth.NOBODY else "o", color=colour, markersize=size)
-            if pair.is_wrong(ability):
+            answer, (x, y, _), size = pair.answers[ability], placed.middle_m, 6.0
+            colour = SOFT if answer.level is None else LEVEL_COLOURS[answer.level]
+            axes.plot(x, y, "s" if answer.truth is Truth.NOBODY else "o", color=colour, markersize=size)
+            if answer.is_wrong:
                 axes.plot(x, y, "o", markersize=2 * size, markerfacecolor="none", markeredgecolor=WRONG, mew=1.5)
-            elif debatable:
+            elif answer.truth is Truth.DEBATABLE:
                 axes.plot(x, y, ".", color="white", markersize=size / 2)
     marks = [Line2D([], [], marker="o", ls="", color=colour) for colour in LEVEL_COLOURS]
     marks += [Line2D([], [], marker="o", ls="", color=SOFT, mfc="none", mec=WRONG, ms=11)]

@@ -68,6 +68,11 @@ MISTAKES = {
     "mesh": ('type = "cylinder", radius_m = 0.04, length_m = 0.1', 'type = "mesh", file = "cup.obj", units = "m"',
              r"objects.cup.shape.file: the mesh file does not exist.*cup.obj"),
     "same name": ("[objects.cup]", "[objects.P1]", r"same name.*'P1'"),
+    "long mesh": (
+        'type = "cylinder", radius_m = 0.04, length_m = 0.1',
+        f'type = "mesh", file = "{"x" * 5000}"',
+        r"file: the mesh file does not exist",
+    ),
     "name of the room": ("[objects.cup]", "[objects.world]", r"the room itself has that name.*'world'"),
     "not a number": ("person = 0", 'person = 0\nstature_m = "tall"',
                      r"stature_m: must be a finite number \(got 'tall'\)"),

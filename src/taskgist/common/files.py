@@ -206,6 +206,14 @@ def _unwritable(problem: Exception, target: Path, error: type[InputError]) -> In
 # --- Reading.
 
 
+def is_file(path: Path) -> bool:
+    """Whether a path names a regular file; a name that no file can have does not."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
 @contextmanager
 def reading(
     path: Path, *, error: type[InputError] = InputError, hint: str = "check the path", is_input: bool = True

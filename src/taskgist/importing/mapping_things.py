@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from taskgist.common.files import is_file
 from taskgist.common.toml import TomlTable
 from taskgist.importing.mapping import FixedPose, PointRef, Shape, Support, Thing
 from taskgist.importing.mapping_fields import UNITS_M
@@ -111,6 +112,6 @@ def _orientation(section: TomlTable, kind: str) -> tuple[float, float, float, fl
 
 def _mesh_file(section: TomlTable, data_dir: Path) -> Path:
     path: Path = data_dir / section.text("file")
-    if not path.is_file():
+    if not is_file(path):
         raise section.error("the mesh file does not exist", "file", str(path), "check the path")
     return path

@@ -11,19 +11,24 @@ left out and counted::
 
 from __future__ import annotations
 
+import math
+import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from taskgist.common.workers import Progress, in_order, silent
-from taskgist.perspective.effort import ABILITIES, NO_KNOWN_LEVEL, Ability
+from taskgist.perspective.effort import ABILITIES, NO_KNOWN_LEVEL, Ability, Effort
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.world.stage import Stage
 from taskgist_lab.evaluation.sheets import Sheet
 from taskgist_lab.evaluation.values import Result, rounded
-from taskgist_lab.ordinary.rooms import FurnishedRoom, furnished
+from taskgist_lab.ordinary.furnishing import furnished
+from taskgist_lab.ordinary.rooms import FurnishedRoom
 from taskgist_lab.ordinary.truth import Truth, Truths, needs
 
 LEVELS = range(NO_KNOWN_LEVEL + 1)
@@ -31,8 +36,31 @@ UNKNOWN = "unknown"
 
 
 @dataclass(frozen=True)
+class Answer:
+    """What perspective says of one ability, beside what any person says.
+
+    Attributes:
+        truth: What any person says.
+        level: The effort level; None is unknown.
+        reason: Why that level is told, where it is wrong; else empty.
+        taken_ms: Time on the processor that it took, milliseconds.
+    """
+
+    truth: Truth
+    level: int | None
+    reason: str = field(default="", compare=False)
+    taken_ms: float = field(default=0.0, compare=False)
+
+    @property
+    def is_wrong(self) -> bool:
+        """Whether it is not what any person says; never where that is debatable, or the level unknown."""
+        impossible = self.level == NO_KNOWN_LEVEL
+        return self.level is not None and self.truth is (Truth.ABLE if impossible else Truth.NOBODY)
+
+
+@dataclass(frozen=True)
 class Pair:
-    """What perspective says of one person and one thing, beside what any person says.
+    """One person and one thing.
 
     Attributes:
         room: Name of the room.
@@ -40,9 +68,7 @@ class Pair:
         thing: Name of the thing.
         spot: Where it lies, by what people call that.
         needs: What it takes, beside an arm.
-        truth: What any person says, by ability.
-        levels: Effort levels, by ability; None is unknown.
-        reasons: Why an answer that is wrong was given, by ability.
+        answers: One for each ability.
     """
 
     room: str
@@ -50,14 +76,7 @@ class Pair:
     thing: str
     spot: str
     needs: tuple[str, ...]
-    truth: dict[Ability, Truth]
-    levels: dict[Ability, int | None]
-    reasons: dict[Ability, str]
-
-    def is_wrong(self, ability: Ability) -> bool:
-        """Whether the answer is not what any person says; what is debatable never is."""
-        impossible = self.levels[ability] == NO_KNOWN_LEVEL
-        return self.truth[ability] is (Truth.ABLE if impossible else Truth.NOBODY)
+    answers: Mapping[Ability, Answer]
 
 
 @dataclass(frozen=True)
@@ -70,7 +89,7 @@ class Share:
     @staticmethod
     def among(pairs: Iterable[Pair], ability: Ability) -> Share:
         """Of pairs."""
-        wrong = [pair.is_wrong(ability) for pair in pairs]
+        wrong = [pair.answers[ability].is_wrong for pair in pairs]
         return Share(sum(wrong), len(wrong))
 
     @property
@@ -105,7 +124,7 @@ class RoomsFound(Result):
 
     def of(self, truth: Truth, ability: Ability) -> list[Pair]:
         """Pairs of which any person says this."""
-        return [pair for pair in self.pairs if pair.truth[ability] is truth]
+        return [pair for pair in self.pairs if pair.answers[ability].truth is truth]
 
     def missed(self, ability: Ability) -> Share:
         """Of what an able adult gets at, what is called impossible."""
@@ -127,15 +146,24 @@ class RoomsFound(Result):
         }
         return {name: shares for name, shares in found.items() if any(share.of for share in shares.values())}
 
+    def answers(self, truth: Truth, ability: Ability) -> list[Answer]:
+        """Answers where any person says this."""
+        return [pair.answers[ability] for pair in self.of(truth, ability)]
+
     def reasons(self, ability: Ability) -> Counter[str]:
         """Why what an able adult gets at is called impossible."""
-        return Counter(pair.reasons[ability] for pair in self.of(Truth.ABLE, ability) if pair.is_wrong(ability))
+        return Counter(answer.reason for answer in self.answers(Truth.ABLE, ability) if answer.is_wrong)
 
     def levels(self, ability: Ability) -> dict[str, int]:
         """How often each effort level was found for what an able adult gets at."""
-        counts = Counter(pair.levels[ability] for pair in self.of(Truth.ABLE, ability))
-        known = {str(level): counts[level] for level in LEVELS}
-        return known | ({UNKNOWN: counts[None]} if counts[None] else {})
+        counts = Counter(answer.level for answer in self.answers(Truth.ABLE, ability))
+        return {str(level): counts[level] for level in LEVELS} | {UNKNOWN: counts[None]}
+
+    def times_ms(self, truth: Truth, ability: Ability) -> tuple[float, float, float]:
+        """Median, 95 % quantile and most of the time that an answer takes, milliseconds; not a number for none."""
+        times = [answer.taken_ms for answer in self.answers(truth, ability)] or [math.nan]
+        median, most, worst = np.quantile(times, (0.5, 0.95, 1.0)).tolist()
+        return median, most, worst
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
@@ -150,13 +178,18 @@ class RoomsFound(Result):
                     "nobody_called_possible": self.invented(ability).plain,
                     "levels_of_able": self.levels(ability),
                     "reasons": dict(self.reasons(ability).most_common()),
+                    "taken_ms": {
+                        truth.name.lower(): [rounded(each) for each in self.times_ms(truth, ability)]
+                        for truth in Truth
+                        if self.of(truth, ability)
+                    },
                 }
                 for ability in ABILITIES
             },
             "able_called_impossible_by_place": _plain(self.by(spot_of)),
             "able_called_impossible_by_need": _plain(self.by(needs_of)),
             "nobody_called_possible_by_place": _plain(self.by(spot_of, Truth.NOBODY)),
-            "wrong": [_plain_pair(pair) for pair in self.pairs if any(map(pair.is_wrong, ABILITIES))],
+            "wrong": [_plain_pair(pair) for pair in self.pairs if any(each.is_wrong for each in pair.answers.values())],
         }
 
 
@@ -196,18 +229,32 @@ def _judged_number(seed: int, number: int) -> list[Pair]:
 
 def judged_room(room: FurnishedRoom) -> Iterator[Pair]:
     """Ask all efforts in a room."""
-    efforts, truths = SceneEfforts(Stage(room.scene())), Truths(room)
+    stage, truths = Stage(room.scene()), Truths(room)
+    _warm_up(stage)
+    efforts = SceneEfforts(stage)
     for person in room.people:
         for placed in room.placed:
-            asked = {ability: efforts.effort(person.name, placed.thing.name, ability) for ability in ABILITIES}
-            truth = {ability: truths.of(person, placed, ability) for ability in ABILITIES}
-            levels = {ability: effort.level for ability, effort in asked.items()}
+            answers: dict[Ability, Answer] = {}
+            for ability in ABILITIES:
+                start_s = time.process_time()
+                effort = efforts.effort(person.name, placed.thing.name, ability)
+                taken_ms = 1000 * (time.process_time() - start_s)
+                answer = Answer(truths.of(person, placed, ability), effort.level, taken_ms=taken_ms)
+                answers[ability] = replace(answer, reason=_reason(effort)) if answer.is_wrong else answer
             names = (room.name, person.name, placed.thing.name, placed.spot.name)
-            pair = Pair(*names, needs(room, person, placed), truth, levels, {})
-            for ability in filter(pair.is_wrong, ABILITIES):
-                told = asked[ability].evidence.told
-                pair.reasons[ability] = told.reason.value if told else asked[ability].reason
-            yield pair
+            yield Pair(*names, needs(room, person, placed), answers)
+
+
+def _reason(effort: Effort) -> str:
+    told = effort.evidence.told
+    return told.reason.value if told else effort.reason
+
+
+def _warm_up(stage: Stage) -> None:
+    """Have compiled what is compiled once."""
+    efforts, scene = SceneEfforts(stage), stage.scene
+    for ability in ABILITIES:
+        efforts.effort(scene.agents[0], scene.objects[0], ability)
 
 
 def _plain(shares: dict[str, dict[Ability, Share]]) -> dict[str, dict[Ability, dict[str, float]]]:
@@ -215,8 +262,11 @@ def _plain(shares: dict[str, dict[Ability, Share]]) -> dict[str, dict[Ability, d
 
 
 def _plain_pair(pair: Pair) -> dict[str, Any]:
-    truth = {ability: value.name.lower() for ability, value in pair.truth.items()}
-    return {**vars(pair), "needs": list(pair.needs), "truth": truth}
+    answers = {
+        ability: {"truth": each.truth.name.lower(), "level": each.level, "wrong": each.is_wrong, "reason": each.reason}
+        for ability, each in pair.answers.items()
+    }
+    return {**vars(pair), "needs": list(pair.needs), "answers": answers}
 
 
 # --- As tables of text.
@@ -230,11 +280,11 @@ def sheets(found: RoomsFound) -> Iterator[Sheet]:
             found.missed(ability).text,
             found.invented(ability).text,
             str(len(found.of(Truth.DEBATABLE, ability))),
-            *(str(number) for number in list(found.levels(ability).values())[: len(LEVELS)]),
+            *map(str, found.levels(ability).values()),
         )
         for ability in ABILITIES
     )
-    header = ("ability", "able, called impossible", "nobody, called possible", "debatable", *map(str, LEVELS))
+    header = ("ability", "able, called impossible", "nobody, called possible", "debatable", *map(str, LEVELS), UNKNOWN)
     note = "On the right: how often each effort level was found for what an able adult gets at."
     title = f"{found.rooms} ordinary rooms, {len(found.pairs)} pairs of person and thing"
     yield Sheet(title, header, rows, note)
@@ -242,9 +292,21 @@ def sheets(found: RoomsFound) -> Iterator[Sheet]:
     yield _shares("Able, called impossible: by what it takes", "what it takes", found.by(needs_of), counted)
     yield _shares("Able, called impossible: by place", "where it lies", found.by(spot_of))
     yield _shares("Nobody, called possible: by place", "where it lies", found.by(spot_of, Truth.NOBODY))
+    yield _times(found)
     reasons = tuple((ability, why, str(n)) for ability in ABILITIES for why, n in found.reasons(ability).most_common())
     if reasons:
         yield Sheet("Able, called impossible: the reason told", ("ability", "reason", "pairs"), reasons)
+
+
+def _times(found: RoomsFound) -> Sheet:
+    rows = tuple(
+        (truth.value, *(" / ".join(f"{each:.1f}" for each in found.times_ms(truth, ability)) for ability in ABILITIES))
+        for truth in Truth
+    )
+    note = (
+        "Time on the processor; whatever is computed once for a person counts for the first thing that is asked about."
+    )
+    return Sheet("Milliseconds of an answer: median / 95 % / most", ("truth", *ABILITIES), rows, note)
 
 
 def _shares(title: str, first: str, shares: dict[str, dict[Ability, Share]], note: str = "") -> Sheet:

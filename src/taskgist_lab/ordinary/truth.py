@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array
 from taskgist_lab.ordinary.furniture import Piece, Point
-from taskgist_lab.ordinary.rooms import LENGTH_M, SECOND_M, STATURES_M, WIDTH_M, FurnishedRoom, Placed, distance_m
+from taskgist_lab.ordinary.rooms import LENGTH_M, SECOND_M, WIDTH_M, FurnishedRoom, Placed, distance_m
 from taskgist_lab.ordinary.things import KINDS
 from taskgist_lab.simulator.room import Person
 
@@ -52,7 +52,7 @@ AT_EASE_M = {"low": 0.60, "middle": 0.80, "high": 0.72, "overhead": 0.58}
 """How far from the middle of the feet things are taken at ease, at a stature of ``MEAN_M``. The middle: 0.25 m to the
 edge of a table and 0.55 m over it."""
 MEAN_M = 1.75
-AT_HAND_M = (0.40, 1.15, 0.60)
+AT_HAND_M = (0.40, 1.15, 0.70)
 """Between these heights, and so far from the middle of the hips, things are taken sitting."""
 FRONT_RAD = math.radians(50.0)
 """What is open at the front only is got at from so far aside."""
@@ -150,7 +150,7 @@ class Truths:
 
     def _pieces_about(self, placed: Placed) -> tuple[Piece, ...]:
         """The other pieces that may stand between a thing and who is within arm's length of it."""
-        most_m = max(AT_EASE_M.values()) * STATURES_M[1] / MEAN_M
+        most_m = max(AT_EASE_M.values()) * max(person.stature_m for person in self.room.people) / MEAN_M
         others = (piece for piece in self.room.pieces if piece is not placed.piece)
         return tuple(piece for piece in others if distance_m(piece, placed.middle_m[:2]) < most_m)
 

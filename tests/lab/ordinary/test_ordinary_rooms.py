@@ -9,10 +9,11 @@ from dataclasses import replace
 import mujoco
 import pytest
 
-from taskgist.perspective.effort import ABILITIES, Ability
-from taskgist_lab.evaluation.ordinary_rooms import Pair, RoomsFound, judged_room, judged_rooms, sheets, spot_of
+from taskgist.perspective.effort import ABILITIES
+from taskgist_lab.evaluation.ordinary_rooms import Answer, Pair, RoomsFound, judged_room, judged_rooms, sheets, spot_of
+from taskgist_lab.ordinary.furnishing import furnished
 from taskgist_lab.ordinary.furniture import Spot, cabinet, drawer, table, wall
-from taskgist_lab.ordinary.rooms import FurnishedRoom, Placed, distance_m, furnished
+from taskgist_lab.ordinary.rooms import FurnishedRoom, Placed, distance_m
 from taskgist_lab.ordinary.things import KINDS, thing_of
 from taskgist_lab.ordinary.truth import Truth, Truths, needs
 from taskgist_lab.simulator.room import Person
@@ -182,18 +183,16 @@ def test_distance_to_furniture_minds_heights() -> None:
 
 
 def pair(truth: Truth, level: int | None, spot: str = "table") -> Pair:
-    levels: dict[Ability, int | None] = dict.fromkeys(ABILITIES, level)
-    truths, reasons = dict.fromkeys(ABILITIES, truth), dict.fromkeys(ABILITIES, "why")
-    return Pair("room", "P", "cup", spot, ("an arm",), truths, levels, reasons)
+    return Pair("room", "P", "cup", spot, ("an arm",), dict.fromkeys(ABILITIES, Answer(truth, level, "why", 1.0)))
 
 
 def test_what_is_wrong_and_what_is_not() -> None:
-    assert pair(Truth.ABLE, 5).is_wrong("reach")
-    assert not pair(Truth.ABLE, 4).is_wrong("reach")
-    assert pair(Truth.NOBODY, 4).is_wrong("reach")
-    assert not pair(Truth.NOBODY, 5).is_wrong("reach")
-    assert not any(pair(Truth.DEBATABLE, level).is_wrong("reach") for level in (0, 5, None))
-    assert not pair(Truth.ABLE, None).is_wrong("reach")
+    assert Answer(Truth.ABLE, 5).is_wrong
+    assert not Answer(Truth.ABLE, 4).is_wrong
+    assert Answer(Truth.NOBODY, 4).is_wrong
+    assert not Answer(Truth.NOBODY, 5).is_wrong
+    assert not any(Answer(Truth.DEBATABLE, level).is_wrong for level in (0, 5, None))
+    assert not any(Answer(truth, None).is_wrong for truth in Truth)
 
 
 def test_shares_are_counted() -> None:
@@ -205,8 +204,15 @@ def test_shares_are_counted() -> None:
         "floor": "0 of 1 (0.0 %)",
         "table": "1 of 1 (100.0 %)",
     }
-    assert found.levels("see") == {"0": 0, "1": 1, "2": 0, "3": 0, "4": 0, "5": 1}
+    assert found.levels("see") == {"0": 0, "1": 1, "2": 0, "3": 0, "4": 0, "5": 1, "unknown": 0}
     assert found.reasons("see") == {"why": 1}
+
+
+def test_times_are_those_of_a_truth() -> None:
+    found = RoomsFound(0, 1, (pair(Truth.ABLE, 5), pair(Truth.NOBODY, 5)))
+    assert found.times_ms(Truth.ABLE, "see") == (1.0, 1.0, 1.0)
+    assert math.isnan(found.times_ms(Truth.DEBATABLE, "see")[0])
+    assert set(found.to_json()["abilities"]["see"]["taken_ms"]) == {"able", "nobody"}
 
 
 def test_an_unknown_level_is_counted_apart() -> None:
@@ -217,7 +223,7 @@ def test_a_room_is_judged_drawn_and_told(tmp_path) -> None:  # type: ignore[no-u
     room = furnished(3, 0)
     pairs = list(judged_room(room))
     assert len(pairs) == len(room.people) * len(room.placed)
-    assert all(set(each.reasons) == set(filter(each.is_wrong, ABILITIES)) for each in pairs)
+    assert all(bool(each.reason) == each.is_wrong for pair in pairs for each in pair.answers.values())
     found = judged_rooms(count=1, seed=3)
     assert list(found.pairs) == pairs
     document = json.loads(json.dumps(found.to_json()))

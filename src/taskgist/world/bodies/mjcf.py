@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element
 
 import mujoco
 
-from taskgist.common.files import read_whole
+from taskgist.common.files import is_file, read_whole
 from taskgist.errors import SceneError, most_read
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.markup import Marked, asking_mujoco, check_values, located, parse_markup, written
@@ -40,7 +40,7 @@ def from_folder(folder: Path, where: str | Path, *, limits: Limits = DEFAULT.lim
     def read(names: Sequence[str], named_by: str) -> tuple[str, bytes]:
         for name in names:
             path = folder / name
-            if path.is_file() or name == names[-1]:
+            if is_file(path) or name == names[-1]:
                 break
         hint = f"named by {where}: {named_by}"
         return name, read_whole(path, most_bytes=limits.mesh_bytes, setting="mesh_bytes", error=SceneError, hint=hint)

@@ -15,7 +15,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from taskgist.common.files import read_whole
+from taskgist.common.files import is_file, read_whole
 from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
@@ -171,7 +171,7 @@ def _in_package(uri: str, near: Path | None, where: str | Path, field: str) -> P
     name, _, rest = uri.removeprefix(PACKAGE).lstrip("/").partition("/")
     for root in _roots(near):
         for folder in (root / name, root):
-            if (folder is not root or root.name == name) and (folder / rest).is_file():
+            if (folder is not root or root.name == name) and is_file(folder / rest):
                 return folder / rest
     hint = f"add the folder that holds {name!r} to ROS_PACKAGE_PATH"
     if name == ROBOTS:

@@ -14,7 +14,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-PROCESSOR_S = 20
+PROCESSOR_S = 10
 """Processor time that it is given (ours: mugs, bins and shelves take one to five seconds)."""
 CLOCK_S = 120
 """And time, where the machine is busy, or does not count the other."""
