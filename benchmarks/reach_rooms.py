@@ -4,8 +4,9 @@
 
 In each room people and things at random are paired. The witness asks level by level: from some stances of the level,
 evenly among those whose torso is free and whose shoulders are near enough, whether inverse kinematics on the arm's real
-joints, from several starts, brings the palm to within half a cell of a point of the thing, while no shape of the arm is
-deeper than a centimetre in anything, and no ray from hand to palm and from palm to point meets anything, all by MuJoCo.
+joints, from several starts, brings the palm to within half a cell of a point of the thing, and to within ``touch_m`` of
+it while no shape of the arm is deeper than a centimetre in anything and no ray from hand to palm and from there to the
+point meets anything, all by MuJoCo.
 It may miss what it did not try; what it finds is there.
 """
 
@@ -14,6 +15,7 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +27,7 @@ from taskgist.settings import DEFAULT
 from taskgist.world import ArmIndices, Stage, State
 
 Array = NDArray[np.float64]
-NEAR_M = DEFAULT.reach.cell_m / 2
+NEAR_M, TOUCH_M = DEFAULT.reach.cell_m / 2, DEFAULT.reach.touch_m
 FAR_M = 0.75
 """No shoulder of a person up to 1.9 m reaches farther."""
 POINTS = 3
@@ -83,11 +85,12 @@ class Witness:
                 continue
             ik = ArmIK(scene, state, agent, arm, starts=self._starts)
             for point in self._points[order[np.unique(np.linspace(0, len(order) - 1, POINTS).astype(int))]]:
-                if ik.brings(point, enough_m=NEAR_M, free=lambda q, arm=arm, at=point: self._free(state, q, arm, at)):  # type: ignore[misc]
+                free = partial(self._free, state, arm, point)
+                if ik.gap_m(point, enough_m=NEAR_M) <= NEAR_M and ik.brings(point, enough_m=TOUCH_M, free=free):
                     return True
         return False
 
-    def _free(self, state: State, qpos: Array, arm: ArmIndices, point: Array) -> bool:
+    def _free(self, state: State, arm: ArmIndices, point: Array, qpos: Array) -> bool:
         stage = self._here.stage.show(state.replace(dict(enumerate(qpos.tolist()))))
         palm, hand = stage.site(arm.palm_site).position, stage.geom_centers(arm.hand_geoms).mean(axis=0)
         if any(True for _ in stage.overlaps(arm.geoms, self._others, deeper_than_m=DEFAULT.efforts.collision_m)):

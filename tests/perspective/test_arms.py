@@ -17,7 +17,8 @@ from taskgist.perspective.effort import BlockedArm, Reason
 from taskgist.perspective.search import effort_from
 from taskgist.settings import DEFAULT
 from taskgist.world import Stage
-from taskgist.world.bodies.capability import LOW, SPAN, STEPS, CapabilityMap, chain_of
+from taskgist.world.bodies.arm_chain import LOW, SPAN, STEPS, chain_of
+from taskgist.world.bodies.capability import CapabilityMap
 from taskgist.world.geometry.solids import solids_of
 from tools.rooms import Person, Room, Shape, Thing, table, wall
 

@@ -25,7 +25,8 @@ from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled, compiled_part
 from taskgist.settings import ReachModel
 from taskgist.world.bodies.agent import ArmIndices
-from taskgist.world.bodies.capability import CARRIED, END, THICK, CapabilityMap, put, put_frames
+from taskgist.world.bodies.arm_chain import CARRIED, END, THICK, put, put_frames
+from taskgist.world.bodies.capability import CapabilityMap
 from taskgist.world.geometry.solids import AT, BALL, TURNED, line_meets, outside_m
 
 ROUNDING = 1e-9

@@ -12,7 +12,8 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
-from taskgist.world.bodies.capability import ArmChain, ArmReach, chain_of, reach_of
+from taskgist.world.bodies.arm_chain import ArmChain, chain_of
+from taskgist.world.bodies.capability import ArmReach, reach_of
 from taskgist.world.bodies.hands import GHOST_GROUP, ghosts_of
 from taskgist.world.bodies.profile import DERIVED_M, AgentProfile, Arm, Axis
 from taskgist.world.geometry.shapes import lowest_point
