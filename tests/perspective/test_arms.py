@@ -60,8 +60,8 @@ CLOSED = {
     "cover over it": (table(0.6, height=1.05), case((0.5, 0.15, 1.15), (0.1, 0.1, 0.1), "u")),
     "thin case, turned": (replace(case((0.5, 0.15, 1.1), (0.12, 0.12, 0.12)), yaw=0.6),),
     "slit of a letter box": (case((0.6, 0.15, 1.1), (0.2, 0.2, 0.2), "f"), *LIPS),
-    "wall from side to side": (wall("wall", 0.42, half=(0.02, 3.5, 1.25)),),
-    "wall that the thing touches": (wall("wall", 0.45, half=(0.01, 3.5, 1.0)),),
+    "wall from side to side": (wall("wall", 0.42, half=(0.02, 40.0, 1.25)),),
+    "wall that the thing touches": (wall("wall", 0.45, half=(0.01, 40.0, 1.0)),),
 }
 """Each with a cup at (0.5, 0.15, 1.1)."""
 OPEN = {
