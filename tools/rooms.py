@@ -34,6 +34,8 @@ COARSE = Settings(
     grasp=replace(Grasp(), approaches=4),
 )
 """Fewer states, so that all of them can be tried."""
+ROUGH = replace(COARSE, reach=replace(COARSE.reach, model="sector"))
+"""With the paper's reach, which can be worked out point by point."""
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ import hashlib
 import json
 import math
 from dataclasses import dataclass, field
+from typing import Literal
 
 
 @dataclass(frozen=True)
@@ -28,12 +29,20 @@ class Vision:
     """Relative change below which two scores are Almost_Same, Eq. 12 (ours)."""
 
 
+ReachModel = Literal["capability", "sector"]
+
+
 @dataclass(frozen=True)
 class Reach:
     """When an object counts as reachable (5.1.2)."""
 
     cell_m: float = 0.05
     """Edge of a workspace cell; an object is reached by any of its cells (authors' code: 5 cm)."""
+    model: ReachModel = "capability"
+    """What an arm reaches: what its joints bring its palm to, where nothing solid is in the way of the arm
+    ("capability", ours), or a sector about the shoulder, whatever is in the way ("sector", the paper's)."""
+    touch_m: float = 0.045
+    """Longest straight way from the palm to the point that it is to touch (ours: half the diagonal of a cell)."""
 
 
 @dataclass(frozen=True)

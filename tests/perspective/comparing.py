@@ -14,7 +14,7 @@ from taskgist.world import Stage
 from tests.perspective.random_rooms import Case
 from tests.perspective.twin import Twin, disagreement
 from tests.perspective.twin_world import World, pixel_rays
-from tools.rooms import COARSE
+from tools.rooms import ROUGH
 
 
 @dataclass
@@ -37,7 +37,7 @@ class Comparison:
         return self
 
 
-def compare_levels(case: Case, agent: str, settings: Settings = COARSE) -> Comparison:
+def compare_levels(case: Case, agent: str, settings: Settings = ROUGH) -> Comparison:
     """All abilities of one agent towards all objects."""
     stage, found = case.stage(), Comparison()
     here, twin = Viewpoint(stage, agent, settings), Twin(case.stage(), agent, settings)

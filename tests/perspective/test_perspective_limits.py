@@ -193,7 +193,7 @@ def test_standing_up_is_free_without_a_table_and_blocked_by_one_over_the_thighs(
 
 
 def test_standing_up_is_blocked_by_a_lamp_above() -> None:
-    lamp = Thing("lamp", (0.3, 0.3, 0.02), (0.4, 0.0, 1.6), free=False)
+    lamp = Thing("lamp", (0.6, 0.6, 0.02), (0.4, 0.0, 1.6), free=False)
     blocked = effort(Room((chair(0.0), BEHIND, lamp, cup_at(0.5, 0.3, 1.75)), (SITTING,)), "reach")
     assert blocked.level == 5
     assert "head against lamp" in " ".join(map(str, blocked.evidence_document["not_with_less"]))  # type: ignore[call-overload]

@@ -28,6 +28,7 @@ from taskgist.settings import Contact, Efforts, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.contacts import holding_of
 from taskgist.world.geometry.distances import any_near, ball_around_boxes, near_ball
+from taskgist.world.geometry.solids import solids_of
 from taskgist.world.geometry.transforms import turned_about_z, yaw_of
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
@@ -64,6 +65,11 @@ class Collisions:
     def boxes(self) -> Array:
         """Boxes around the obstacles, (n, 18); see ``geometry.boxes``."""
         return self._stage.boxes(self.obstacles)
+
+    @cached_property
+    def solids(self) -> Array:
+        """The obstacles by formula, (n, 17); see ``geometry.solids``."""
+        return solids_of(self._stage.scene.model, self.obstacles, *self._stage.geoms(self.obstacles))
 
     def blocking(self, state: State) -> Blocking | None:
         """The first contact that blocks a state, None if it is free; the stage shows that state afterwards."""

@@ -223,13 +223,28 @@ class Blocking:
 
 
 @dataclass(frozen=True)
+class BlockedArm:
+    """What is in the way of an arm that would reach the object otherwise.
+
+    Attributes:
+        arm: Its side.
+        counts: What is in the way, and of how many configurations of the arm, most first.
+        shut_in: Whether no way at all leads from the object to where an arm could come from.
+    """
+
+    arm: str
+    counts: tuple[tuple[str, int], ...]
+    shut_in: bool = False
+
+
+@dataclass(frozen=True)
 class BlockedApproaches:
     """What is in the way of the grasps within reach, and of how many of them, most first."""
 
     counts: tuple[tuple[str, int], ...]
 
 
-Hindrance = Occlusion | OutOfReach | Blocking | BlockedApproaches
+Hindrance = Occlusion | OutOfReach | Blocking | BlockedArm | BlockedApproaches
 """What shows that an ability does not hold."""
 
 
@@ -241,9 +256,11 @@ class Reason(Enum):
     TOO_WIDE = "the hand does not open that wide"
     TOO_NARROW = "not all fingers meet the object"
     COLLISION = "head, torso or base would push into something"
+    SHUT_IN = "no way leads from the object to an arm"
+    ARM_BLOCKED = "something is in the way of every arm that would reach the object"
     NO_FREE_GRASP = "something is in the way of every grasp within reach"
     FROM_BEHIND = "grasps within reach would come from behind"
-    OUT_OF_SECTOR = "the object is near enough, beside the sector of the arm"
+    OUT_OF_SECTOR = "the object is near enough, where the arm does not get to"
     TOO_FAR = "the object is farther away than the arm is long"
     OCCLUDED = "something hides all of the object"
     TOO_SMALL = "the object is smaller than a pixel"
@@ -262,8 +279,10 @@ class Reason(Enum):
 
 TOLD_FIRST: tuple[frozenset[Reason], ...] = (
     frozenset({Reason.NO_HAND, Reason.NO_OPPOSITE_FACES, Reason.TOO_WIDE, Reason.TOO_NARROW}),  # nothing helps
+    frozenset({Reason.SHUT_IN}),
     frozenset({Reason.COLLISION}),  # it would do but for that
     frozenset({Reason.NO_FREE_GRASP}),
+    frozenset({Reason.ARM_BLOCKED}),
     frozenset({Reason.FROM_BEHIND}),
     frozenset({Reason.OUT_OF_SECTOR}),
     frozenset({Reason.TOO_FAR}),
@@ -362,6 +381,8 @@ def evidence_document(evidence: Attained | Hindrance | None) -> dict[str, object
             return {"blocking": asdict(evidence)}
         case BlockedApproaches():
             return {"approaches": dict(evidence.counts)}
+        case BlockedArm():
+            return {"arm": evidence.arm, "in_the_way": dict(evidence.counts), "shut_in": evidence.shut_in}
         case OutOfReach():
             return {name: value for name, value in asdict(evidence).items() if value is not None}
         case Reached() | Grasped():
@@ -380,8 +401,9 @@ class Effort:
         actions: Virtual actions A_v in order; ``No_Action_Required`` at level 0, ``No_Possible_Known_Action`` at 5,
             none if unknown.
         amount: How much of it; None at level 5 and if unknown.
-        joints_rad: Angles in radians of the head's and the torso's joints in the attained state S, by name (an arm is
-            stretched out without looking at its joints). At level 5 and if unknown, those of the current state.
+        joints_rad: Angles in radians of the head's and the torso's joints in the attained state S, by name (an
+            arm has many ways to be stretched out: its joints are not told). At level 5 and if unknown, those of the
+            current state.
         posture: Posture in that state; None if unknown.
         turns_rad: By how much each of the actions turns its joint of head or torso, signed, radians.
         find_evidence: Finds the evidence; asked at most once, and only if somebody wants to know.

@@ -272,7 +272,7 @@ class Grasp(ArmJudge):
     def grasped(self, candidate: Candidate, arm: int, shoulder: Array) -> Hit | Miss:
         """The nearest free grasp of an arm from a candidate, whose shoulder is at a pose, (12,)."""
         grasps, facing = self._grasps, self._here.settings.grasp.facing
-        order = grasps_in_reach(shoulder, self.arm(arm), grasps.centers, grasps.approaches, facing)
+        order = grasps_in_reach(shoulder, self.arm(arm), grasps.centers, grasps.approaches, facing, model=self.model)
         if not len(order):
             return Miss(Reason.FROM_BEHIND, "could only be grasped from behind")
         to_try = order[self._trials.met[order] < 0]
