@@ -20,7 +20,7 @@ from taskgist.world.bodies.agent import SEEN_GROUPS
 from taskgist.world.bodies.urdf import COLLISION_GROUP
 
 SHOWN_GROUP = 0
-"""Group of what is seen in a group that others are not seen in."""
+"""Group that a shape gets if it is to be seen, and its own is not by convention."""
 MIDDLE = 0.6
 """Fine shapes stand for the coarse ones if their box holds so much of the middle of the others' box, each way."""
 SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
