@@ -21,8 +21,16 @@ from typing import Literal
 class Vision:
     """How visibility is measured (5.1.1)."""
 
-    negligible_score: float = 1e-4
-    """Fraction of the image below which a visibility score is "≈ 0" (ours: 8 of 76,800 pixels)."""
+    least_visible_arcmin2: float = 5.0
+    """Least visible area of an object that is seen, square minutes of arc: a coin of 2.2 cm at 30 m (people: a thing
+    2.5' across; normal sight tells details of 1' apart [ISO 8596], and what is smaller than 2' across counts no longer
+    by its shape and area, but by its light alone [Lamar 1947])."""
+    transparent_alpha: float = 0.5
+    """What has a colour of at most this alpha is looked through; it is seen by who looks for it (ours: panes, bottles
+    and covers are drawn with 0.1 to 0.4)."""
+    negligible_score: float = 1e-4 / 2**11
+    """Fraction of the image below which a visibility score is "≈ 0" (ours: what a person just sees, 5 square minutes of
+    arc in the middle of an image of 320 × 240; bins begin here)."""
     bins_per_doubling: float = 1.0
     """Logarithmic bins of the score per doubling (ours: one bin per factor of two)."""
     change_tolerance: float = 0.25

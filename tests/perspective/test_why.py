@@ -47,7 +47,7 @@ def test_sentences(place: tuple[float, float, float], ability: Ability, pattern:
 def test_what_hides_is_named_with_its_pixels() -> None:
     room = Room((wall("screen", 0.6, half=(0.02, 9.0, 3.0)), at(1.5, 0.0, 1.5)), (Person("P1", (0, 0)),))
     told = sentence(room, "see")
-    assert re.fullmatch(r"P1 cannot see the cup: the screen hides all of its \d+ pixels, from every place .*", told)
+    assert re.fullmatch(r"P1 cannot see the cup: the screen hides all of its [\d.]+ pixels, from every place .*", told)
 
 
 def test_a_blocked_way_is_told_where_nothing_nearer_is() -> None:

@@ -13,14 +13,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from taskgist.perspective import Ability, Effort
 from taskgist.settings import Settings
 from taskgist.world import Arm, Holding, Stage, holding_of, object_points
 from tests.perspective.twin_grasp import TwinGrasps
 from tests.perspective.twin_states import Array, Candidate, Key, States
-from tests.perspective.twin_world import pixel_rays
 
 Joints = tuple[tuple[str, float], ...]
 
@@ -49,9 +47,8 @@ class Twin:
         held = {name for name in stage.scene.objects if agent in _holders(self._holding(name))}
         self.states = States(stage, self.agent, settings, frozenset(held))
         self.world = self.states.world
-        self._images: dict[bytes, NDArray[np.int32]] = {}
+        self._gaze_px: dict[tuple[bytes, str], float] = {}
         self._grasps: dict[str, TwinGrasps] = {}
-        self._in_cone = pixel_rays(self.agent)[:, 0] >= math.cos(self.agent.profile.eye.gaze_cone_rad)
 
     def answer(self, name: str, ability: Ability) -> Answer:
         """The least effort of an ability towards an object."""
@@ -125,7 +122,7 @@ class Twin:
             for each in self._heads(name, stance, target) if level else [stance]:
                 pixels = self.gaze_px(name, each.qpos)
                 if pixels:
-                    yield replace(each, merit=-float(pixels))
+                    yield replace(each, merit=-pixels)
 
     def _heads(self, name: str, stance: Candidate, target: Array) -> Iterator[Candidate]:
         """The head at equal steps from where it is to where it aims; nothing where aiming does not help."""
@@ -165,13 +162,18 @@ class Twin:
             qpos[index] = np.clip(qpos[index] + by, low, high)
         return qpos
 
-    def gaze_px(self, name: str, qpos: Array) -> int:
-        """Pixels of the object inside the gaze cone, of the whole image."""
-        key = qpos.tobytes()
-        if key not in self._images:
+    def gaze_px(self, name: str, qpos: Array) -> float:
+        """Pixels of the object inside the gaze cone; none if it is too small to be made out."""
+        key = (qpos.tobytes(), name)
+        if key not in self._gaze_px:
             self.world.show(qpos)
-            self._images[key] = self.world.image(self.agent)
-        return int((np.isin(self._images[key], self.world.seen_geoms(name)) & self._in_cone).sum())
+            found, cone_rad = (
+                self.world.look(self.agent, name, self.settings.vision),
+                self.agent.profile.eye.gaze_cone_rad,
+            )
+            mine = np.isin(found.geoms, self.world.seen_geoms(name)) & (found.rays[:, 0] >= math.cos(cone_rad))
+            self._gaze_px[key] = found.count(mine, self.settings.vision)
+        return self._gaze_px[key]
 
     def _reached(self, name: str, level: int) -> Iterator[Candidate]:
         self.stage.show(self.state)

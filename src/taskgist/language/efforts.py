@@ -86,8 +86,13 @@ def _now(effort: Effort) -> str:
     assert found is not None, "an effort of level 0 has found something"
     if not isinstance(found, Visibility):
         return f"it is in {effort.agent}'s {found.arm} hand"
-    shown = "all" if found.visible_px == found.unoccluded_px else f"{found.visible_px}"
-    return f"it is in the gaze cone, and {shown} of its {found.unoccluded_px} pixels are visible"
+    shown = "all" if found.visible_px == found.unoccluded_px else _number(found.visible_px)
+    return f"it is in the gaze cone, and {shown} of its {_number(found.unoccluded_px)} pixels are visible"
+
+
+def _number(pixels: float) -> str:
+    """Whole pixels, or parts of one where there are few."""
+    return f"{pixels:.0f}" if pixels >= 10 else f"{pixels:.2g}"
 
 
 def _with_less(effort: Effort) -> str:
@@ -113,7 +118,7 @@ def _covered(effort: Effort) -> str | None:
     if not isinstance(hindrance, Occlusion):
         return None
     by = [f"the {owner}" for owner, _ in hindrance.occluders]
-    return f"{listed(by)} {'hides' if len(by) == 1 else 'hide'} all of its {hindrance.unoccluded_px} pixels"
+    return f"{listed(by)} {'hides' if len(by) == 1 else 'hide'} all of its {_number(hindrance.unoccluded_px)} pixels"
 
 
 def _degrees(angle_rad: float) -> str:

@@ -92,20 +92,21 @@ class Visibility:
     """How much of an object is visible, from one state (5.1.1).
 
     Attributes:
-        visible_px: Pixels of the object in the image of the whole field of view.
+        visible_px: Pixels of the object in the image of the whole field of view; parts of a pixel count as such, and
+            what is too small to be made out as nothing (setting ``vision.least_visible_arcmin2``).
         image_px: Pixels of that image.
         unoccluded_px: Pixels that the object would have if nothing stood in the way.
-        gaze_px: Those of the visible pixels that lie in the gaze cone.
+        gaze_px: Those of the visible pixels that lie in the gaze cone; none if they are too few to be made out.
         occluders: What covers the object's pixels, and how many of them, most first.
         nearest_m: Distance from the eye to the nearest point seen, in metres; None where nothing is seen.
         off_gaze_rad: Angle between the gaze and the object's middle.
     """
 
-    visible_px: int
+    visible_px: float
     image_px: int
-    unoccluded_px: int
-    gaze_px: int
-    occluders: tuple[tuple[str, int], ...]
+    unoccluded_px: float
+    gaze_px: float
+    occluders: tuple[tuple[str, float], ...]
     nearest_m: float | None
     off_gaze_rad: float
 
@@ -181,7 +182,7 @@ Attained = Visibility | Held | Reached | Grasped
 
 @dataclass(frozen=True)
 class Occlusion:
-    """All pixels of the object show something else.
+    """Something else hides the object, or leaves less of it than is made out.
 
     Attributes:
         occluders: What hides it, and how many pixels, most first.
@@ -190,8 +191,8 @@ class Occlusion:
         hits_m: One point at which each of the occluders is met.
     """
 
-    occluders: tuple[tuple[str, int], ...]
-    unoccluded_px: int
+    occluders: tuple[tuple[str, float], ...]
+    unoccluded_px: float
     eye_m: Vector
     hits_m: tuple[tuple[str, Vector], ...]
 
@@ -263,7 +264,7 @@ class Reason(Enum):
     OUT_OF_SECTOR = "the object is near enough, where the arm does not get to"
     TOO_FAR = "the object is farther away than the arm is long"
     OCCLUDED = "something hides all of the object"
-    TOO_SMALL = "the object is smaller than a pixel"
+    TOO_SMALL = "the object is too small to be made out"
     BESIDE_GAZE = "the object is in view, beside the gaze cone"
     OUT_OF_VIEW = "the object is out of the field of view"
     BEYOND_NECK = "the head does not turn far enough"

@@ -6,6 +6,7 @@ noted where things are looked at and collisions are tested, for all abilities al
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import NamedTuple
 
@@ -26,6 +27,8 @@ def vector(values: Array) -> Vector:
     return (x, y, z)
 
 
+SQUARE_ARCMIN_SR = math.radians(1 / 60) ** 2
+"""A square minute of arc in steradians."""
 SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 
 
@@ -89,6 +92,11 @@ class Target:
         turned = local @ matrices.reshape(-1, 3, 3).transpose(0, 2, 1)
         return np.asarray((turned + positions[:, None]).reshape(-1, 3))
 
+    @property
+    def least_sr(self) -> float:
+        """The least solid angle of it that is made out, steradians."""
+        return self._settings.vision.least_visible_arcmin2 * SQUARE_ARCMIN_SR
+
     @cached_property
     def sought(self) -> Sought:
         """For those who look for it."""
@@ -96,8 +104,8 @@ class Target:
 
     @cached_property
     def others(self) -> Indices:
-        """All other seen shapes of the scene, (m,)."""
-        counted = self._stage.seen.copy()
+        """All other seen shapes of the scene that are not looked through, (m,)."""
+        counted = self._stage.seen & self._stage.scene.hiding(self._settings.vision.transparent_alpha)
         counted[self.shapes] = False
         return np.flatnonzero(counted)
 
