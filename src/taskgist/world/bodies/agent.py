@@ -126,8 +126,8 @@ SEEN_MASK = np.array([group in SEEN_GROUPS for group in range(6)], dtype=np.uint
 class ArmIndices:
     """One arm: its profile and its indices.
 
-    ``ghosts`` are the geoms of a virtual grasp, in the order of ``hand_boxes``; ``carrier_body`` is what the arm hangs
-    on.
+    ``ghosts`` are the geoms of a virtual grasp, in the order of ``hand_boxes``; ``flat_ghost`` is that of the whole
+    hand flat on a thing, −1 if it grasps nothing together with another; ``carrier_body`` is what the arm hangs on.
     """
 
     profile: Arm
@@ -138,6 +138,7 @@ class ArmIndices:
     geoms: Indices
     hand_geoms: Indices
     ghosts: Indices
+    flat_ghost: int
 
     @cached_property
     def sector(self) -> Array:
@@ -232,6 +233,7 @@ def _body(model: mujoco.MjModel, agent: str, name: str) -> int:
 def _resolve_arm(model: mujoco.MjModel, agent: str, arm: Arm) -> ArmIndices:
     root, hand = _body(model, agent, arm.root), _body(model, agent, arm.hand)
     hand_geoms = _geoms_of(model, subtree(model, hand))
+    ghosts, flat_ghost = ghosts_of(model, hand)
     return ArmIndices(
         profile=arm,
         shoulder_site=site_index(model, agent, f"{arm.side}_shoulder_frame", arm.shoulder.name),
@@ -240,7 +242,8 @@ def _resolve_arm(model: mujoco.MjModel, agent: str, arm: Arm) -> ArmIndices:
         carrier_body=_body(model, agent, arm.carrier) if arm.carrier else int(model.body_parentid[root]),
         geoms=_geoms_of(model, subtree(model, root)),
         hand_geoms=solid(model, hand_geoms) if len(solid(model, hand_geoms)) else hand_geoms,
-        ghosts=np.array(ghosts_of(model, hand), dtype=np.intp),
+        ghosts=np.array(ghosts, dtype=np.intp),
+        flat_ghost=flat_ghost,
     )
 
 
