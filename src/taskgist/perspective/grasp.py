@@ -125,7 +125,7 @@ class Grasp(ArmJudge):
     @cached_property
     def between(self) -> TwoHanded | None:
         """Between both hands, where one closes on it from above and beneath at most; None if both do not, either."""
-        if closes_sideways(self.plain.grasps) or self._between is None or self._palms is None:
+        if closes_sideways(self.plain.grasps, self.here.settings.grasp) or self._between is None or self._palms is None:
             return None
         if not len(self._between):
             return None
@@ -138,20 +138,24 @@ class Grasp(ArmJudge):
             return None
         return LyingThing(self.here, self.target, self._pose, self._in_object)
 
+    @cached_property
+    def _is_flat(self) -> bool:
+        return is_flat(self.plain.grasps, self.here.settings.grasp)
+
     def _prepared(self, grasps: Grasps, prepared: Prepared) -> OneHanded:
         return OneHanded(self.here, self.target, self._pose, grasps, self._hand, prepared=prepared)
 
     @cached_property
     def tilted(self) -> OneHanded | None:
         """With one hand, after tilting it, as people do."""
-        if self._lying is None or self._hand.kind != "human" or not is_flat(self.plain.grasps):
+        if self._lying is None or self._hand.kind != "human" or not self._is_flat:
             return None
         return self._prepared(self._lying.tilted(), "tilted")
 
     @cached_property
     def slid(self) -> OneHanded | None:
         """With one hand, after sliding it over an edge."""
-        if self._lying is None or not is_flat(self.plain.grasps):
+        if self._lying is None or not self._is_flat:
             return None
         return self._prepared(self._lying.slid(), "slid over the edge")
 

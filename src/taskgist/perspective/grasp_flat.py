@@ -20,15 +20,10 @@ from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.perspective.grasp_sampling import PER_GRASP, TOUCH_M, Grasps
 from taskgist.perspective.target import Target
 from taskgist.perspective.viewpoint import Viewpoint
+from taskgist.settings import Grasp
 from taskgist.world.geometry.shapes import lowest_point
 from taskgist.world.geometry.transforms import Pose
 
-UPRIGHT = math.cos(math.radians(20.0))
-"""Cosine of the greatest angle with the vertical at which a hand closes from above and beneath (ours)."""
-FLAT = 2.0
-"""A thing is flat if it is so many times as wide as thick, whichever way a hand closes on it from the sides (ours)."""
-THICKEST_M = 0.05
-"""Thicker things are not called flat: they are lifted with both hands (ours)."""
 LEVEL_M = 0.015
 """Support this far beneath a sliding thing still carries it."""
 EDGE_STEP_M = 0.025
@@ -39,6 +34,8 @@ DIRECTIONS = 8
 """In how many level directions a thing is drawn aside, evenly, from an axis of its own (ours)."""
 STEEP = -0.5
 """Least steepness at which hands come for what was drawn aside: in a corner, or a bin, they come from above (ours)."""
+SECTORS = 16
+"""In how many level directions a thing is tilted or slid, at most (ours)."""
 LEAST_STEP_M = 0.005
 """Steps of a way at which a small thing is tried; thinner walls than that are none (ours)."""
 CLEAR_M = 0.002
@@ -46,22 +43,27 @@ CLEAR_M = 0.002
 DOWN = np.array((0.0, 0.0, -1.0))
 
 
-def closes_sideways(grasps: Grasps) -> bool:
+def _upright(grasps: Grasps, settings: Grasp) -> Mask:
+    """Which grasps in the world close from above and beneath, (n,)."""
+    return np.asarray(np.abs(grasps.closings[:, 2]) >= math.cos(settings.upright_rad))
+
+
+def closes_sideways(grasps: Grasps, settings: Grasp) -> bool:
     """Whether a hand closes on a thing otherwise than from above and beneath; its grasps are in the world."""
-    return bool((~grasps.in_itself & (np.abs(grasps.closings[:, 2]) < UPRIGHT)).any())
+    return bool((~grasps.in_itself & ~_upright(grasps, settings)).any())
 
 
-def is_flat(grasps: Grasps) -> bool:
-    """Whether hands close on a thing from above and beneath, and it is wider than that from all sides.
+def is_flat(grasps: Grasps, settings: Grasp) -> bool:
+    """Whether hands close on a thin thing from above and beneath, and it is wider than that from all sides.
 
     Args:
         grasps: Its grasps, in the world.
+        settings: What is thin, and how much wider it must be.
     """
-    up = np.abs(grasps.closings[:, 2])
-    lying, sideways = up >= UPRIGHT, up <= math.sqrt(1 - UPRIGHT**2)
-    thickness_m = float(grasps.widths_m[lying].min(initial=np.inf))
+    sideways = np.abs(grasps.closings[:, 2]) <= math.sin(settings.upright_rad)
+    thickness_m = float(grasps.widths_m[_upright(grasps, settings)].min(initial=np.inf))
     widest_m = float(grasps.widths_m[sideways].min(initial=np.inf))
-    return thickness_m <= THICKEST_M and widest_m >= FLAT * thickness_m
+    return thickness_m <= settings.flat_m and widest_m >= settings.flat_ratio * thickness_m
 
 
 class LyingThing:
@@ -92,14 +94,24 @@ class LyingThing:
 
     def _by_direction(self) -> Iterator[tuple[Array, Mask]]:
         """Level directions in which the hand comes when it closes from above and beneath, and the grasps of each."""
-        grasps = self._grasps
-        lying = (np.abs(self._in_world.closings[:, 2]) >= UPRIGHT) & ~grasps.in_itself
-        keys = np.round(grasps.approaches, 3) + 0.0
-        for key in np.unique(keys[lying], axis=0):
-            direction = self._pose.matrix @ key * (1.0, 1.0, 0.0)
-            length = float(np.linalg.norm(direction))
-            if length > math.sqrt(0.5):
-                yield direction / length, lying & (keys == key).all(axis=1)
+        approaches = self._in_world.approaches
+        lying = _upright(self._in_world, self._here.settings.grasp) & ~self._grasps.in_itself
+        lying &= np.hypot(approaches[:, 0], approaches[:, 1]) > math.sqrt(0.5)
+        angles = np.arctan2(approaches[:, 1], approaches[:, 0]) - self._heading_rad
+        sectors = np.round(angles * SECTORS / (2 * math.pi)).astype(int) % SECTORS
+        for sector in np.unique(sectors[lying]).tolist():
+            yield self._direction(sector / SECTORS), lying & (sectors == sector)
+
+    @property
+    def _heading_rad(self) -> float:
+        """Where that axis of its frame looks which is most level, about the vertical."""
+        ahead = self._pose.matrix[:2, np.argmin(np.round(np.abs(self._pose.matrix[2]), 6))]
+        return math.atan2(ahead[1], ahead[0])
+
+    def _direction(self, share: float) -> Array:
+        """A level direction, that share of a whole turn from its own heading, (3,)."""
+        angle_rad = self._heading_rad + 2 * math.pi * share
+        return np.array((math.cos(angle_rad), math.sin(angle_rad), 0.0))
 
     def tilted(self) -> Grasps:
         """Its grasps when it is tilted about the edge that is farthest from the hand, where there is room for that."""
@@ -147,11 +159,8 @@ class LyingThing:
         """Its grasps from above when it is drawn aside a little, where nothing stands in the way."""
         found = []
         steep = (self._in_world.approaches[:, 2] <= STEEP) & ~self._grasps.in_itself
-        ahead = self._pose.matrix[:2, np.argmin(np.round(np.abs(self._pose.matrix[2]), 6))]
-        heading_rad = math.atan2(ahead[1], ahead[0])
         for turn, by_m in itertools.product(range(DIRECTIONS), self._here.settings.grasp.asides_m):
-            angle_rad = heading_rad + 2 * math.pi * turn / DIRECTIONS
-            way = np.array((math.cos(angle_rad), math.sin(angle_rad), 0.0))
+            way = self._direction(turn / DIRECTIONS)
             if self._slides(way, by_m):
                 found.append(self._moved(steep, np.eye(3), self._pose.position + way * by_m))
         return _joined(self._grasps, found)

@@ -92,9 +92,13 @@ class Drop:
         return stage.scene.owners[int(geoms[0])] if len(geoms) else None
 
     def seat_m(self, stage: Stage, around: Indices, settings: Contact) -> float | None:
-        """How far up the object must be moved to lie on such surfaces, metres; None if it meets none."""
+        """How far up the object must be moved to lie on such surfaces, metres; None if it meets none.
+
+        What its points are in deeper than ``support_m`` stands beside it.
+        """
         _, gaps_m = self._landing(stage, around, settings)
-        return -float(gaps_m.min()) if len(gaps_m) else None
+        carries = gaps_m >= -settings.support_m - ROUNDING
+        return -float(gaps_m[carries].min()) if carries.any() else (0.0 if len(gaps_m) else None)
 
     def _landing(self, stage: Stage, around: Indices, settings: Contact) -> tuple[Indices, Array]:
         """The nearly level surfaces on which points land, lowest point first, and how far beneath the points."""
@@ -120,6 +124,7 @@ def support_of(stage: Stage, name: str, settings: Contact) -> str | None:
 
 
 UP = -DOWN
+ROUNDING = 1e-6
 SUNK_M = 1e-3
 """How far above a surface a point is dropped that was beneath it."""
 
@@ -142,7 +147,7 @@ def _sunk_m(stage: Stage, name: str, lowest_m: float, settings: Contact) -> floa
     met, above_m, normals = stage.cast_each(things, middle[None], UP[None])
     leaves = met[0] >= 0 and normals[0, 2] >= math.cos(settings.support_slope_rad)
     sunk_m = middle[2] + above_m[0] - lowest_m if leaves else 0.0
-    return float(sunk_m) + SUNK_M if 0.0 < sunk_m <= settings.support_m else 0.0
+    return float(sunk_m) + SUNK_M if 0.0 < sunk_m <= settings.support_m + ROUNDING else 0.0
 
 
 def seat_m(stage: Stage, name: str, settings: Contact) -> float | None:
