@@ -14,7 +14,7 @@ from taskgist.perspective.reach import PointCloud, Reach, ReachScreening
 from taskgist.perspective.viewpoint import FindMiss, Hit
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage
-from taskgist.world.contacts import support_of
+from taskgist.world.contacts import seat_m, support_of
 from tests.perspective.twin_grasp import hand_poses
 from tools.rooms import Person, Room, Thing, table, wall
 
@@ -267,6 +267,20 @@ def test_what_was_tracked_into_or_above_its_support_is_grasped_as_if_it_lay_on_i
         assert off.evidence_document.get(key) == pytest.approx(lying.evidence_document.get(key), abs=1e-6)
     stage = Room((flat(*thing, sunk=sunk), TABLE), (STANDING,)).stage()
     assert support_of(stage, thing[0], DEFAULT.contact) == "table"
+
+
+@pytest.mark.parametrize("sunk", [-0.014, -0.004, 0.0, 0.004, 0.008, 0.014])
+def test_a_seat_is_found_on_the_floor_too(sunk: float) -> None:
+    stage = Room((Thing("pencil", (0.004, 0.08, 0.004), (0.5, 0.0, 0.004 - sunk)),), (STANDING,)).stage()
+    assert support_of(stage, "pencil", DEFAULT.contact) == "floor"
+    assert seat_m(stage, "pencil", DEFAULT.contact) == pytest.approx(sunk, abs=1e-9)
+
+
+def test_a_seat_is_not_on_what_stands_beside() -> None:
+    """A mug was tracked 3 mm into the side of a box that is lower than the mug."""
+    mug, box = flat("mug", (0.04, 0.04, 0.05)), flat("box", (0.05, 0.05, 0.01), x=0.587)
+    stage = Room((mug, box, TABLE), (STANDING,)).stage()
+    assert seat_m(stage, "mug", DEFAULT.contact) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_book_that_cannot_be_tilted_is_slid_and_one_that_cannot_be_slid_is_not_grasped() -> None:

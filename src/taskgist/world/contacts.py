@@ -145,8 +145,11 @@ def _sunk_m(stage: Stage, name: str, lowest_m: float, settings: Contact) -> floa
     )
     things = [geom for geom in around.tolist() if scene.owners[geom] not in scene.agents]
     met, above_m, normals = stage.cast_each(things, middle[None], UP[None])
-    leaves = met[0] >= 0 and normals[0, 2] >= math.cos(settings.support_slope_rad)
-    sunk_m = middle[2] + above_m[0] - lowest_m if leaves else 0.0
+    level = math.cos(settings.support_slope_rad)
+    above = [float(above_m[0])] if met[0] >= 0 and normals[0, 2] >= level else []
+    planes = [stage.geom(geom) for geom in things if stage.is_plane(geom)]  # rays meet them from above only
+    above += [-float(pose.to_local(middle)[2] / pose.matrix[2, 2]) for pose in planes if pose.matrix[2, 2] >= level]
+    sunk_m = middle[2] + max(above) - lowest_m if max(above, default=0.0) > 0.0 else 0.0
     return float(sunk_m) + SUNK_M if 0.0 < sunk_m <= settings.support_m + ROUNDING else 0.0
 
 
