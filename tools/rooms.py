@@ -146,21 +146,24 @@ class Room:
 
     def scene(self) -> Scene:
         """The room as a scene."""
+        px, files = "image_px = [{}, {}]".format(*self.image_px), self.files()
+        for person in self.people:
+            profile = builtin_profile_text(person.profile)
+            files[f"{person.name}.profile.toml"] = re.sub(r"image_px = \[.*?\]", px, profile).encode()
+        return Scene.from_bundle(files)
+
+    def files(self) -> dict[str, bytes]:
+        """The room's scene file and model by their names; people have the built-in profiles."""
         model = ET.Element("mujoco")
         assets, world = ET.SubElement(model, "asset"), ET.SubElement(model, "worldbody")
         ET.SubElement(world, "geom", name="floor", type="plane", size="9 9 0.1")
         for thing in self.things:
             thing.add_to(world, assets)
         people = tuple(person.entry() for person in self.people)
-        files = {
+        return {
             "scene.toml": write_scene_file(SceneFile("scene", "room.xml", None, (), people, "scene.toml")),
             "room.xml": ET.tostring(model),
         }
-        px = "image_px = [{}, {}]".format(*self.image_px)
-        for person in self.people:
-            profile = builtin_profile_text(person.profile)
-            files[f"{person.name}.profile.toml"] = re.sub(r"image_px = \[.*?\]", px, profile).encode()
-        return Scene.from_bundle(files)
 
     def stage(self) -> Stage:
         """The room on a stage."""

@@ -67,6 +67,23 @@ class Grasp:
     """Least cosine between the approach and the direction shoulder → grasp: none is approached from behind (ours)."""
     opposed_rad: float = math.radians(20.0)
     """Largest deviation of two faces from being opposite, for a hand to close on them (ours: friction about 0.36)."""
+    upright_rad: float = math.radians(20.0)
+    """Greatest angle with the vertical at which a hand closes from above and beneath (ours: as of opposite faces)."""
+    flat_m: float = 0.05
+    """Thickest thing that counts as flat: people tilt it with one hand; thicker ones they lift with both (ours)."""
+    flat_ratio: float = 2.0
+    """How many times as wide as thick a flat thing is, at least (ours: others are pinched from their sides)."""
+    tilts_rad: tuple[float, ...] = (math.radians(25.0), math.radians(50.0))
+    """Angles by which people tilt a flat thing about its far edge to get their fingers beneath (ours: a book of 16 cm
+    is lifted by 7 cm then, a coaster of 5 cm by 4; fingers and their clearance take 2.3 cm)."""
+    slide_m: float = 0.5
+    """Farthest that a flat thing's front is from the edge over which it is slid (ours: most of an arm's length)."""
+    asides_m: tuple[float, ...] = (0.03, 0.05)
+    """How far people draw aside what lies against a wall (ours: a finger, its clearance, and a little; out of a corner,
+    half the breadth of four fingers)."""
+    overhang_m: float = 0.06
+    """How far a flat thing is slid over an edge, at most; it is 0.4 of its depth where that is less, so that it stays
+    lying (ours: fingers get two thirds of their length beneath)."""
 
 
 @dataclass(frozen=True)

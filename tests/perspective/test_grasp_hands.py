@@ -21,7 +21,7 @@ CUP = Thing("cup", (0.03, 0.05), (0.5, 0.2, 1.2), "cylinder")
 def with_hand(kind: HandKind, *things: Thing, opening_m: float = 0.1) -> Stage:
     """A person whose hands are of that kind."""
     profile = builtin_profile_text("human").replace('kind = "human"', f'kind = "{kind}"')
-    profile = profile.replace("opening_m = 0.10", f"opening_m = {opening_m}")
+    profile = profile.replace("opening_m = 0.10", f"between_m = 0\nopening_m = {opening_m}")
     assert kind in profile
     bundle = dict(Room(things, (STANDING,)).scene().bundle)
     return Stage(Scene.from_bundle(bundle | {"P1.profile.toml": profile.encode()}))

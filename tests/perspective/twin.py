@@ -183,7 +183,7 @@ class Twin:
             for arm in self.agent.arms:
                 distances = self.within(arm.shoulder_site, arm.carrier_body, arm.profile, points)
                 if np.isfinite(distances).any():
-                    yield _stretched(stance, arm.profile, float(distances.min()))
+                    yield _stretched(stance, (arm.profile.side,), float(distances.min()))
 
     def _grasped(self, name: str, level: int) -> Iterator[Candidate]:
         if self.agent.profile.hand is None:
@@ -193,10 +193,8 @@ class Twin:
         grasps = self._grasps[name]
         for stance in self.states.stances(level, self._middle(name)):
             self.world.show(stance.qpos)
-            for arm in self.agent.arms:
-                found = grasps.nearest(arm)
-                if found is not None:
-                    yield _stretched(stance, arm.profile, found)
+            for sides, distance in grasps.found():
+                yield _stretched(stance, sides, distance)
 
     def within(self, shoulder_site: int, carrier: int, arm: Arm, points: Array) -> Array:
         """Distance from the shoulder of each point in the arm's sector, infinite outside, (n,)."""
@@ -215,8 +213,8 @@ class Twin:
         return self.world.middle(name)
 
 
-def _stretched(stance: Candidate, arm: Arm, distance: float) -> Candidate:
-    actions = (*stance.actions, f"Stretch_Out_Arm({arm.side})")
+def _stretched(stance: Candidate, sides: tuple[str, ...], distance: float) -> Candidate:
+    actions = (*stance.actions, *(f"Stretch_Out_Arm({side})" for side in sides))
     return replace(stance, actions=actions, merit=round(distance, 6))
 
 

@@ -22,6 +22,8 @@ from taskgist.perspective.effort import (
     TURN,
     Amount,
     Effort,
+    Grasped,
+    Held,
     Occlusion,
     Reason,
     Visibility,
@@ -48,7 +50,7 @@ def why(effort: Effort) -> str:
         return f"{effort.agent} cannot {effort.ability} the {effort.target}: {_hindrance(effort)}{untried}"
     if effort.actions == (NO_ACTION,):
         return f"{_claim(effort)} without effort: {_now(effort)}"
-    return f"{_claim(effort)} by {listed(gerunds(effort))}; {_with_less(effort)}"
+    return f"{_claim(effort)} by {listed(gerunds(effort))}{_prepared(effort)}; {_with_less(effort)}"
 
 
 def gerunds(effort: Effort) -> list[str]:
@@ -68,7 +70,9 @@ def gerunds(effort: Effort) -> list[str]:
         SIT: lambda: "sitting down",
         MOVE: lambda: _moving(effort),
     }
-    return [_stretching(action) if action.startswith(STRETCH) else telling[action]() for action in effort.actions]
+    arms = [action for action in effort.actions if action.startswith(STRETCH)]
+    told = [telling[action]() for action in effort.actions if action not in arms]
+    return [*told, *(["stretching out both arms"] if len(arms) > 1 else map(_stretching, arms))]
 
 
 def listed(parts: Sequence[str]) -> str:
@@ -83,9 +87,9 @@ def _claim(effort: Effort) -> str:
 def _now(effort: Effort) -> str:
     """What already is so at level 0."""
     found = effort.evidence.attained
-    assert found is not None, "an effort of level 0 has found something"
-    if not isinstance(found, Visibility):
+    if isinstance(found, Held):
         return f"it is in {effort.agent}'s {found.arm} hand"
+    assert isinstance(found, Visibility), "what is not held at level 0 is seen"
     shown = "all" if found.visible_px == found.unoccluded_px else _number(found.visible_px)
     return f"it is in the gaze cone, and {shown} of its {_number(found.unoccluded_px)} pixels are visible"
 
@@ -93,6 +97,12 @@ def _now(effort: Effort) -> str:
 def _number(pixels: float) -> str:
     """Whole pixels, or parts of one where there are few."""
     return f"{pixels:.0f}" if pixels >= 10 else f"{pixels:.2g}"
+
+
+def _prepared(effort: Effort) -> str:
+    """What is done to the object before a hand grasps it."""
+    found = effort.evidence.attained
+    return f", once it is {found.prepared}" if isinstance(found, Grasped) and found.prepared else ""
 
 
 def _with_less(effort: Effort) -> str:

@@ -151,6 +151,10 @@ class Reached:
     distance_m: float
 
 
+Prepared = Literal["", "tilted", "slid over the edge", "drawn aside"]
+"""What a hand does to an object before it grasps it: nothing, mostly."""
+
+
 @dataclass(frozen=True)
 class Grasped:
     """A hand closes on the object, free of collisions.
@@ -163,6 +167,7 @@ class Grasped:
         width_m: How far the two points are apart.
         closing: Unit direction from the thumb's point to the fingers'.
         approach: Unit direction in which the palm comes.
+        prepared: What is done to the object first; then the others tell of what it is afterwards.
     """
 
     arm: str
@@ -172,9 +177,33 @@ class Grasped:
     width_m: float
     closing: Vector
     approach: Vector
+    prepared: Prepared = ""
 
 
-Attained = Visibility | Held | Reached | Grasped
+@dataclass(frozen=True)
+class GraspedByBoth:
+    """Both hands of an agent press on the object from two sides, free of collisions.
+
+    Attributes:
+        arms: Their sides.
+        hand: Kind of the hands.
+        points_m: Where each of them presses.
+        distances_m: How far that is from each shoulder.
+        width_m: How far the two points are apart.
+        closing: Unit direction from the first point to the second.
+        approach: Unit direction in which both hands come.
+    """
+
+    arms: tuple[str, str]
+    hand: str
+    points_m: tuple[Vector, Vector]
+    distances_m: tuple[float, float]
+    width_m: float
+    closing: Vector
+    approach: Vector
+
+
+Attained = Visibility | Held | Reached | Grasped | GraspedByBoth
 """What shows that an ability holds."""
 
 # --- Evidence that an ability does not hold.
@@ -261,6 +290,7 @@ class Reason(Enum):
     ARM_BLOCKED = "something is in the way of every arm that would reach the object"
     NO_FREE_GRASP = "something is in the way of every grasp within reach"
     FROM_BEHIND = "grasps within reach would come from behind"
+    ONE_HAND = "it takes both hands, and only one reaches it"
     OUT_OF_SECTOR = "the object is near enough, where the arm does not get to"
     TOO_FAR = "the object is farther away than the arm is long"
     OCCLUDED = "something hides all of the object"
@@ -285,6 +315,7 @@ TOLD_FIRST: tuple[frozenset[Reason], ...] = (
     frozenset({Reason.NO_FREE_GRASP}),
     frozenset({Reason.ARM_BLOCKED}),
     frozenset({Reason.FROM_BEHIND}),
+    frozenset({Reason.ONE_HAND}),
     frozenset({Reason.OUT_OF_SECTOR}),
     frozenset({Reason.TOO_FAR}),
     frozenset({Reason.OCCLUDED, Reason.TOO_SMALL, Reason.BESIDE_GAZE, Reason.OUT_OF_VIEW}),
@@ -386,8 +417,14 @@ def evidence_document(evidence: Attained | Hindrance | None) -> dict[str, object
             return {"arm": evidence.arm, "in_the_way": dict(evidence.counts), "shut_in": evidence.shut_in}
         case OutOfReach():
             return {name: value for name, value in asdict(evidence).items() if value is not None}
-        case Reached() | Grasped():
-            return {name: list(value) if isinstance(value, tuple) else value for name, value in vars(evidence).items()}
+        case Reached() | Grasped() | GraspedByBoth():
+            told = {name: value for name, value in vars(evidence).items() if value != ""}
+            return {name: _listed(value) for name, value in told.items()}
+
+
+def _listed(value: object) -> object:
+    """Tuples as lists."""
+    return [_listed(each) for each in value] if isinstance(value, tuple) else value
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled, compiled_part
 from taskgist.perspective.effort import Vector
 from taskgist.settings import Settings
-from taskgist.world.contacts import object_points
+from taskgist.world.contacts import object_points, seat_m
 from taskgist.world.stage import Stage
 
 
@@ -82,6 +82,11 @@ class Target:
     def points(self) -> Array:
         """Points of its cells, metres, (k, 3)."""
         return object_points(self._stage, self.name, self._settings.reach.cell_m)
+
+    @cached_property
+    def seat_m(self) -> float | None:
+        """How far up it must be moved to lie on what carries it, metres; None if nothing does."""
+        return seat_m(self._stage, self.name, self._settings.contact)
 
     @cached_property
     def corners(self) -> Array:

@@ -128,8 +128,9 @@ SEEN_MASK = np.array([group in SEEN_GROUPS for group in range(6)], dtype=np.uint
 class ArmIndices:
     """One arm: its profile and its indices.
 
-    ``ghosts`` are the geoms of a virtual grasp, in the order of ``hand_boxes``; ``carrier_body`` is what the arm hangs
-    on; ``chain`` are its joints and links as numbers; ``human_stature_m`` is None for robots.
+    ``ghosts`` are the geoms of a virtual grasp, in the order of ``hand_boxes``; ``flat_ghost`` is that of the whole
+    hand flat on a thing, −1 if it grasps nothing together with another; ``carrier_body`` is what the arm hangs on;
+    ``chain`` are its joints and links as numbers; ``human_stature_m`` is None for robots.
     """
 
     profile: Arm
@@ -140,6 +141,7 @@ class ArmIndices:
     geoms: Indices
     hand_geoms: Indices
     ghosts: Indices
+    flat_ghost: int
     chain: ArmChain
     human_stature_m: float | None
 
@@ -267,6 +269,7 @@ def _resolve_arm(
     carrier = _body(model, agent, arm.carrier) if arm.carrier else int(model.body_parentid[root])
     geoms = _geoms_of(model, subtree(model, root))
     indices = {"root": root, "hand": hand, "carrier": carrier, "shoulder": shoulder, "palm": palm}
+    ghosts, flat_ghost = ghosts_of(model, hand)
     return ArmIndices(
         profile=arm,
         shoulder_site=shoulder,
@@ -275,7 +278,8 @@ def _resolve_arm(
         carrier_body=carrier,
         geoms=geoms,
         hand_geoms=solid(model, hand_geoms) if len(solid(model, hand_geoms)) else hand_geoms,
-        ghosts=np.array(ghosts_of(model, hand), dtype=np.intp),
+        ghosts=np.array(ghosts, dtype=np.intp),
+        flat_ghost=flat_ghost,
         chain=chain_of(model, data, indices, geoms),
         human_stature_m=human_stature_m,
     )
