@@ -130,6 +130,14 @@ def test_what_is_held_or_wanted_is_in_nobodys_way() -> None:
     assert least_effort(Room((block,), (P1,)).stage(), "P1", "cup", "reach").level == 1
 
 
+def test_large_things_in_a_case_are_answered() -> None:
+    """No flood is as large as they are; arms find the way blocked all the same."""
+    block = Thing("cup", (0.3, 1.2, 0.3), (0.8, 0.1, 1.1))
+    things = (block, case((0.8, 0.1, 1.1), (0.35, 1.25, 0.35)))
+    found = least_effort(Room(things, (P1,)).stage(), "P1", "cup", "reach", HERE_ONLY)
+    assert (found.level, found.evidence.told.reason) == (5, Reason.ARM_BLOCKED)  # type: ignore[union-attr]
+
+
 def test_somebody_in_the_way_is_named() -> None:
     room = Room((cup(0.55, 0.0, 1.2),), (P1, Person("P2", (0.33, 0.0), math.pi / 2)))
     found = least_effort(room.stage(), "P1", "cup", "reach", HERE_ONLY)

@@ -333,14 +333,14 @@ def shut_in(points: Array, middle: Array, radius_m: float, inside: Array, solids
     half = math.ceil(radius_m / VOXEL_M) + 1
     across = 2 * half + 1
     done = np.zeros(across**3, dtype=np.uint8)
-    stack, goals = np.empty(across**3, dtype=np.int64), np.empty(len(inside), dtype=np.int64)
+    stack, goals = np.empty(across**3, dtype=np.int32), np.empty(len(inside), dtype=np.int64)
     for s in range(len(inside)):
         goals[s] = _voxel(inside[s], middle, half, across)
     count = begun = _start(points, middle, half, solids, done, stack)
     order = np.empty(6, dtype=np.intp)
     while count:
         count -= 1
-        at = stack[count]
+        at = int(stack[count])
         i, j, k = at // (across * across) - half, at // across % across - half, at % across - half
         if i * i + j * j + k * k >= (half - 1) ** 2:
             return False
@@ -365,7 +365,7 @@ def shut_in(points: Array, middle: Array, radius_m: float, inside: Array, solids
 
 @compiled_part
 def _start(
-    points: Array, middle: Array, half: int, solids: Array, done: NDArray[np.uint8], stack: NDArray[np.int64]
+    points: Array, middle: Array, half: int, solids: Array, done: NDArray[np.uint8], stack: NDArray[np.int32]
 ) -> int:
     """Put the free voxels of some points on the stack, and tell how many."""
     count, across = 0, 2 * half + 1

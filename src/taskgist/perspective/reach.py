@@ -264,6 +264,8 @@ LINK_M = 0.1
 """How thick the links of an arm may be, and how far its palm is from what it touches."""
 INSIDE_M = 0.01
 """How far within an object's surface its free surroundings are looked for."""
+MOST_SHUT_M = 0.4
+"""Of things whose farthest point is farther than this from their middle it is not asked whether they are shut in."""
 LARGEST_M = 1.0
 """What a flood of this radius leaves counts as open, however long the arm."""
 WHOLE_ARM = 1.25
@@ -344,6 +346,8 @@ class ArmJudge:
     def look_for_way(self) -> None:
         """Find out whether any way at all leads from the object to an arm; see ``shut_in``."""
         self.looked, around, cloud = True, self.around, self.surface
+        if cloud.radius_m > MOST_SHUT_M:
+            return
         met = np.zeros(len(around.solids), dtype=np.intp)
         inwards = cloud.middle - cloud.points
         away_m = np.maximum(np.linalg.norm(inwards, axis=1), INSIDE_M)[:, None]
@@ -472,8 +476,8 @@ class ReachScreening:
         arm = judge.arms[column]
         pose = self._candidates.frames(index)[self._candidates.torso.frames.first_shoulder + arm]
         met = np.zeros(len(judge.around.solids), dtype=np.intp)
-        nearest = int(np.argmin(np.linalg.norm(self._cloud.points - pose[:3], axis=1)))
-        free_configuration(pose, judge.reaches, column, self._cloud.points[nearest], judge.around, met)
+        for point in self._cloud.points[np.argsort(np.linalg.norm(self._cloud.points - pose[:3], axis=1))[:TRIES]]:
+            free_configuration(pose, judge.reaches, column, point, judge.around, met)
         side, counts = judge.arm(arm).profile.side, judge.owners(met)
         text = f"the way of the {side} arm is blocked"
         if counts:
