@@ -12,7 +12,7 @@ from taskgist.store import load
 from tools.walk import LEARN, QUERY, RECORDINGS, ROOT, measured
 
 FILES = {LEARN: 84, QUERY: 60}
-"""At most so many files: capability maps, grasps of several kinds, postures and what is seen are each ideas of their own."""
+"""At most so many files: capability maps, grasps, postures and what is seen are each ideas of their own."""
 
 
 @pytest.mark.parametrize("command", FILES)
