@@ -236,7 +236,7 @@ def test_sitting_down_needs_a_seat() -> None:
 
 
 def test_nobody_walks_through_a_thin_wall() -> None:
-    room = Room((wall("wall", 0.4, half=(0.005, 6.0, 1.2)),), (replace(STANDING, stature=1.0),))
+    room = Room((wall("wall", 0.4, half=(0.005, 20.0, 1.2)),), (replace(STANDING, stature=1.0),))
     here = Viewpoint(room.stage(), "P1", DEFAULT)
     floor = floor_of(here)
     assert len(floor) > 50

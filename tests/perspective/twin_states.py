@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.perspective.candidates import THINNED_M, actions_of
 from taskgist.perspective.candidates import Candidate as Posture
-from taskgist.perspective.candidates import actions_of
 from taskgist.perspective.postures import bends, leaving_seat
 from taskgist.settings import Settings
 from taskgist.world import Agent, Stage, State, posture_of, seat_position, with_posture
@@ -174,6 +174,9 @@ class States:
         for cell, way in self.ways.items():
             x, y = self.spot(base, cell)
             dx, dy = target[0] - x, target[1] - y
+            lattice = 4 if math.hypot(dx, dy) > THINNED_M[1] else 2 if math.hypot(dx, dy) > THINNED_M[0] else 1
+            if cell[0] % lattice or cell[1] % lattice:
+                continue
             by = math.atan2(dy, dx) - torso - yaw_of(base[3:]) if math.hypot(dx, dy) > 1e-6 else 0.0
             qpos = np.array(start.qpos)
             qpos[at] = (x, y, base[2], *multiply(about_z(by), base[3:]))

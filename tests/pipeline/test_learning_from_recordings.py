@@ -21,10 +21,6 @@ GIVE = {
     "Action_to_Reach": "No_Action_Required",
     "Initial_Posture": "Standing",
     "Final_Posture": "Standing",
-<<<<<<< HEAD
-    "Initial_Action_to_Grasp": "Lean_Torso + Stretch_Out_Arm(left)",
-=======
->>>>>>> reach
     "Action_to_Grasp": "No_Action_Required",
     "Object_Initial_Motion_Status": "Static",
     "Object_Final_Motion_Status": "Moving",
