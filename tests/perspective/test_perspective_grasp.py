@@ -364,9 +364,7 @@ def test_a_mirrored_carton_is_taken_by_the_mirrored_hands() -> None:
         (0.0, 0.083, "drawn aside"),
         pytest.param(
             *(0.083, 0.083, "drawn aside"),
-            marks=pytest.mark.xfail(
-                strict=True, reason="no sampled arm gets that deep into a corner", raises=AssertionError
-            ),
+            marks=pytest.mark.xfail(strict=True, reason="no sampled arm gets into that corner"),
         ),
     ],
 )
