@@ -102,7 +102,7 @@ class Efforts:
     """Grid of floor positions, anchored at the agent (ours)."""
     collision_m: float = 0.01
     """A contact deeper than now by more than this blocks (ours: tracked bodies touch and overlap a little)."""
-    passing_m: float = 0.06
+    passing_m: float = 0.05
     """A contact that is deeper than now by no more than this does not stop who walks by (ours: legs and clothes yield,
     feet are turned aside, as between a sofa and its table)."""
     seat_height_m: tuple[float, float] = (0.25, 0.70)
