@@ -1,3 +1,10 @@
+from .attention import Gaze as Gaze
+from .attention import LineOfSight as LineOfSight
+from .attention import gaze as gaze
+from .attention import joint_attention as joint_attention
+from .attention import looks_at as looks_at
+from .attention import mutual_gaze as mutual_gaze
+from .attention import sight as sight
 from .attributes import Snapshot as Snapshot
 from .attributes import ability_observations as ability_observations
 from .attributes import snapshot as snapshot
@@ -13,3 +20,12 @@ from .observer import HandStatus as HandStatus
 from .observer import Motion as Motion
 from .observer import Observer as Observer
 from .observer import Placement as Placement
+from .relations import Direction as Direction
+from .relations import Distance as Distance
+from .relations import carried_by as carried_by
+from .relations import direction as direction
+from .relations import distance as distance
+from .relations import distance_change as distance_change
+from .relations import facing as facing
+from .relations import next_to as next_to
+from .relations import touching as touching
