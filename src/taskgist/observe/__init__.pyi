@@ -29,3 +29,5 @@ from .relations import distance_change as distance_change
 from .relations import facing as facing
 from .relations import next_to as next_to
 from .relations import touching as touching
+from .relations_over_time import RelationsOverTime as RelationsOverTime
+from .relations_over_time import relations_of as relations_of

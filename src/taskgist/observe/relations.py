@@ -62,7 +62,7 @@ def distance(stage: Stage, agent: str, name: str, settings: Settings = DEFAULT) 
     check_thing(stage.scene, name, but=agent)
     if not stage.state.known([agent, name]):
         return None
-    (x, y, z), middle = _middle(stage, name), stage.body_position(body.root_body)
+    (x, y, z), middle = middle_of(stage, name), stage.body_position(body.root_body)
     above = max(z - float(stage.eye(body).position[2]), 0.0)
     metres = math.hypot(x - middle[0], y - middle[1], above)
     return Distance("near" if metres <= settings.relations.near_m else "far", metres)
@@ -100,16 +100,16 @@ def direction(
     if of is None:
         if not stage.state.known([f"{agent}/torso", name]):
             return None
-        return _direction(_middle(stage, name) - start, _heading_rad(stage, body), settings)
+        return _direction(middle_of(stage, name) - start, _heading_rad(stage, body), settings)
     check_thing(scene, of, but=agent)
     if not stage.state.known([agent, name, of]):
         return None
-    reference = _middle(stage, of)
+    reference = middle_of(stage, of)
     away = reference - start
     if math.hypot(away[0], away[1]) <= settings.relations.overhead_m:
         return Direction((), 0.0)
     # as if the reference stood with its front towards the agent, but with the agent's left
-    seen = _direction(_middle(stage, name) - reference, math.atan2(away[1], away[0]), settings)
+    seen = _direction(middle_of(stage, name) - reference, math.atan2(away[1], away[0]), settings)
     swapped: dict[Side, Side] = {"front": "behind", "behind": "front"}
     sides = tuple(swapped.get(side, side) for side in seen.sides)
     return Direction(sides, wrapped(math.pi - seen.bearing_rad) if sides else 0.0)
@@ -167,7 +167,8 @@ def carried_by(stage: Stage, name: str, settings: Settings = DEFAULT) -> tuple[s
         name = beneath
 
 
-def _middle(stage: Stage, name: str) -> Array:
+def middle_of(stage: Stage, name: str) -> Array:
+    """The middle of an object, or the base of an agent, metres, (3,)."""
     scene = stage.scene
     if name in scene.agents:
         return stage.body_position(scene.agent(name).root_body)
