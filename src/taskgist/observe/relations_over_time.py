@@ -15,7 +15,10 @@ from functools import cache, lru_cache, partial
 import numpy as np
 
 from taskgist.common.arrays import Array
-from taskgist.observe.attention import gaze, looks_at, mutual_gaze, sight
+from taskgist.common.frozen import Json
+from taskgist.common.workers import Progress, silent
+from taskgist.facts.values import UNKNOWN, Observation, Unknown
+from taskgist.observe.attention import Gaze, gaze, looks_at, mutual_gaze, sight
 from taskgist.observe.frames import KEPT_FRAMES, Confirmed, FrameSequence, Hysteresis, Interval, velocity
 from taskgist.observe.observer import Observer
 from taskgist.observe.relations import carried_by, direction, distance, facing, middle_of, touching
@@ -24,15 +27,17 @@ from taskgist.world.stage import Stage
 from taskgist.world.state import Frames, State
 
 Symbol = str | bool | None
-"""A relation's value as documents have it; None is unknown."""
+"""A relation's value over time; None is unknown."""
+Relations = dict[str, Observation[str | bool | Unknown]]
+"""Relations of one moment, by name."""
 OF_A_MOMENT = ("sight", "distance", "direction", "facing", "touching", "carried_by", "gaze", "looked_at_by")
 WITH_ANOTHER = ("mutual_gaze", "joint_attention")
 """Names of relations, in the order in which they are told."""
 NOTHING, NOBODY, NO_SIDE = "nothing", "nobody", "none"
 
 
-def relations_of(stage: Stage, agent: str, name: str, settings: Settings = DEFAULT) -> dict[str, Symbol]:
-    """All relations of one moment between an agent and an object, as symbols.
+def relations_of(stage: Stage, agent: str, name: str, settings: Settings = DEFAULT) -> Relations:
+    """All relations of one moment between an agent and an object.
 
     Args:
         stage: The scene in a state.
@@ -41,35 +46,35 @@ def relations_of(stage: Stage, agent: str, name: str, settings: Settings = DEFAU
         settings: All settings.
 
     Returns:
-        By name: ``sight``, ``distance``, ``direction``, ``facing``, ``touching``, ``carried_by``, ``gaze`` (what the
-        agent looks at), ``looked_at_by`` (who looks at the object); and with each other agent by its name, as in
-        ``mutual_gaze P2``, ``mutual_gaze`` and ``joint_attention`` (what both look at).
+        Observations with their evidence by name: ``sight``, ``distance``, ``direction``, ``facing``, ``touching``,
+        ``carried_by``, ``gaze`` (what the agent looks at), ``looked_at_by`` (who looks at the object); and with each
+        other agent by its name, as in ``mutual_gaze P2``, ``mutual_gaze`` and ``joint_attention`` (what both look at).
 
     Raises:
         UnknownNameError: There is no such agent or object.
     """
     carriers, line = carried_by(stage, name, settings), sight(stage, agent, name, settings)
     far, where = distance(stage, agent, name, settings), direction(stage, agent, name, settings=settings)
-    found: dict[str, Symbol] = {
-        "sight": line.value if line else None,
-        "distance": far.value if far else None,
-        "direction": None if where is None else ", ".join(where.sides) or NO_SIDE,
-        "facing": facing(stage, agent, name, settings),
-        "touching": touching(stage, agent, name, settings),
-        "carried_by": None if carriers is None else ", ".join(carriers) or NOBODY,
-        "gaze": _gaze_target(stage, agent, settings),
-        "looked_at_by": _lookers(stage, name, settings),
+    look, unknown = gaze(stage, agent, settings), _observed(None)
+    found = {
+        "sight": _observed(line.value, share=line.share, blockers=dict(line.blockers)) if line else unknown,
+        "distance": _observed(far.value, metres=far.metres) if far else unknown,
+        "direction": _observed(", ".join(where.sides) or NO_SIDE, bearing_rad=where.bearing_rad) if where else unknown,
+        "facing": _observed(facing(stage, agent, name, settings)),
+        "touching": _observed(touching(stage, agent, name, settings)),
+        "carried_by": unknown if carriers is None else _observed(", ".join(carriers) or NOBODY),
+        "gaze": _observed(look.target or NOTHING, off_rad=look.off_rad) if look else unknown,
+        "looked_at_by": _observed(_lookers(stage, name, settings)),
     }
     for other in stage.scene.agents:
         if other != agent:
-            found[f"mutual_gaze {other}"] = mutual_gaze(stage, agent, other, settings)
-            found[f"joint_attention {other}"] = _shared(found["gaze"], _gaze_target(stage, other, settings))
+            found[f"mutual_gaze {other}"] = _observed(mutual_gaze(stage, agent, other, settings))
+            found[f"joint_attention {other}"] = _observed(_shared(look, gaze(stage, other, settings)))
     return found
 
 
-def _gaze_target(stage: Stage, agent: str, settings: Settings) -> str | None:
-    found = gaze(stage, agent, settings)
-    return None if found is None else found.target or NOTHING
+def _observed(value: str | bool | None, **evidence: Json) -> Observation[str | bool | Unknown]:
+    return Observation(UNKNOWN if value is None else value, evidence)
 
 
 def _lookers(stage: Stage, name: str, settings: Settings) -> str | None:
@@ -79,11 +84,12 @@ def _lookers(stage: Stage, name: str, settings: Settings) -> str | None:
     return lookers or (None if None in look.values() else NOBODY)
 
 
-def _shared(one: Symbol, other: Symbol) -> Symbol:
+def _shared(one: Gaze | None, other: Gaze | None) -> str | None:
     """What both look at."""
-    if NOTHING in (one, other):
-        return NOTHING
-    return None if one is None or other is None else one if one == other else NOTHING
+    if one is None or other is None:
+        known = one or other
+        return NOTHING if known and known.target is None else None
+    return one.target if one.target and one.target == other.target else NOTHING
 
 
 class RelationsOverTime:
@@ -93,9 +99,18 @@ class RelationsOverTime:
         observer: Tells who holds what in these frames; live, each state is appended to it first.
         frames: All frames, such as a recording. Where they are left out, they come one by one: see ``append``.
         settings: Distances, angles, speeds and durations.
+        progress: Told how far it is, while frames are looked at.
     """
 
-    def __init__(self, observer: Observer, frames: Frames | None = None, settings: Settings = DEFAULT) -> None:
+    def __init__(
+        self,
+        observer: Observer,
+        frames: Frames | None = None,
+        settings: Settings = DEFAULT,
+        *,
+        progress: Progress = silent,
+    ) -> None:
+        self._progress = progress
         self.scene, self._observer, self._settings = observer.scene, observer, settings
         timing, slip_s = settings.timing, settings.contact.slip_window_s
         # by then the observer has confirmed who holds what in a settled frame
@@ -152,9 +167,11 @@ class RelationsOverTime:
     # What is so in a single frame, before time confirms it:
 
     def _value(self, agent: str, name: str, row: str, index: int) -> Symbol:
-        return self._moment(agent, name, index)[row]
+        value = self._moment(agent, name, index)[row].value
+        return None if value is UNKNOWN else value
 
-    def _moment_in(self, agent: str, name: str, index: int) -> dict[str, Symbol]:
+    def _moment_in(self, agent: str, name: str, index: int) -> Relations:
+        self._progress("relating", (index + 1) / len(self._frames.times_s))
         state = self._observer.with_holding(self._frames.state(index))
         return relations_of(self._stage.show(state), agent, name, self._settings)
 
