@@ -20,6 +20,8 @@ from .observer import HandStatus as HandStatus
 from .observer import Motion as Motion
 from .observer import Observer as Observer
 from .observer import Placement as Placement
+from .relation_predicates import DISTANCE as DISTANCE
+from .relation_predicates import SIGHT as SIGHT
 from .relation_questions import RELATION_VERBS as RELATION_VERBS
 from .relation_questions import Related as Related
 from .relations import Direction as Direction
