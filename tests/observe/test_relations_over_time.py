@@ -84,6 +84,18 @@ def test_nobody_approaches_what_they_leave_pass_by_carry_or_are_brought() -> Non
         assert told(over(there, states).of("P1", "ball")["approaching"]) == [False]
 
 
+def test_people_are_approached_too() -> None:
+    there = scene()
+
+    def to_you(time_s: float) -> tuple[float, float]:
+        share = walk(time_s)[0] / 3.0
+        return 4.0 * share, 2.0 * share
+
+    found = over(there, moving(there, 4.5, to_you))
+    assert told(found.of("P1", "ball")["approaching P2"]) == [False, True, False]
+    assert told(found.of("P2", "ball")["approaching P1"]) == [False], "who is come to approaches nobody"
+
+
 def test_swaying_is_no_approach() -> None:
     there = scene()
 
@@ -167,5 +179,5 @@ def test_a_real_handover_is_carried_by_one_by_both_by_the_other() -> None:
 def test_rows_of_a_moment_are_those_over_time() -> None:
     there = scene()
     rows = relations_of(Stage(there), "P1", "ball")
-    assert [*rows, "approaching"] == list(over(there, moving(there, 0.5)).of("P1", "ball"))
-    assert set(rows) >= {"mutual_gaze P2", "joint_attention P2"}
+    assert [*rows, "approaching", "approaching P2"] == list(over(there, moving(there, 0.5)).of("P1", "ball"))
+    assert set(rows) >= {"facing P2", "mutual_gaze P2", "joint_attention P2"}

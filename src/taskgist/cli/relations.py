@@ -36,8 +36,9 @@ def print_relations(
         over = RelationsOverTime(observer, recording, progress=progress)
         if state is not None:
             found = relations_of(Stage(recording.scene, observer.with_holding(state)), agent, name)
-            approaching = over.at(agent, name, state.time_s)["approaching"]
-            found["approaching"] = Observation(UNKNOWN if approaching is None else approaching)
+            for relation, value in over.at(agent, name, state.time_s).items():
+                if relation not in found:  # it needs time
+                    found[relation] = Observation(UNKNOWN if value is None else value)
         else:
             rows = over.of(agent, name)
     if state is not None:

@@ -17,7 +17,8 @@ import numpy as np
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.errors import UnknownNameError
 from taskgist.perspective.gaze import off_gaze
-from taskgist.perspective.target import SIGNS, SQUARE_ARCMIN_SR
+from taskgist.perspective.queries import both
+from taskgist.perspective.target import SQUARE_ARCMIN_SR, box_corners
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.geometry.transforms import normalized
@@ -140,13 +141,6 @@ def joint_attention(stage: Stage, one: str, other: str, name: str, settings: Set
     return both(looks_at(stage, one, name, settings), looks_at(stage, other, name, settings))
 
 
-def both(one: bool | None, other: bool | None) -> bool | None:
-    """And, where None is unknown."""
-    if one is False or other is False:
-        return False
-    return None if one is None or other is None else True
-
-
 def check_thing(scene: Scene, name: str, *, but: str | None = None) -> None:
     """Refuse what is neither an object nor an agent, or the one that is asked about others.
 
@@ -209,7 +203,7 @@ def _look(stage: Stage, agent: Agent, shapes: Indices, settings: Settings) -> _L
     centers, radii_m = stage.geom_centers(shapes), stage.scene.model.geom_rbound[shapes]
     count, alone = FIRST_RAYS, np.zeros(0, dtype=np.intp)
     while len(alone) < LEAST_RAYS and count <= MOST_RAYS:
-        directions, ray_sr = _cone(eye.position, centers.mean(axis=0), _corners(stage, shapes), count)
+        directions, ray_sr = _cone(eye.position, centers.mean(axis=0), box_corners(stage, shapes), count)
         own, own_m = stage.cast_at(shapes, eye.position, directions)
         alone, count = np.flatnonzero(own >= 0), 4 * count
     directions, own_m = directions[alone], own_m[alone]
@@ -241,15 +235,6 @@ def _hiding(stage: Stage, agent: Agent, shapes: Indices, settings: Settings) -> 
     hides[shapes] = False
     hides[agent.geoms] = False
     return np.flatnonzero(hides)
-
-
-def _corners(stage: Stage, shapes: Indices) -> Array:
-    """Corners of the boxes around shapes, metres, (8 n, 3)."""
-    bounds = stage.scene.model.geom_aabb[shapes]
-    local = bounds[:, None, :3] + SIGNS * bounds[:, None, 3:]
-    positions, matrices = stage.geoms(shapes)
-    turned = local @ matrices.reshape(-1, 3, 3).transpose(0, 2, 1)
-    return np.asarray((turned + positions[:, None]).reshape(-1, 3))
 
 
 def _cone(eye: Array, middle: Array, corners: Array, count: int) -> tuple[Array, float]:

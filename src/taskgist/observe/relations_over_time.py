@@ -31,7 +31,7 @@ Symbol = str | bool | None
 Relations = dict[str, Observation[str | bool | Unknown]]
 """Relations of one moment, by name."""
 OF_A_MOMENT = ("sight", "distance", "direction", "facing", "touching", "carried_by", "gaze", "looked_at_by")
-WITH_ANOTHER = ("mutual_gaze", "joint_attention")
+WITH_ANOTHER = ("facing", "mutual_gaze", "joint_attention")
 """Names of relations, in the order in which they are told."""
 NOTHING, NOBODY, NO_SIDE = "nothing", "nobody", "none"
 
@@ -48,7 +48,8 @@ def relations_of(stage: Stage, agent: str, name: str, settings: Settings = DEFAU
     Returns:
         Observations with their evidence by name: ``sight``, ``distance``, ``direction``, ``facing``, ``touching``,
         ``carried_by``, ``gaze`` (what the agent looks at), ``looked_at_by`` (who looks at the object); and with each
-        other agent by its name, as in ``mutual_gaze P2``, ``mutual_gaze`` and ``joint_attention`` (what both look at).
+        other agent by its name, as in ``facing P2``: ``facing``, ``mutual_gaze``, ``joint_attention`` (what both look
+        at).
 
     Raises:
         UnknownNameError: There is no such agent or object.
@@ -68,6 +69,7 @@ def relations_of(stage: Stage, agent: str, name: str, settings: Settings = DEFAU
     }
     for other in stage.scene.agents:
         if other != agent:
+            found[f"facing {other}"] = _observed(facing(stage, agent, other, settings))
             found[f"mutual_gaze {other}"] = _observed(mutual_gaze(stage, agent, other, settings))
             found[f"joint_attention {other}"] = _observed(_shared(look, gaze(stage, other, settings)))
     return found
@@ -135,7 +137,9 @@ class RelationsOverTime:
         self._frames.finish()
 
     def of(self, agent: str, name: str) -> dict[str, tuple[Interval[Symbol], ...]]:
-        """The intervals of each relation between an agent and an object: those of a moment, and ``approaching``.
+        """The intervals of each relation between an agent and an object: those of a moment, and who is approached.
+
+        ``approaching`` is the object, ``approaching P2`` another agent.
 
         Raises:
             UnknownNameError: There is no such agent or object.
@@ -161,6 +165,7 @@ class RelationsOverTime:
         names = [*OF_A_MOMENT, *(f"{row} {other}" for other in others for row in WITH_ANOTHER)]
         raw = {row: partial(self._value, agent, name, row) for row in names}
         raw["approaching"] = partial(self._approaching, agent, name)
+        raw |= {f"approaching {other}": partial(self._approaching, agent, other) for other in others}
         minimum_s = self._settings.timing.minimum_s
         return {row: Confirmed(self._frames, of, minimum_s, together=together) for row, of in raw.items()}
 

@@ -76,7 +76,7 @@ class Condition(Question):
         if not self.min_level:
             return within
         less = efforts.able(self.agent, name, self.ability, max_level=self.min_level - 1)
-        return _both(within, _negated(less))
+        return both(within, _negated(less))
 
     @property
     def abilities(self) -> tuple[tuple[str, Ability], ...]:
@@ -94,7 +94,7 @@ class All(Question):
         """False as soon as one part is; unknown parts are outweighed by false ones."""
         answer: bool | None = True
         for part in self.parts:
-            answer = _both(answer, part.holds(efforts, name))
+            answer = both(answer, part.holds(efforts, name))
             if answer is False:
                 return False
         return answer
@@ -145,7 +145,8 @@ def objects_where(
     return Chosen.by({name: question.holds(efforts, name) for name in names})
 
 
-def _both(first: bool | None, second: bool | None) -> bool | None:
+def both(first: bool | None, second: bool | None) -> bool | None:
+    """And, where None is unknown."""
     if first is False or second is False:
         return False
     return None if first is None or second is None else True
