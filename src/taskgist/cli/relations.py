@@ -32,18 +32,11 @@ def print_relations(
         state: The only state that is asked for.
         as_json: Print one JSON document.
     """
-    with progress_bar(quiet=as_json) as progress:
-        over = RelationsOverTime(observer, recording, progress=progress)
-        if state is not None:
-            found = relations_of(Stage(recording.scene, observer.with_holding(state)), agent, name)
-            for relation, value in over.at(agent, name, state.time_s).items():
-                if relation not in found:  # it needs time
-                    found[relation] = Observation(UNKNOWN if value is None else value)
-        else:
-            rows = over.of(agent, name)
     if state is not None:
-        _print_moment(agent, name, state.time_s, found, as_json=as_json)
+        _print_moment(agent, name, state.time_s, _of_moment(recording, observer, agent, name, state), as_json=as_json)
         return
+    with progress_bar(quiet=as_json) as progress:
+        rows = RelationsOverTime(observer, recording, progress=progress).of(agent, name)
     change = _distance_change(recording, agent, name)
     if as_json:
         relations = {relation: intervals_document(intervals) for relation, intervals in rows.items()}
@@ -72,6 +65,14 @@ def _text(value: str | bool | None) -> str:
     if value is None:
         return "unknown"
     return value if isinstance(value, str) else "yes" if value else "no"
+
+
+def _of_moment(recording: Recording, observer: Observer, agent: str, name: str, state: State) -> Relations:
+    """What is so in one state, and, as confirmed by then, what needs time."""
+    found = relations_of(Stage(recording.scene, observer.with_holding(state)), agent, name)
+    for relation, value in RelationsOverTime(observer, recording).at(agent, name, state.time_s).items():
+        found.setdefault(relation, Observation(UNKNOWN if value is None else value))
+    return found
 
 
 def _print_moment(agent: str, name: str, time_s: float, found: Relations, *, as_json: bool) -> None:
