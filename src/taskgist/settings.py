@@ -171,6 +171,42 @@ class Timing:
 
 
 @dataclass(frozen=True)
+class Relations:
+    """Relations that are asked for, beside the tree. They shape no fact of the tree and stay out of the digest."""
+
+    free_share: float = 0.95
+    """Least share of a thing that is in sight where the line of sight is *free* (ours: what covers a twentieth, such
+    as the edge of a plate or the tip of a finger, nobody speaks of)."""
+    gaze_rad: float = math.radians(15.0)
+    """Greatest angle between the head's direction and what is looked at (ours: heads make about two thirds of a turn
+    of the gaze, 69 % [Stiefelhagen & Zhu 2002]; who looks 45° aside turns the eyes by 14° of it)."""
+    near_m: float = 1.2
+    """Farthest that a thing is *near* to an agent (the end of the personal distance [Hall 1966]: with a step, or
+    leaning, it is at hand)."""
+    change_m: float = 0.2
+    """Change of a distance below which it is the same (ours: people who stand sway, and who sits shifts, by less)."""
+    beside_m: float = 0.3
+    """Largest gap between two things that are near to each other (ours: a handspan or
+    more, as between what stands together on a table)."""
+    direction_rad: float = math.radians(67.5)
+    """Half-angle of each of left, right, front and behind (ours: eight sectors of 45°; in every other one, two of
+    them hold)."""
+    overhead_m: float = 0.1
+    """Level distance below which a thing is at no side, being above or beneath (ours: half the breadth of a head)."""
+    facing_rad: float = math.radians(30.0)
+    """Greatest angle between where the chest points and what is faced (ours: what lies farther aside people turn
+    to)."""
+    touching_m: float = 0.01
+    """Largest gap between what touches (ours: tracked hands are some millimetres off)."""
+    approach_window_s: float = 0.6
+    """Window over which it is measured whether somebody approaches (ours: about a step; people sway within one)."""
+    approach_start_m_s: float = 0.25
+    """Speed towards a thing above which it is approached (ours: a slow walk has 0.5 m/s, who sways has 0.1)."""
+    approach_stop_m_s: float = 0.1
+    """Speed below which it no longer is (ours)."""
+
+
+@dataclass(frozen=True)
 class Maps:
     """The grid of ability maps. It shapes no facts and stays out of the digest."""
 
@@ -254,7 +290,7 @@ class Checks:
     """An object whose shapes are all smaller was mostly shrunk a thousandfold (ours: nobody grasps a smaller)."""
 
 
-UNSHAPING = ("maps", "learning", "limits", "checks")
+UNSHAPING = ("relations", "maps", "learning", "limits", "checks")
 """Stages whose settings shape no facts: they stay out of the digest."""
 
 BANDS: dict[str, tuple[tuple[int, int], tuple[int, int]]] = {
@@ -277,6 +313,7 @@ class Settings:
     efforts: Efforts = field(default_factory=Efforts)
     contact: Contact = field(default_factory=Contact)
     timing: Timing = field(default_factory=Timing)
+    relations: Relations = field(default_factory=Relations)
     maps: Maps = field(default_factory=Maps)
     learning: Learning = field(default_factory=Learning)
     limits: Limits = field(default_factory=Limits)

@@ -50,6 +50,15 @@ class Sought(NamedTuple):
     middle: Array
 
 
+def box_corners(stage: Stage, shapes: Indices) -> Array:
+    """Corners of the boxes around some shapes, each in its own frame, metres in the world, (8 n, 3)."""
+    bounds = stage.scene.model.geom_aabb[shapes]
+    local = bounds[:, None, :3] + SIGNS * bounds[:, None, 3:]
+    positions, matrices = stage.geoms(shapes)
+    turned = local @ matrices.reshape(-1, 3, 3).transpose(0, 2, 1)
+    return np.asarray((turned + positions[:, None]).reshape(-1, 3))
+
+
 class Target:
     """An object where it is. It may be asked while the stage shows other states of some agent: objects stay.
 
@@ -91,11 +100,7 @@ class Target:
     @cached_property
     def corners(self) -> Array:
         """Corners of the boxes around its seen shapes, metres, (8 n, 3)."""
-        bounds = self._stage.scene.model.geom_aabb[self.shapes]
-        local = bounds[:, None, :3] + SIGNS * bounds[:, None, 3:]
-        positions, matrices = self._stage.geoms(self.shapes)
-        turned = local @ matrices.reshape(-1, 3, 3).transpose(0, 2, 1)
-        return np.asarray((turned + positions[:, None]).reshape(-1, 3))
+        return box_corners(self._stage, self.shapes)
 
     @property
     def least_sr(self) -> float:
