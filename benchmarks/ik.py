@@ -1,12 +1,14 @@
 """Inverse kinematics of one arm, as a witness: only chosen joints move, within their limits, from many starts.
 
+The shoulder girdle stays at rest: joints that move the shoulder itself are no part of the arm.
+
 Built on mink and the solver daqp. A single start may end in a local minimum; "not reached" is said only after all.
 """
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import mink
 import mujoco
@@ -48,6 +50,7 @@ class ArmIK:
         self._model = model = copy.copy(scene.model)
         self._palm = arm.palm_site
         joints = [j for j in range(model.njnt) if _in_arm(model, int(model.jnt_bodyid[j]), arm)]
+        joints = [joint for joint in joints if not _moves_shoulder(model, joint, arm)]
         for name, limits in (also or {}).items():
             joint = int(model.joint(f"{agent.name}/{name}").id)
             model.jnt_range[joint], model.jnt_limited[joint] = limits, True
@@ -75,6 +78,19 @@ class ArmIK:
                 break
         return float(best)
 
+    def brings(self, target: Array, *, enough_m: float, free: Callable[[Array], bool]) -> bool:
+        """Whether the palm comes near enough to a point in a configuration that is free.
+
+        Args:
+            target: In the world, metres, (3,).
+            enough_m: Near enough.
+            free: Tells of a configuration, (nq,), whether nothing is in the way.
+        """
+        return any(
+            self._from(start, target, enough_m) <= enough_m and free(np.array(self._configuration.q))
+            for start in self._starts
+        )
+
     def _from(self, start: Array, target: Array, enough_m: float) -> float:
         self._configuration.update(start)
         self._task.set_target(mink.SE3.from_translation(target))
@@ -100,6 +116,18 @@ def _in_arm(model: mujoco.MjModel, body: int, arm: ArmIndices) -> bool:
             return True
         body = int(model.body_parentid[body])
     return False
+
+
+def _moves_shoulder(model: mujoco.MjModel, joint: int, arm: ArmIndices) -> bool:
+    """Whether turning a joint by a tenth of a radian moves the arm's shoulder by more than a millimetre."""
+    data = mujoco.MjData(model)
+    places = []
+    for by in (0.0, 0.1):
+        data.qpos[:] = model.qpos0
+        data.qpos[model.jnt_qposadr[joint]] += by
+        mujoco.mj_kinematics(model, data)
+        places.append(data.site_xpos[arm.shoulder_site].copy())
+    return bool(np.linalg.norm(places[1] - places[0]) > 1e-3)
 
 
 def _root(model: mujoco.MjModel, arm: ArmIndices) -> int:

@@ -1,6 +1,6 @@
-"""How good the sector of an arm is: reach as perspective judges it, beside inverse kinematics on the real joints.
+"""How good reach is as perspective judges it, beside inverse kinematics on the real joints, the girdle at rest.
 
-    python -m benchmarks.reach_agreement [BODY ...] [--targets 200]
+    python -m benchmarks.reach_agreement [BODY ...] [--targets 200] [--model sector]
 
 Targets lie at random around the shoulder, in front of it or all round. Perspective says whether the arm reaches them
 at an effort level; inverse kinematics, with the joints of that level only, says whether the palm comes within half a
@@ -14,8 +14,9 @@ import itertools
 import math
 import tempfile
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,7 @@ from rich.table import Table
 from benchmarks.ik import ArmIK
 from taskgist.errors import TaskgistError
 from taskgist.perspective import Viewpoint, actions_of, effort_from
-from taskgist.settings import DEFAULT
+from taskgist.settings import DEFAULT, ReachModel
 from taskgist.world import Agent, ArmIndices, Scene, Stage, builtin_profiles
 
 Array = NDArray[np.float64]
@@ -36,7 +37,7 @@ AROUND = 1.2
 TORSO = ("Turn_Torso", "Lean_Torso")
 COLUMNS = (
     *("body", "arm", "level", "targets", "agree"),
-    *("both", "only sector", "only joints", "neither", "precision", "recall"),
+    *("both", "only perspective", "only joints", "neither", "precision", "recall"),
 )
 
 
@@ -74,7 +75,16 @@ class Agreement:
         return self.counts[True, True] / max(1, self.counts[True, True] + self.counts[False, True])
 
 
-def agreement(body: str, *, level: int, targets: int, front: bool = True, seed: int = 0, starts: int = 8) -> Agreement:
+def agreement(
+    body: str,
+    *,
+    level: int,
+    targets: int,
+    front: bool = True,
+    seed: int = 0,
+    starts: int = 8,
+    model: ReachModel = DEFAULT.reach.model,
+) -> Agreement:
     """Compare both verdicts for a body's first arm.
 
     Args:
@@ -84,7 +94,9 @@ def agreement(body: str, *, level: int, targets: int, front: bool = True, seed: 
         front: Whether they all lie in front of the shoulder.
         seed: Of the targets.
         starts: Of the inverse kinematics.
+        model: How perspective judges reach.
     """
+    settings = replace(DEFAULT, reach=replace(DEFAULT.reach, model=model))
     scene = _scene(body)
     stage, agent = Stage(scene), scene.agent("A")
     arm = agent.arms[0]
@@ -94,7 +106,7 @@ def agreement(body: str, *, level: int, targets: int, front: bool = True, seed: 
     counts: Counter[tuple[bool, bool]] = Counter()
     for target in _targets(stage, arm, targets, front, np.random.default_rng(seed)):
         stage.show(scene.initial.replace(at=scene.object_slice("ball"), to=(*target, 1, 0, 0, 0)))
-        found = effort_from(Viewpoint(stage, "A", DEFAULT, actions=allowed), "ball", "reach").level
+        found = effort_from(Viewpoint(stage, "A", settings, actions=allowed), "ball", "reach").level
         counts[found in range(1, level + 1), ik.gap_m(target, enough_m=NEAR_M) <= NEAR_M] += 1
     return Agreement(body, arm.profile.side, level, front, counts)
 
@@ -137,6 +149,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("bodies", nargs="*", default=builtin_profiles())
     parser.add_argument("--targets", type=int, default=200)
+    parser.add_argument("--model", choices=get_args(ReachModel), default=DEFAULT.reach.model)
     chosen = parser.parse_args()
     table = Table(box=None)
     for column in COLUMNS:
@@ -145,7 +158,7 @@ def main() -> None:
         try:
             levels = (1, 2) if _torso(_scene(body).agent("A")) else (1,)
             for level, front in itertools.product(levels, (True, False)):
-                _add(table, agreement(body, level=level, targets=chosen.targets, front=front))
+                _add(table, agreement(body, level=level, targets=chosen.targets, front=front, model=chosen.model))
         except TaskgistError as error:
             table.add_row(body, str(error))
     Console(width=120).print(table)

@@ -205,9 +205,6 @@ MANY_XML = """<mujoco model="many">
     <replicate count="3" offset="0.2 0 0" euler="0 0 0.1">
       <body name="pole" pos="1 -2 0"><geom type="capsule" fromto="0 0 0.1 0 0 1" size="0.02"/></body>
     </replicate>
-    <body name="curtain" pos="2 -1 1">
-      <flexcomp name="cloth" type="grid" count="3 3 1" spacing="0.1 0.1 0.1" radius="0.01" dim="2" rigid="true"/>
-    </body>
     <frame pos="1 1 0"><attach model="lamp" body="lamp" prefix="l_"/></frame>
   </worldbody>
 </mujoco>
@@ -226,8 +223,6 @@ COUNTED_XML = """<mujoco>
   <worldbody>
     <body name="cup"><freejoint/><geom size="0.05"/></body>
     <replicate count="3" offset="0 0 1"><replicate count="2" offset="0 1 0"><geom size="0.1"/></replicate></replicate>
-    <flexcomp name="f" type="box" count="3 3 3" spacing="0.1 0.1 0.1" radius="0.01" dim="3" rigid="true"/>
-    <flexcomp name="g" type="ellipsoid" count="4 4 4" spacing="0.1 0.1 0.1" radius="0.01" dim="3" rigid="true"/>
     <geom type="hfield" hfield="h"/><geom type="mesh" mesh="m" contype="0" conaffinity="0"/>
   </worldbody>
 </mujoco>

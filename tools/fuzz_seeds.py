@@ -9,7 +9,9 @@ from __future__ import annotations
 import dataclasses
 import io
 import json
+import sqlite3
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -163,7 +165,7 @@ def _own_seeds(folder: Path) -> tuple[Seed, ...]:
     recorded = _recorded(folder)
     shared = {name: with_foreign_records(data) for name, data in recorded.items()}
     known = {"knowledge.db": _knowledge(folder / "show_a.mcap", folder / "knowledge.db"), **facts}
-    first = {"knowledge.db": FIRST_SCHEMA.read_bytes(), **facts}
+    first = {"knowledge.db": _of_first_schema(folder / "knowledge.db", folder / "first.db"), **facts}
     pool, displaced, maps = _pool(folder), _displacements(folder), _maps(folder)
     return (
         Seed("recording", recorded, ("show_a.mcap",), WATCHED, ("show_a.mcap", "new.db")),
@@ -399,6 +401,20 @@ def _ros_table() -> dict[str, bytes]:
 
 FIRST_SCHEMA = Path(__file__).parents[1] / "tests/store/data/knowledge_0_1_0.db"
 """Knowledge of release 0.1.0."""
+
+
+def _of_first_schema(present: Path, first: Path) -> bytes:
+    """Present knowledge in the tables of release 0.1.0."""
+    first.write_bytes(FIRST_SCHEMA.read_bytes())
+    with closing(sqlite3.connect(first)) as connection, connection:
+        connection.execute("ATTACH ? AS present", [str(present)])
+        for table in ("taskgist_explanations", "taskgist_answers"):
+            columns = ", ".join(row[1] for row in connection.execute(f"PRAGMA main.table_info({table})"))
+            connection.execute(f"DELETE FROM main.{table}")
+            connection.execute(f"INSERT INTO main.{table} ({columns}) SELECT {columns} FROM present.{table}")
+    return first.read_bytes()
+
+
 FACTS = {
     "schema": "taskgist.facts/1",
     "task": "show",

@@ -26,12 +26,16 @@ COARSE = Settings(
         turn_step_rad=math.radians(45),
         lean_step_rad=0.5,
         head_steps=3,
+        bends=((0.0, 0.5), (0.1, 1.0)),
+        leaving_step_m=0.4,
         move_radius_m=1.0,
         move_step_m=0.5,
     ),
     grasp=replace(Grasp(), approaches=4),
 )
 """Fewer states, so that all of them can be tried."""
+ROUGH = replace(COARSE, reach=replace(COARSE.reach, model="sector"))
+"""With the paper's reach, which can be worked out point by point."""
 
 
 @dataclass(frozen=True)
@@ -142,21 +146,24 @@ class Room:
 
     def scene(self) -> Scene:
         """The room as a scene."""
+        px, files = "image_px = [{}, {}]".format(*self.image_px), self.files()
+        for person in self.people:
+            profile = builtin_profile_text(person.profile)
+            files[f"{person.name}.profile.toml"] = re.sub(r"image_px = \[.*?\]", px, profile).encode()
+        return Scene.from_bundle(files)
+
+    def files(self) -> dict[str, bytes]:
+        """The room's scene file and model by their names; people have the built-in profiles."""
         model = ET.Element("mujoco")
         assets, world = ET.SubElement(model, "asset"), ET.SubElement(model, "worldbody")
         ET.SubElement(world, "geom", name="floor", type="plane", size="9 9 0.1")
         for thing in self.things:
             thing.add_to(world, assets)
         people = tuple(person.entry() for person in self.people)
-        files = {
+        return {
             "scene.toml": write_scene_file(SceneFile("scene", "room.xml", None, (), people, "scene.toml")),
             "room.xml": ET.tostring(model),
         }
-        px = "image_px = [{}, {}]".format(*self.image_px)
-        for person in self.people:
-            profile = builtin_profile_text(person.profile)
-            files[f"{person.name}.profile.toml"] = re.sub(r"image_px = \[.*?\]", px, profile).encode()
-        return Scene.from_bundle(files)
 
     def stage(self) -> Stage:
         """The room on a stage."""

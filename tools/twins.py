@@ -11,14 +11,17 @@ import multiprocessing
 import os
 import sys
 import time
+from dataclasses import replace
 
 from taskgist.settings import DEFAULT, Settings
 from tests.perspective.comparing import Comparison, compare_levels, compare_pixels
 from tests.perspective.random_rooms import random_case
-from tools.rooms import COARSE
+from tools.rooms import ROUGH
+
+FINE = replace(DEFAULT, reach=ROUGH.reach)
 
 
-def compare(seed: int, settings: Settings = COARSE) -> tuple[Comparison, Comparison]:
+def compare(seed: int, settings: Settings = ROUGH) -> tuple[Comparison, Comparison]:
     """Levels of one of the agents, and pixels of all of them, in one room."""
     case = random_case(seed)
     agents = case.scene.agents
@@ -36,7 +39,7 @@ def main() -> int:
     levels, pixels, start = Comparison(), Comparison(), time.perf_counter()
     seeds = range(chosen.first, chosen.first + chosen.count)
     with multiprocessing.get_context("spawn").Pool(chosen.jobs) as pool:
-        one = functools.partial(compare, settings=DEFAULT if chosen.fine else COARSE)
+        one = functools.partial(compare, settings=FINE if chosen.fine else ROUGH)
         for of_levels, of_pixels in pool.imap_unordered(one, seeds):
             for line in (*of_levels.differences, *of_pixels.differences):
                 print(line, flush=True)

@@ -14,18 +14,30 @@ import hashlib
 import json
 import math
 from dataclasses import dataclass, field
+from typing import Literal
 
 
 @dataclass(frozen=True)
 class Vision:
     """How visibility is measured (5.1.1)."""
 
-    negligible_score: float = 1e-4
-    """Fraction of the image below which a visibility score is "≈ 0" (ours: 8 of 76,800 pixels)."""
+    least_visible_arcmin2: float = 5.0
+    """Least visible area of an object that is seen, square minutes of arc: a coin of 2.2 cm at 30 m (people: a thing
+    2.5' across; normal sight tells details of 1' apart [ISO 8596], and what is smaller than 2' across counts no longer
+    by its shape and area, but by its light alone [Lamar 1947])."""
+    transparent_alpha: float = 0.5
+    """What has a colour of at most this alpha is looked through; it is seen by who looks for it (ours: panes, bottles
+    and covers are drawn with 0.1 to 0.4)."""
+    negligible_score: float = 1e-4 / 2**11
+    """Fraction of the image below which a visibility score is "≈ 0" (ours: what a person just sees, 5 square minutes of
+    arc in the middle of an image of 320 × 240; bins begin here)."""
     bins_per_doubling: float = 1.0
     """Logarithmic bins of the score per doubling (ours: one bin per factor of two)."""
     change_tolerance: float = 0.25
     """Relative change below which two scores are Almost_Same, Eq. 12 (ours)."""
+
+
+ReachModel = Literal["capability", "sector"]
 
 
 @dataclass(frozen=True)
@@ -34,6 +46,11 @@ class Reach:
 
     cell_m: float = 0.05
     """Edge of a workspace cell; an object is reached by any of its cells (authors' code: 5 cm)."""
+    model: ReachModel = "capability"
+    """What an arm reaches: what its joints bring its palm to, where nothing solid is in the way of the arm
+    ("capability", ours), or a sector about the shoulder, whatever is in the way ("sector", the paper's)."""
+    touch_m: float = 0.045
+    """Longest straight way from the palm to the point that it is to touch (ours: half the diagonal of a cell)."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +67,23 @@ class Grasp:
     """Least cosine between the approach and the direction shoulder → grasp: none is approached from behind (ours)."""
     opposed_rad: float = math.radians(20.0)
     """Largest deviation of two faces from being opposite, for a hand to close on them (ours: friction about 0.36)."""
+    upright_rad: float = math.radians(20.0)
+    """Greatest angle with the vertical at which a hand closes from above and beneath (ours: as of opposite faces)."""
+    flat_m: float = 0.05
+    """Thickest thing that counts as flat: people tilt it with one hand; thicker ones they lift with both (ours)."""
+    flat_ratio: float = 2.0
+    """How many times as wide as thick a flat thing is, at least (ours: others are pinched from their sides)."""
+    tilts_rad: tuple[float, ...] = (math.radians(25.0), math.radians(50.0))
+    """Angles by which people tilt a flat thing about its far edge to get their fingers beneath (ours: a book of 16 cm
+    is lifted by 7 cm then, a coaster of 5 cm by 4; fingers and their clearance take 2.3 cm)."""
+    slide_m: float = 0.5
+    """Farthest that a flat thing's front is from the edge over which it is slid (ours: most of an arm's length)."""
+    asides_m: tuple[float, ...] = (0.03, 0.05)
+    """How far people draw aside what lies against a wall (ours: a finger, its clearance, and a little; out of a corner,
+    half the breadth of four fingers)."""
+    overhang_m: float = 0.06
+    """How far a flat thing is slid over an edge, at most; it is 0.4 of its depth where that is less, so that it stays
+    lying (ours: fingers get two thirds of their length beneath)."""
 
 
 @dataclass(frozen=True)
@@ -62,14 +96,35 @@ class Efforts:
     """Step of the torso's turn (ours)."""
     head_steps: int = 6
     """Steps from the present head direction to the one aimed at the object (ours)."""
-    move_radius_m: float = 2.0
-    """Farthest displacement considered (ours: a few steps)."""
+    move_radius_m: float = 8.0
+    """Farthest displacement considered (ours: from end to end of a room; what is left untried is told)."""
     move_step_m: float = 0.25
     """Grid of floor positions, anchored at the agent (ours)."""
     collision_m: float = 0.01
     """A contact deeper than now by more than this blocks (ours: tracked bodies touch and overlap a little)."""
+    passing_m: float = 0.05
+    """A contact that is deeper than now by no more than this does not stop who walks by (ours: legs and clothes yield,
+    feet are turned aside, as between a sofa and its table)."""
     seat_height_m: tuple[float, float] = (0.25, 0.70)
     """Heights of surfaces that people sit down onto (ours: from a child's stool to a low bar stool)."""
+    bends: tuple[tuple[float, float], ...] = tuple(
+        (share, math.radians(pitch))
+        for share, pitch in (
+            *((0.0, 15), (0.0, 30), (0.0, 45), (0.03, 60), (0.06, 75), (0.10, 30), (0.10, 60)),
+            *((0.15, 15), (0.20, 45), (0.25, 30), (0.30, 30)),
+        )
+    )
+    """Bends and crouches that are tried, the least first: how far the hips are lowered, as a share of the stature, and
+    how far the pelvis is pitched (ours: with the torso's lean they reach down to the floor in about equal steps, and
+    bring the eyes below a table)."""
+    lift_step_m: float = 0.1
+    """Step of a torso that is lifted (ours)."""
+    sliding_seat_m: float = 0.8
+    """A seat that is no larger than this either way slides (ours: chairs and stools; sofas and benches are longer)."""
+    leaving_seat_m: float = 1.2
+    """Farthest that a seat is pushed back, or that somebody moves along it, to stand up (ours: two seats)."""
+    leaving_step_m: float = 0.1
+    """Step of that (ours)."""
     state_bin_rad: float = math.radians(15.0)
     """Bin of the joint angles that make the symbol of an attained state S (ours)."""
 
@@ -113,6 +168,42 @@ class Timing:
     """Speed above which a static object starts to move."""
     static_m_s: float = 0.05
     """Speed below which a moving object comes to rest."""
+
+
+@dataclass(frozen=True)
+class Relations:
+    """Relations that are asked for, beside the tree. They shape no fact of the tree and stay out of the digest."""
+
+    free_share: float = 0.95
+    """Least share of a thing that is in sight where the line of sight is *free* (ours: what covers a twentieth, such
+    as the edge of a plate or the tip of a finger, nobody speaks of)."""
+    gaze_rad: float = math.radians(15.0)
+    """Greatest angle between the head's direction and what is looked at (ours: heads make about two thirds of a turn
+    of the gaze, 69 % [Stiefelhagen & Zhu 2002]; who looks 45° aside turns the eyes by 14° of it)."""
+    near_m: float = 1.2
+    """Farthest that a thing is *near* to an agent (the end of the personal distance [Hall 1966]: with a step, or
+    leaning, it is at hand)."""
+    change_m: float = 0.2
+    """Change of a distance below which it is the same (ours: people who stand sway, and who sits shifts, by less)."""
+    beside_m: float = 0.3
+    """Largest gap between two things that are near to each other (ours: a handspan or
+    more, as between what stands together on a table)."""
+    direction_rad: float = math.radians(67.5)
+    """Half-angle of each of left, right, front and behind (ours: eight sectors of 45°; in every other one, two of
+    them hold)."""
+    overhead_m: float = 0.1
+    """Level distance below which a thing is at no side, being above or beneath (ours: half the breadth of a head)."""
+    facing_rad: float = math.radians(30.0)
+    """Greatest angle between where the chest points and what is faced (ours: what lies farther aside people turn
+    to)."""
+    touching_m: float = 0.01
+    """Largest gap between what touches (ours: tracked hands are some millimetres off)."""
+    approach_window_s: float = 0.6
+    """Window over which it is measured whether somebody approaches (ours: about a step; people sway within one)."""
+    approach_start_m_s: float = 0.25
+    """Speed towards a thing above which it is approached (ours: a slow walk has 0.5 m/s, who sways has 0.1)."""
+    approach_stop_m_s: float = 0.1
+    """Speed below which it no longer is (ours)."""
 
 
 @dataclass(frozen=True)
@@ -199,7 +290,7 @@ class Checks:
     """An object whose shapes are all smaller was mostly shrunk a thousandfold (ours: nobody grasps a smaller)."""
 
 
-UNSHAPING = ("maps", "learning", "limits", "checks")
+UNSHAPING = ("relations", "maps", "learning", "limits", "checks")
 """Stages whose settings shape no facts: they stay out of the digest."""
 
 BANDS: dict[str, tuple[tuple[int, int], tuple[int, int]]] = {
@@ -222,6 +313,7 @@ class Settings:
     efforts: Efforts = field(default_factory=Efforts)
     contact: Contact = field(default_factory=Contact)
     timing: Timing = field(default_factory=Timing)
+    relations: Relations = field(default_factory=Relations)
     maps: Maps = field(default_factory=Maps)
     learning: Learning = field(default_factory=Learning)
     limits: Limits = field(default_factory=Limits)

@@ -169,6 +169,29 @@ def test_facts_at_a_time(handovers: tuple[Path, Path]) -> None:
     assert "beyond the" in text
 
 
+def test_relations_over_time(handovers: tuple[Path, Path]) -> None:
+    document = run_json(f"facts {handovers[0]} --relations")
+    assert (document["agent"], document["object"], document["distance_change"]) == ("P2", "baton", "nearer")
+    carried = [each["value"] for each in document["relations"]["carried_by"]]
+    assert carried[-3:] == ["P1", "P1, P2", "P2"]
+    text = run(f"facts {handovers[0]} --relations")
+    assert text.startswith("baton and P2, exact to the frame\n")
+    assert "  touching\n" in text
+    assert "s  yes\n" in text
+    assert "between the label's start and end the distance: nearer" in text
+
+
+def test_relations_at_a_time_tell_what_they_stand_on() -> None:
+    document = run_json(f"facts {PATHS['hide_a']} --relations --at 9.5")
+    seen = document["relations"]["sight"]
+    assert seen["value"] == "blocked"
+    assert list(seen["evidence"]["blockers"]) == ["white_box"]
+    assert document["relations"]["approaching"]["value"] is False
+    text = run(f"facts {PATHS['hide_a']} --relations --at 9.5")
+    assert text.startswith("cup and P2 at 9.5")
+    assert "blocked   (0% in sight, white_box hides 100%)" in text
+
+
 def test_learn_and_explain(folder: Path, handovers: tuple[Path, Path]) -> None:
     learned = run_json(f"learn {handovers[0]} {handovers[1]} -k k.db")
     assert set(learned["tasks"]) == {"give"}

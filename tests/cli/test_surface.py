@@ -19,7 +19,7 @@ SURFACE: dict[str, set[str]] = {
         *("--propose", "--dry-run"),
     },
     "check": {"recordings"},
-    "facts": {"recording", "--agent", "--object", "--at", "--every"},
+    "facts": {"recording", "--agent", "--object", "--at", "--every", "--relations"},
     "learn": {"demonstrations", "--knowledge", "-k", "--replace"},
     "explain": {"task", "--knowledge", "-k", "--why", "--band"},
     "agent check": {"profile", "--out", "-o", "--replace"},

@@ -62,7 +62,10 @@ def test_hands_become_one_symbol(raw: dict[str, str | None], symbol: object) -> 
     ("score", "label"),
     [
         (0.0, NEGLIGIBLE),
-        (0.99e-4, NEGLIGIBLE),
+        (4.8e-8, NEGLIGIBLE),
+        (4.9e-8, "0.0000049-0.0000098 %"),
+        (1.6e-5, "0.0013-0.0025 %"),
+        (0.99e-4, "0.005-0.01 %"),
         (1e-4, "0.01-0.02 %"),
         (0.0100, "0.64-1.3 %"),
         (1.0, "82-100 %"),

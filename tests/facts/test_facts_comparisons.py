@@ -50,7 +50,8 @@ def test_efforts_to_see_compare_by_level() -> None:
         (0.010, 0.020, ("Increased", "Supportive")),
         (0.020, 0.010, ("Decreased", "Not_Supportive")),
         (0.0, 0.0, ("Almost_Same", "Supportive")),
-        (0.0, 0.00009, ("Almost_Same", "Supportive")),
+        (0.0, 0.00000004, ("Almost_Same", "Supportive")),
+        (0.0, 0.00009, ("Increased", "Supportive")),
         (0.0, 0.01, ("Increased", "Supportive")),
     ],
 )

@@ -170,7 +170,11 @@ def test_no_standard_node_falls_back_to_its_title() -> None:
 @pytest.mark.parametrize(
     ("node", "value", "told"),
     [
-        ("reach.effort.1", REACH_EFFORTS[3], "reaching the object takes standing up or sitting down"),
+        (
+            "reach.effort.1",
+            REACH_EFFORTS[3],
+            "reaching the object takes standing up, sitting down or bending",
+        ),
         ("reach.effort.2", REACH_EFFORTS[5], "reaching the object is not possible by any known effort afterwards"),
         ("grasp.action.2", "Lean_Torso", "grasping the object takes leaning afterwards"),
         ("visibility.score.2", "≈ 0", "it sees next to nothing of the object afterwards"),

@@ -47,7 +47,8 @@ class MapTwin:
         if ability == "reach" and level == 0:
             return False
         found = self.sees(level, stance, point) if ability == "see" else self.reaches(stance, point)
-        return found and (level < 2 or self.states.allowed(self.stepped(stance, point) if level == 4 else stance.qpos))
+        there = self.stepped(stance, point) if level == 4 else stance.qpos
+        return found and (level < 2 or self.states.allowed(there, stance.aside))
 
     def sees(self, level: int, stance: Candidate, point: Array) -> bool:
         qpos = self.twin.aimed(stance.qpos, point) if level else stance.qpos

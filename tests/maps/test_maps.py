@@ -22,9 +22,9 @@ from taskgist.settings import DEFAULT, Maps
 from taskgist.world import Stage, State
 from tests.maps.maps_twin import MapTwin
 from tests.perspective.random_rooms import random_case
-from tools.rooms import COARSE, Person, Room, Thing, chair, random_room, table, wall
+from tools.rooms import ROUGH, Person, Room, Shape, Thing, chair, random_room, table, wall
 
-SMALL = replace(COARSE, maps=Maps(cell_m=0.1))
+SMALL = replace(ROUGH, maps=Maps(cell_m=0.1))
 ABILITIES: tuple[Ability, ...] = ("see", "reach")
 SEATED = Room((chair(0.0), table(1.05)), (Person("P1", (0, 0), 0.0, "sitting"), Person("P2", (1.9, 0.3), 3.0)))
 
@@ -57,8 +57,8 @@ def test_fast_and_slow_agree_in_furnished_rooms(seed: int, ability: Ability) -> 
 
 def test_fast_and_slow_agree_where_an_agent_has_very_many_ways_to_stand() -> None:
     """Its own shapes, once for each way, make a table with more rows than 16 bits can tell apart."""
-    fine = replace(COARSE.efforts, turn_step_rad=math.radians(2.0), lean_step_rad=0.05, move_radius_m=0.0)
-    stage, settings = Room((table(0.9),), (Person("P1", (0, 0)),)).stage(), replace(COARSE, efforts=fine)
+    fine = replace(ROUGH.efforts, turn_step_rad=math.radians(2.0), lean_step_rad=0.05, move_radius_m=0.0)
+    stage, settings = Room((table(0.9),), (Person("P1", (0, 0)),)).stage(), replace(ROUGH, efforts=fine)
     twin, here = MapTwin(stage, "P1", settings), Viewpoint(stage, "P1", settings)
     beside_the_legs = Grid((0.0, 0.1, 0.35), 0.0, 0.05, (1, 1, 2))
     found = ability_map(here, ability="see", grid=beside_the_legs)
@@ -234,3 +234,22 @@ def test_a_map_does_not_depend_on_how_its_blocks_are_dealt_out(
         monkeypatch.setattr(grid, "PARTS", parts)
         again = ability_map(SEATED.stage(), "P1", ability, settings=SMALL)
         assert np.array_equal(again.levels, seated(ability).levels)
+
+
+CUPBOARD = (0.6, 0.1, 1.15), (0.2, 0.35, 0.3)
+
+
+@pytest.mark.parametrize("door", [True, False])
+def test_what_is_closed_up_is_reached_nowhere(door: bool) -> None:
+    """The cells well inside of a cupboard, with and without its door."""
+    (x, y, z), (deep, wide, high) = CUPBOARD
+    shapes = [Shape("box", (0.01, wide, high), (side * deep, 0.0, 0.0)) for side in ((-1, 1) if door else (1,))]
+    shapes += [Shape("box", (deep, 0.01, high), (0.0, side * wide, 0.0)) for side in (-1, 1)]
+    shapes += [Shape("box", (deep, wide, 0.01), (0.0, 0.0, side * high)) for side in (-1, 1)]
+    stage = Room((Thing("cupboard", (), (x, y, z), free=False, shapes=tuple(shapes)),), (Person("P1", (0, 0)),)).stage()
+    found = ability_map(stage, "P1", "reach")
+    inside = (np.abs(found.grid.centers() - (x, y, z)) < np.array((deep, wide, high)) - 0.05).all(axis=1)
+    levels = found.levels.ravel()[inside]
+    assert len(levels) > 300
+    assert (levels == 5).all() == door
+    assert door or (levels <= 2).all()

@@ -44,7 +44,7 @@ def test_an_eye_inside_a_wall_sees_the_wall() -> None:
     assert seen is not None
     assert seen.visible_px == 0 < seen.unoccluded_px
     assert seen.occluders == (("block", seen.unoccluded_px),)
-    assert least_effort(stage, "P1", "cup", "see", COARSE).level in (4, 5)
+    assert least_effort(stage, "P1", "cup", "see", COARSE).level in (2, 3, 4, 5)
 
 
 def test_an_eye_inside_the_object_sees_it() -> None:
@@ -117,7 +117,8 @@ def test_an_image_of_one_pixel_is_an_image() -> None:
     stage = Room((replace(CUP, size=(0.3, 0.3), place=(1.0, 0.0, 1.6)),), (P1,), (1, 1)).stage()
     seen = visibility(stage, "P1", "cup")
     assert seen is not None
-    assert (seen.image_px, seen.visible_px, seen.gaze_px) == (1, 1, 1)
+    assert seen.image_px == 1
+    assert 0 < seen.visible_px == seen.gaze_px == seen.unoccluded_px < 1
     assert view_of(stage, "P1").geoms.shape == (1, 1)
 
 

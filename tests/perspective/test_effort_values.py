@@ -20,6 +20,7 @@ from taskgist.perspective.effort import (
     Effort,
     Evidence,
     Grasped,
+    GraspedByBoth,
     Held,
     Hindrance,
     Miss,
@@ -46,6 +47,7 @@ HAND = [
     by(Reason.COLLISION, "Make_Standing is blocked: legs against table, 0.01 m deep"),
     by(Reason.NO_FREE_GRASP, "every approach blocked by box"),
     by(Reason.FROM_BEHIND, "could only be grasped from behind"),
+    by(Reason.ONE_HAND, "it takes both hands, and only one gets there"),
     by(Reason.OUT_OF_SECTOR, "outside the sector of the left arm"),
     by(Reason.TOO_FAR, "0.71 m from the right shoulder, 1.0 mm beyond the arm", 0.001),
     by(Reason.TOO_FAR, "1.70 m from the left shoulder, 1.00 m beyond the arm", 1.0),
@@ -103,6 +105,39 @@ def test_every_reason_has_one_rank_and_each_rank_one_unit() -> None:
             },
         ),
         (
+            Grasped("left", "human", (1.0, 2.0, 3.0), 0.5, 0.06, (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), "tilted"),
+            {
+                "arm": "left",
+                "hand": "human",
+                "point_m": [1.0, 2.0, 3.0],
+                "distance_m": 0.5,
+                "width_m": 0.06,
+                "closing": [0.0, 1.0, 0.0],
+                "approach": [1.0, 0.0, 0.0],
+                "prepared": "tilted",
+            },
+        ),
+        (
+            GraspedByBoth(
+                ("left", "right"),
+                "human",
+                ((1.0, 0.1, 1.0), (1.0, -0.1, 1.0)),
+                (0.5, 0.6),
+                0.2,
+                (0.0, -1.0, 0.0),
+                (1.0, 0.0, 0.0),
+            ),
+            {
+                "arms": ["left", "right"],
+                "hand": "human",
+                "points_m": [[1.0, 0.1, 1.0], [1.0, -0.1, 1.0]],
+                "distances_m": [0.5, 0.6],
+                "width_m": 0.2,
+                "closing": [0.0, -1.0, 0.0],
+                "approach": [1.0, 0.0, 0.0],
+            },
+        ),
+        (
             Visibility(3, 100, 4, 2, (("box", 1),), 0.7, 0.1),
             {
                 "score": 0.03,
@@ -131,7 +166,7 @@ def test_every_reason_has_one_rank_and_each_rank_one_unit() -> None:
     ],
 )
 def test_evidence_as_a_document(
-    evidence: Held | Reached | Grasped | Visibility | Hindrance | None, document: dict[str, object]
+    evidence: Held | Reached | Grasped | GraspedByBoth | Visibility | Hindrance | None, document: dict[str, object]
 ) -> None:
     assert evidence_document(evidence) == document
     assert list(evidence_document(evidence)) == list(document)
@@ -156,13 +191,13 @@ def told(level: int, misses: list[Miss], attained: Held | Reached | None, action
 
 def test_an_effort_told_without_geometry() -> None:
     reached = Reached("left", (1.0, 0.0, 1.0), 0.6)
-    effort = told(2, HAND[7:8] + HAND[12:13], reached, ("Lean_Torso", "Stretch_Out_Arm(left)"))
+    effort = told(2, HAND[8:9] + HAND[13:14], reached, ("Lean_Torso", "Stretch_Out_Arm(left)"))
     assert why(effort) == (
         "P1 reaches the cup by leaning forward 29° and stretching out the left arm; "
         "with less: 1.70 m from the left shoulder, 1.00 m beyond the arm"
     )
-    never = told(5, [HAND[12], HAND[6], HAND[13], HAND[11], HAND[8]], None, ("No_Possible_Known_Action",))
-    assert why(never) == f"P1 cannot reach the cup: {HAND[6].text}; elsewhere: {HAND[8].text}"
+    never = told(5, [HAND[13], HAND[7], HAND[14], HAND[12], HAND[9]], None, ("No_Possible_Known_Action",))
+    assert why(never) == f"P1 cannot reach the cup: {HAND[7].text}; elsewhere: {HAND[9].text}"
     copied = pickle.loads(pickle.dumps(effort))
     assert (copied, copied.document) == (effort, effort.document)
 

@@ -18,7 +18,8 @@ from taskgist.errors import UnknownNameError
 from taskgist.perspective import Viewpoint, effort_from, visibility
 from taskgist.perspective.candidates import Candidates, UsableHead
 from taskgist.perspective.gaze import aimed, turned_heads
-from taskgist.perspective.image import lens_of, look
+from taskgist.perspective.image import look
+from taskgist.perspective.lens import lens_of
 from taskgist.perspective.occlusion import from_eye, in_shadow
 from taskgist.perspective.see import See, next_glimpse
 from taskgist.perspective.viewpoint import Screening

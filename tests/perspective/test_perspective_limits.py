@@ -35,6 +35,8 @@ from tools.rooms import COARSE, Person, Room, Thing, chair, table, wall
 CUP = Thing("cup", (0.03, 0.05), (0.9, 0.1, 0.77), "cylinder")
 SITTING = Person("P1", (0.0, 0.0), 0.0, "sitting")
 STANDING = Person("P1", (0.0, 0.0))
+BEHIND = wall("wall", -0.26, half=(0.02, 3.0, 1.2))
+"""Right behind a chair, which has no room to be pushed back."""
 HEAD = frozenset({"Pan_Head", "Tilt_Head"})
 
 
@@ -76,8 +78,8 @@ def test_the_head_turns_no_further_than_its_range(angle_deg: int) -> None:
     target = np.array((2 * math.cos(direction), 2 * math.sin(direction), 3.5 if angle_deg % 40 else 0.0))
     angles = head_aimed(stage, target)
     pan, tilt = (math.degrees(angles[agent.joints[joint]]) for joint in ("head_pan", "head_tilt"))
-    assert abs(pan) <= 60 + 1e-9
-    assert abs(tilt) <= 30 + 1e-9
+    assert abs(pan) <= 80 + 1e-9
+    assert -50 - 1e-9 <= tilt <= 60 + 1e-9
     if abs(angle_deg) <= 50:
         assert pan == pytest.approx(angle_deg, abs=8)
 
@@ -93,11 +95,11 @@ def test_the_head_aims_within_a_degree() -> None:
 
 
 def test_an_angle_beyond_the_range_may_stay() -> None:
-    turned = replace(STANDING, joints_deg=(("head_pan", 75.0),))
+    turned = replace(STANDING, joints_deg=(("head_tilt", -55.0),))
     stage = Room((), (turned,)).stage()
     agent = stage.scene.agent("P1")
-    angles = head_aimed(stage, np.array((0.2, 3.0, 1.6)))
-    assert math.degrees(angles[agent.joints["head_pan"]]) == pytest.approx(75.0)
+    angles = head_aimed(stage, np.array((0.2, 0.0, 0.0)))
+    assert math.degrees(angles[agent.joints["head_tilt"]]) == pytest.approx(-55.0)
 
 
 @pytest.mark.parametrize(
@@ -130,6 +132,8 @@ def test_who_walks_turns_the_chest_to_the_object() -> None:
     candidates = all_candidates(Viewpoint(stage, "P1", COARSE), 4, target)
     assert len({candidate.amount.moved_m for candidate in candidates}) > 2
     for candidate in candidates:
+        if "Bend_Hips" in candidate.actions:
+            continue  # what the torso was turned by is pitched with the pelvis
         chest = stage.show(candidate.state).site(stage.scene.model.site("P1/chest").id)
         assert "Turn_Torso" not in candidate.actions
         ahead = target[:2] - candidate.state.qpos[agent.base][:2]
@@ -181,7 +185,7 @@ def test_standing_up_is_free_without_a_table_and_blocked_by_one_over_the_thighs(
     high = cup_at(0.5, 0.2, 1.75)
     free = effort(Room((chair(0.0), high), (SITTING,)), "reach")
     assert (free.level, free.actions, free.posture) == (3, ("Make_Standing", "Stretch_Out_Arm(left)"), "standing")
-    blocked = effort(Room((chair(0.0), table(0.55), high), (SITTING,)), "reach")
+    blocked = effort(Room((chair(0.0), BEHIND, table(0.55), high), (SITTING,)), "reach")
     assert blocked.level == 5
     assert "against table" in blocked.reason
     contact = {"part": "legs", "other": "table", "depth_m": pytest.approx(0.05, abs=0.05)}
@@ -189,8 +193,8 @@ def test_standing_up_is_free_without_a_table_and_blocked_by_one_over_the_thighs(
 
 
 def test_standing_up_is_blocked_by_a_lamp_above() -> None:
-    lamp = Thing("lamp", (0.3, 0.3, 0.02), (0.4, 0.0, 1.6), free=False)
-    blocked = effort(Room((chair(0.0), lamp, cup_at(0.5, 0.3, 1.75)), (SITTING,)), "reach")
+    lamp = Thing("lamp", (0.6, 0.6, 0.02), (0.4, 0.0, 1.6), free=False)
+    blocked = effort(Room((chair(0.0), BEHIND, lamp, cup_at(0.5, 0.3, 1.75)), (SITTING,)), "reach")
     assert blocked.level == 5
     assert "head against lamp" in " ".join(map(str, blocked.evidence_document["not_with_less"]))  # type: ignore[call-overload]
 
@@ -232,7 +236,7 @@ def test_sitting_down_needs_a_seat() -> None:
 
 
 def test_nobody_walks_through_a_thin_wall() -> None:
-    room = Room((wall("wall", 0.4, half=(0.005, 6.0, 1.2)),), (replace(STANDING, stature=1.0),))
+    room = Room((wall("wall", 0.4, half=(0.005, 20.0, 1.2)),), (replace(STANDING, stature=1.0),))
     here = Viewpoint(room.stage(), "P1", DEFAULT)
     floor = floor_of(here)
     assert len(floor) > 50

@@ -1,4 +1,4 @@
-"""What arms reach, against distances, azimuths and elevations worked out point by point."""
+"""What arms reach by the paper's rough reach, against distances, azimuths and elevations worked out point by point."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from taskgist.perspective.reach import PointCloud, Reach, ReachScreening, grasps
 from taskgist.perspective.viewpoint import Hit
 from taskgist.world import Arm, ArmIndices, Pose
 from tests.perspective.random_rooms import random_case
-from tools.rooms import COARSE, Person, Room, Thing, chair
+from tools.rooms import ROUGH, Person, Room, Thing, chair
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -70,7 +70,7 @@ def gaps_m(judge: Reach, candidates: Candidates, points: Array) -> Array:
 def judges(seed: int) -> Iterator[Reach]:
     case = random_case(seed)
     for agent in case.scene.agents:
-        here = Viewpoint(case.stage(), agent, COARSE)
+        here = Viewpoint(case.stage(), agent, ROUGH)
         for name in case.scene.objects:
             yield Reach(here, here.target(name))
 
@@ -179,7 +179,7 @@ def test_beyond_holds_where_no_point_comes_within_the_margin(seed: int) -> None:
 
 def test_nothing_is_reached_of_what_has_no_points() -> None:
     room = Room((chair(0.0), Thing("cup", (0.03, 0.05), (0.4, 0.2, 1.2), "cylinder")), (Person("P1", (0.0, 0.0)),))
-    here = Viewpoint(room.stage(), "P1", COARSE)
+    here = Viewpoint(room.stage(), "P1", ROUGH)
     judge = Reach(here, here.target("cup"))
     for candidates in batches(judge):
         screening = ReachScreening(judge, candidates, PointCloud.of(np.empty((0, 3))))
@@ -204,7 +204,7 @@ def at(shoulder: Pose, arm: Arm, distance_m: float, azimuth_rad: float, elevatio
 def test_the_sector_is_closed_and_ends_there(body: str) -> None:
     """Points on its far side, and a little inside and outside of it."""
     thing = Thing("cup", (0.03, 0.05), (0.4, 0.2, 1.2), "cylinder")
-    here = Viewpoint(Room((thing,), (Person("P1", (0.3, -0.2), 0.7, profile=body),)).stage(), "P1", COARSE)
+    here = Viewpoint(Room((thing,), (Person("P1", (0.3, -0.2), 0.7, profile=body),)).stage(), "P1", ROUGH)
     judge = Reach(here, here.target("cup"))
     (candidates,) = here.candidates.of_level(1, judge.target.middle)
     assert judge.arms
@@ -252,7 +252,7 @@ def test_grasps_in_reach_come_nearest_first_and_not_from_behind(body: str) -> No
             approaches = rng.normal(size=(60, 3))
             approaches[:10] = centers[:10] - pose.position  # straight ahead
             approaches /= np.linalg.norm(approaches, axis=1)[:, None]
-            found = grasps_in_reach(row, arm, centers, approaches, facing)
+            found = grasps_in_reach(row, arm, centers, approaches, facing, model="sector")
             assert found.tolist() == plain_grasps(pose, arm.profile, centers, approaches, facing)
             counts.append(len(found))
     assert min(counts) < max(counts)
@@ -261,4 +261,4 @@ def test_grasps_in_reach_come_nearest_first_and_not_from_behind(body: str) -> No
 
 def test_no_grasps_none_in_reach() -> None:
     for arm, row, _ in arms("human", np.random.default_rng(4)):
-        assert not len(grasps_in_reach(row, arm, np.empty((0, 3)), np.empty((0, 3)), 0.0))
+        assert not len(grasps_in_reach(row, arm, np.empty((0, 3)), np.empty((0, 3)), 0.0, model="sector"))

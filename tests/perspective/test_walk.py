@@ -103,6 +103,8 @@ def test_who_walks_faces_what_it_wants(yaw: float, profile: str) -> None:
         for candidates in here.candidates.of_level(4, target):
             for index in rng.choice(len(candidates), min(6, len(candidates)), replace=False).tolist():
                 candidate = candidates[index]
+                if "Bend_Hips" in candidate.actions:
+                    continue  # what the torso was turned by is pitched with the pelvis
                 shown = here.stage.show(candidate.state)
                 if math.dist(shown.body_position(here.agent.root_body)[:2], target[:2]) <= OVERHEAD_M:
                     assert candidate.amount.turned_rad == 0.0

@@ -47,12 +47,13 @@ def test_sentences(place: tuple[float, float, float], ability: Ability, pattern:
 def test_what_hides_is_named_with_its_pixels() -> None:
     room = Room((wall("screen", 0.6, half=(0.02, 9.0, 3.0)), at(1.5, 0.0, 1.5)), (Person("P1", (0, 0)),))
     told = sentence(room, "see")
-    assert re.fullmatch(r"P1 cannot see the cup: the screen hides all of its \d+ pixels, from every place .*", told)
+    assert re.fullmatch(r"P1 cannot see the cup: the screen hides all of its [\d.]+ pixels, from every place .*", told)
 
 
 def test_a_blocked_way_is_told_where_nothing_nearer_is() -> None:
     shelf = Thing("shelf", (0.3, 0.3, 0.02), (0.5, 0.0, 0.85), free=False)
-    room = Room((chair(0.0), shelf, table(0.6, height=0.70), at(4.0, 0.0, 1.0)), (SITTER,))
+    behind = wall("wall", -0.26, half=(0.02, 3.0, 1.2))
+    room = Room((chair(0.0), behind, shelf, table(0.6, height=0.70), at(4.0, 0.0, 1.0)), (SITTER,))
     assert "elsewhere: Make_Standing is blocked: " in sentence(room, "reach")
 
 

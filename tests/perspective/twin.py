@@ -13,14 +13,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from taskgist.perspective import Ability, Effort
 from taskgist.settings import Settings
 from taskgist.world import Arm, Holding, Stage, holding_of, object_points
 from tests.perspective.twin_grasp import TwinGrasps
 from tests.perspective.twin_states import Array, Candidate, Key, States
-from tests.perspective.twin_world import pixel_rays
 
 Joints = tuple[tuple[str, float], ...]
 
@@ -49,9 +47,8 @@ class Twin:
         held = {name for name in stage.scene.objects if agent in _holders(self._holding(name))}
         self.states = States(stage, self.agent, settings, frozenset(held))
         self.world = self.states.world
-        self._images: dict[bytes, NDArray[np.int32]] = {}
+        self._gaze_px: dict[tuple[bytes, str], float] = {}
         self._grasps: dict[str, TwinGrasps] = {}
-        self._in_cone = pixel_rays(self.agent)[:, 0] >= math.cos(self.agent.profile.eye.gaze_cone_rad)
 
     def answer(self, name: str, ability: Ability) -> Answer:
         """The least effort of an ability towards an object."""
@@ -66,7 +63,7 @@ class Twin:
         for level in range(5):
             if self._unknown(name, ability, level):
                 return Answer(None)
-            able = [each for each in self._able(name, ability, level) if self.states.allowed(each.qpos)]
+            able = [each for each in self._able(name, ability, level) if self.states.allowed(each.qpos, each.aside)]
             if able:
                 best = min((each.key, each.merit) for each in able)
                 least = [each for each in able if (each.key, each.merit) == best]
@@ -125,7 +122,7 @@ class Twin:
             for each in self._heads(name, stance, target) if level else [stance]:
                 pixels = self.gaze_px(name, each.qpos)
                 if pixels:
-                    yield replace(each, merit=-float(pixels))
+                    yield replace(each, merit=-pixels)
 
     def _heads(self, name: str, stance: Candidate, target: Array) -> Iterator[Candidate]:
         """The head at equal steps from where it is to where it aims; nothing where aiming does not help."""
@@ -165,13 +162,18 @@ class Twin:
             qpos[index] = np.clip(qpos[index] + by, low, high)
         return qpos
 
-    def gaze_px(self, name: str, qpos: Array) -> int:
-        """Pixels of the object inside the gaze cone, of the whole image."""
-        key = qpos.tobytes()
-        if key not in self._images:
+    def gaze_px(self, name: str, qpos: Array) -> float:
+        """Pixels of the object inside the gaze cone; none if it is too small to be made out."""
+        key = (qpos.tobytes(), name)
+        if key not in self._gaze_px:
             self.world.show(qpos)
-            self._images[key] = self.world.image(self.agent)
-        return int((np.isin(self._images[key], self.world.seen_geoms(name)) & self._in_cone).sum())
+            found, cone_rad = (
+                self.world.look(self.agent, name, self.settings.vision),
+                self.agent.profile.eye.gaze_cone_rad,
+            )
+            mine = np.isin(found.geoms, self.world.seen_geoms(name)) & (found.rays[:, 0] >= math.cos(cone_rad))
+            self._gaze_px[key] = found.count(mine, self.settings.vision)
+        return self._gaze_px[key]
 
     def _reached(self, name: str, level: int) -> Iterator[Candidate]:
         self.stage.show(self.state)
@@ -181,7 +183,7 @@ class Twin:
             for arm in self.agent.arms:
                 distances = self.within(arm.shoulder_site, arm.carrier_body, arm.profile, points)
                 if np.isfinite(distances).any():
-                    yield _stretched(stance, arm.profile, float(distances.min()))
+                    yield _stretched(stance, (arm.profile.side,), float(distances.min()))
 
     def _grasped(self, name: str, level: int) -> Iterator[Candidate]:
         if self.agent.profile.hand is None:
@@ -191,10 +193,8 @@ class Twin:
         grasps = self._grasps[name]
         for stance in self.states.stances(level, self._middle(name)):
             self.world.show(stance.qpos)
-            for arm in self.agent.arms:
-                found = grasps.nearest(arm)
-                if found is not None:
-                    yield _stretched(stance, arm.profile, found)
+            for sides, distance in grasps.found():
+                yield _stretched(stance, sides, distance)
 
     def within(self, shoulder_site: int, carrier: int, arm: Arm, points: Array) -> Array:
         """Distance from the shoulder of each point in the arm's sector, infinite outside, (n,)."""
@@ -213,8 +213,8 @@ class Twin:
         return self.world.middle(name)
 
 
-def _stretched(stance: Candidate, arm: Arm, distance: float) -> Candidate:
-    actions = (*stance.actions, f"Stretch_Out_Arm({arm.side})")
+def _stretched(stance: Candidate, sides: tuple[str, ...], distance: float) -> Candidate:
+    actions = (*stance.actions, *(f"Stretch_Out_Arm({side})" for side in sides))
     return replace(stance, actions=actions, merit=round(distance, 6))
 
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.perspective.candidates import THINNED_M, actions_of
+from taskgist.perspective.candidates import Candidate as Posture
+from taskgist.perspective.postures import bends, leaving_seat
 from taskgist.settings import Settings
 from taskgist.world import Agent, Stage, State, posture_of, seat_position, with_posture
 from taskgist.world.bodies.profile import Axis
@@ -19,7 +22,7 @@ from taskgist.world.geometry.transforms import about_z, multiply, yaw_of
 from tests.perspective.twin_world import SEEN_MASK, World
 
 Array = NDArray[np.float64]
-Key = tuple[float, float, float, float]
+Key = tuple[float, ...]
 Cell = tuple[float, float]
 
 
@@ -34,10 +37,14 @@ class Candidate:
     torso_rad: float = 0.0
     head_rad: float = 0.0
     merit: float = 0.0
+    lowered_m: float = 0.0
+    bent_rad: float = 0.0
+    aside: str | None = None
 
     @property
     def key(self) -> Key:
-        return round(self.way_m, 6), round(self.turned_rad, 6), round(self.torso_rad, 6), round(self.head_rad, 6)
+        bent, turned = (self.lowered_m, self.bent_rad), (self.turned_rad, self.torso_rad, self.head_rad)
+        return tuple(round(amount, 6) for amount in (*bent, self.way_m, *turned))
 
 
 class States:
@@ -50,31 +57,37 @@ class States:
         self.solid = self.world.solid_geoms({agent.name, *held})
         self.core = [int(geom) for geom in agent.core_geoms]
         self.usual = self.world.depths(self.core, self.solid)
-        self._free: dict[bytes, bool] = {}
+        self._free: dict[tuple[bytes, str | None, float], bool] = {}
         self.posture = posture_of(stage, agent, settings.contact)
 
-    def allowed(self, qpos: Array) -> bool:
+    def allowed(self, qpos: Array, aside: str | None = None, *, passing: bool = False) -> bool:
         """Whether head, torso and base are nowhere deeper in anything than now, by more than the tolerance."""
-        key = qpos.tobytes()
+        efforts = self.settings.efforts
+        limit = efforts.passing_m if passing else efforts.collision_m
+        key = qpos.tobytes(), aside, limit
         if key not in self._free:
             self.world.show(qpos)
-            depths, limit = self.world.depths(self.core, self.solid), self.settings.efforts.collision_m
+            solid = [geom for geom in self.solid if self.stage.scene.owners[geom] != aside]
+            depths = self.world.depths(self.core, solid)
             self._free[key] = all(depth <= self.usual.get(pair, 0.0) + limit for pair, depth in depths.items())
         return self._free[key]
 
     def stances(self, level: int, target: Array) -> list[Candidate]:
         """All states of base, legs and torso of a level."""
-        here, other = Candidate(self.now), self.other_posture
+        here, other, upright = Candidate(self.now), self.other_posture, self.upright
         if level <= 1:
             return [here]
         if level == 2:
             return list(self.bent(here, turns=True))
+        crouched = self.crouched(upright) if upright else []
         if level == 3:
-            return list(self.bent(other, turns=True)) if other else []
-        start = here if self.posture == "standing" else other
-        if start is None or not self.agent.profile.moves or not self.allowed(start.qpos):
+            raised = [upright] if upright and self.posture == "sitting" else []
+            starts = [*([other] if other else []), *raised, *crouched]
+            return [each for start in starts for each in self.bent(start, turns=True)]
+        if upright is None or not self.agent.profile.moves:
             return []
-        return list(itertools.chain.from_iterable(self.walked(start, target)))
+        walked = (self.walked(start, target) for start in (upright, *crouched))
+        return list(itertools.chain.from_iterable(itertools.chain.from_iterable(walked)))
 
     # posture -------------------------------------------------------------------------------------------------
 
@@ -90,7 +103,26 @@ class States:
         if seat is None:
             return None
         state: State = with_posture(self.stage, self.agent, "sitting", seat_height_m=seat)
-        return Candidate(state.qpos, ("Make_Sitting",))
+        hips = self.agent.base.start + 2
+        return Candidate(state.qpos, ("Make_Sitting",), lowered_m=float(self.now[hips] - state.qpos[hips]))
+
+    @cached_property
+    def upright(self) -> Candidate | None:
+        """Standing, free of collisions, the seat pushed back if need be."""
+        if self.posture == "standing":
+            return Candidate(self.now)
+        if self.other_posture is None or self.allowed(self.other_posture.qpos):
+            return self.other_posture
+        actions = frozenset(actions_of(self.agent))
+        ways_out = leaving_seat(self.stage.show(self.state), self.agent, self.settings.efforts, actions)
+        return next((each for each in map(_of, ways_out) if self.allowed(each.qpos, each.aside)), None)
+
+    def crouched(self, start: Candidate) -> list[Candidate]:
+        """What the legs do from there."""
+        standing = Posture(self.state.replace(at=slice(0, len(start.qpos)), to=start.qpos), start.actions)
+        actions = frozenset(actions_of(self.agent))
+        found = bends(self.stage, self.agent, standing, self.settings.efforts, actions)
+        return [replace(_of(each), way_m=start.way_m, aside=start.aside) for each in found]
 
     def seat_m(self) -> float | None:
         """Height of the topmost thing under the place to sit, from a little over the highest seat; agents are air."""
@@ -123,7 +155,7 @@ class States:
                     qpos[index] = angle
                     torso += abs(angle - float(self.now[index]))
                     actions.append(name)
-            yield Candidate(qpos, tuple(actions), start.way_m, start.turned_rad, torso)
+            yield replace(start, qpos=qpos, actions=tuple(actions), torso_rad=torso)
 
     def angles(self, axis: Axis | None, step: float) -> list[float | None]:
         """The present angle, and every multiple of the step in the joint's range."""
@@ -142,11 +174,15 @@ class States:
         for cell, way in self.ways.items():
             x, y = self.spot(base, cell)
             dx, dy = target[0] - x, target[1] - y
+            lattice = 4 if math.hypot(dx, dy) > THINNED_M[1] else 2 if math.hypot(dx, dy) > THINNED_M[0] else 1
+            if cell[0] % lattice or cell[1] % lattice:
+                continue
             by = math.atan2(dy, dx) - torso - yaw_of(base[3:]) if math.hypot(dx, dy) > 1e-6 else 0.0
             qpos = np.array(start.qpos)
             qpos[at] = (x, y, base[2], *multiply(about_z(by), base[3:]))
             turned = abs(math.remainder(by, 2 * math.pi))
-            yield self.bent(Candidate(qpos, (*start.actions, "Move_To"), way, turned), turns=False)
+            actions, way = (*start.actions, "Move_To"), start.way_m + way
+            yield self.bent(replace(start, qpos=qpos, actions=actions, way_m=way, turned_rad=turned), turns=False)
 
     def spot(self, base: Array, cell: Cell) -> tuple[float, float]:
         yaw, step = yaw_of(base[3:]), self.settings.efforts.move_step_m
@@ -157,8 +193,8 @@ class States:
     @cached_property
     def ways(self) -> dict[Cell, float]:
         """Shortest ways to all cells, by relaxing every step until nothing changes."""
-        efforts, other = self.settings.efforts, self.other_posture
-        qpos = self.now if self.posture == "standing" or other is None else other.qpos
+        efforts, upright = self.settings.efforts, self.upright
+        assert upright is not None
         reach = math.ceil(efforts.move_radius_m / efforts.move_step_m)
         around = range(-reach, reach + 1)
         cells: list[Cell] = list(itertools.product(around, around))
@@ -170,13 +206,25 @@ class States:
             before = dict(ways)
             for (i, j), (di, dj) in itertools.product(before, steps):
                 end, half = (i + di, j + dj), (i + di / 2, j + dj / 2)
-                if end in inside and self.stands(qpos, end) and self.stands(qpos, half):
+                if end in inside and self.stands(upright, end) and self.stands(upright, half):
                     way = ways[i, j] + math.hypot(di, dj) * efforts.move_step_m
                     ways[end] = min(way, ways.get(end, math.inf))
         return ways
 
-    def stands(self, qpos: Array, cell: Cell) -> bool:
-        base = qpos[self.agent.base]
-        there = np.array(qpos)
+    def stands(self, upright: Candidate, cell: Cell) -> bool:
+        base = upright.qpos[self.agent.base]
+        there = np.array(upright.qpos)
         there[self.agent.base] = (*self.spot(base, cell), *base[2:])
-        return self.allowed(there)
+        return self.allowed(there, upright.aside, passing=True)
+
+
+def _of(found: Posture) -> Candidate:
+    amount = found.amount
+    return Candidate(
+        found.state.qpos,
+        found.actions,
+        amount.moved_m,
+        lowered_m=amount.lowered_m,
+        bent_rad=amount.bent_rad,
+        aside=found.aside,
+    )

@@ -6,11 +6,14 @@ import copy
 import itertools
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.perspective.lens import STEPS, lens_of, raster
+from taskgist.settings import Vision
 from taskgist.world import Agent, Scene, State
 
 Array = NDArray[np.float64]
@@ -19,6 +22,35 @@ SEEN = (0, 1, 2)
 SEEN_MASK = np.array([1, 1, 1, 0, 0, 0], dtype=np.uint8)
 UNSEEN, GHOST = 3, 5
 MEASURED_M = 0.01
+ARCMIN_RAD = math.pi / 180 / 60
+MARGIN = 1.5
+"""How much wider than an object's ball that is at which the twin looks."""
+STRAIGHT = math.pi / 2 - 1e-3
+"""Nothing farther aside is in an image."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pixels:
+    """What an eye sees around an object, ray by ray.
+
+    Attributes:
+        geoms: The first shape that each ray meets, −1 for none, (n,).
+        alone: The same if nothing but the object were there.
+        rays: Unit directions in the eye's frame, (n, 3).
+        share: The part of a pixel that each ray stands for.
+        pixel_sr: Solid angle of a pixel in the image's middle.
+    """
+
+    geoms: NDArray[np.int32]
+    alone: NDArray[np.int32]
+    rays: Array
+    share: float
+    pixel_sr: float
+
+    def count(self, which: NDArray[np.bool_], vision: Vision) -> float:
+        """Pixels of some rays; none where their solid angle is too small to be made out."""
+        seen_sr = (self.rays[which, 0] ** 3).sum() * self.share * self.pixel_sr
+        return float(which.sum()) * self.share if seen_sr >= vision.least_visible_arcmin2 * ARCMIN_RAD**2 else 0.0
 
 
 class World:
@@ -64,11 +96,65 @@ class World:
 
         With ``alone``, only these shapes are there, and the body around the eye is as solid as any.
         """
-        rays = np.ascontiguousarray(pixel_rays(agent) @ self.data.site_xmat[agent.eye_site].reshape(3, 3).T)
+        return self._cast(agent, pixel_rays(agent), alone)
+
+    def look(self, agent: Agent, owner: str, vision: Vision) -> Pixels:
+        """What an eye sees around an object: the whole image, or finer pixels around it where it has few.
+
+        How fine they are is asked of the fast one; which of them count is found out anew.
+        """
+        shapes, eye = self.seen_geoms(owner), lens_of(agent.profile.eye)
+        halvings = self._raster(agent, shapes)[0]
+        rays = pixel_rays(agent) if halvings == 0 else self._fine_rays(agent, shapes, halvings)
+        glass = [g for g in self._transparent(vision) if g not in shapes]
+        return Pixels(
+            self._cast(agent, rays, passing=glass), self._cast(agent, rays, shapes), rays, 0.25**halvings, eye.pixel_sr
+        )
+
+    def _raster(self, agent: Agent, shapes: Sequence[int]) -> tuple[int, ...]:
+        m, data, site = self.model, self.data, agent.eye_site
+        signs = np.array(list(itertools.product((-1, 1), repeat=3)))
+        boxes = m.geom_aabb[shapes, None, :3] + signs * m.geom_aabb[shapes, None, 3:]
+        turned = np.einsum("nij,nkj->nki", data.geom_xmat[shapes].reshape(-1, 3, 3), boxes)
+        corners = (turned + data.geom_xpos[shapes][:, None]).reshape(-1, 3)
+        row = np.concatenate((data.site_xpos[site], data.site_xmat[site]))
+        return raster(lens_of(agent.profile.eye), row, data.geom_xpos[shapes], m.geom_rbound[shapes], corners)
+
+    def _fine_rays(self, agent: Agent, shapes: Sequence[int], halvings: int) -> Array:
+        """Through all fine pixels in whose rows and columns an object's balls may be, in the eye's frame, (n, 3)."""
+        eye, frame = agent.profile.eye, self.data.site_xmat[agent.eye_site].reshape(3, 3)
+        width, height = (size * 2**halvings for size in eye.image_px)
+        right, up = (math.tan(angle / 2) for angle in eye.fov_rad)
+        wanted = np.zeros((height, width), dtype=bool)
+        for shape in shapes:
+            x, y, z = (self.data.geom_xpos[shape] - self.data.site_xpos[agent.eye_site]) @ frame
+            rows, columns = (_around(x, at, self.model.geom_rbound[shape]) for at in (z, y))
+            top, bottom = ((1 - tangent / up) * height / 2 for tangent in rows)
+            left, last = ((1 - tangent / right) * width / 2 for tangent in columns)
+            wanted[_cut(top, height) : _cut(bottom + 1, height), _cut(left, width) : _cut(last + 1, width)] = True
+        row, column = np.nonzero(wanted)
+        aside = np.abs(column + 0.5 - width / 2) - 0.5
+        left = (aside + row * STEPS[0] % 1) / (width / 2) * right
+        above = up * (1 - 2 * (row + aside * STEPS[1] % 1) / height)
+        rays = np.stack((np.ones(len(row)), np.where(column < width / 2, left, -left), above), axis=1)
+        return np.asarray(rays / np.linalg.norm(rays, axis=1, keepdims=True))
+
+    def _transparent(self, vision: Vision) -> list[int]:
+        m = self.scene.model
+        alpha = [m.geom_rgba[g, 3] if m.geom_matid[g] < 0 else m.mat_rgba[m.geom_matid[g], 3] for g in range(m.ngeom)]
+        return [g for g in range(m.ngeom) if alpha[g] <= vision.transparent_alpha]
+
+    def _cast(
+        self, agent: Agent, rays: Array, alone: Sequence[int] | None = None, passing: Sequence[int] = ()
+    ) -> NDArray[np.int32]:
+        rays = np.ascontiguousarray(rays @ self.data.site_xmat[agent.eye_site].reshape(3, 3).T)
         model, exclude = self.model, agent.eye_exclude_body
         if alone is not None:
             model, exclude = copy.copy(self.scene.model), -1
             model.geom_group[[g for g in range(model.ngeom) if g not in alone]] = UNSEEN
+        if passing:
+            model = copy.copy(model)
+            model.geom_group[passing] = UNSEEN
         geoms, distances = np.full(len(rays), -1, dtype=np.int32), np.zeros(len(rays))
         eye = self.data.site_xpos[agent.eye_site]
         mujoco.mj_multiRay(
@@ -114,6 +200,18 @@ class World:
         leave = min(1.0, *np.where(still, 1.0, cuts[1]))
         middle = start + (enter + leave) / 2 * step
         return float(np.min(half - np.abs(middle))) if enter <= leave else -1.0
+
+
+def _around(ahead: float, aside: float, radius_m: float) -> tuple[float, float]:
+    """Tangents of the greatest and the least angle at which something of a ball is, a little more than that."""
+    angle, distance = math.atan2(aside, ahead), math.hypot(ahead, aside)
+    half = MARGIN * math.asin(radius_m / distance) if radius_m < distance else math.pi
+    low, high = (min(max(each, -STRAIGHT), STRAIGHT) for each in (angle - half, angle + half))
+    return math.tan(high), math.tan(low)
+
+
+def _cut(pixel: float, pixels: int) -> int:
+    return int(min(max(pixel, 0), pixels))
 
 
 def pixel_rays(agent: Agent) -> Array:

@@ -18,11 +18,9 @@ from tests.pipeline.small import small
 from tests.shipped import NAMES, PATHS, TASKS, excerpt, explanation, knowledge, names_of, recording
 
 GIVE = {
-    "Initial_Action_to_Reach": "Lean_Torso + Stretch_Out_Arm(left)",
     "Action_to_Reach": "No_Action_Required",
     "Initial_Posture": "Standing",
     "Final_Posture": "Standing",
-    "Initial_Effort_to_Grasp": "Arm_Torso_Effort",
     "Action_to_Grasp": "No_Action_Required",
     "Object_Initial_Motion_Status": "Static",
     "Object_Final_Motion_Status": "Moving",

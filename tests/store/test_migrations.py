@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import shutil
 import sqlite3
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -23,11 +24,16 @@ OLD = Path(__file__).parent / "data" / "knowledge_0_1_0.db"
 """Made by release 0.1.0 from what ``taught`` gives, and the answer below."""
 
 
+SETTINGS = "191e32c110a0"
+"""Digest of the settings of that release."""
+
+
 def taught(index: int, task: str = "show", end_s: float | None = None) -> Explanation:
     start = {"posture": Observation("Sitting", {"thigh_rad": 1.5}), "motion": Observation("Static")}
     end = {"posture": Observation("Sitting")}
     source = f"recording{index} 0.0000-{end_s or index:.4f} s"
-    return explain(Episode(task, f"Vorführung {index}", "P1", "P2", "cup", start, end, source=source))
+    found = explain(Episode(task, f"Vorführung {index}", "P1", "P2", "cup", start, end, source=source))
+    return replace(found, context=replace(found.context, settings_digest=SETTINGS))
 
 
 ANSWER = Answer("show", "see.class", Verdict.RELEVANT, author="ann", time="2024-05-01T12:00:00+00:00", value="x")

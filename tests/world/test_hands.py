@@ -62,13 +62,14 @@ def test_the_palm_and_its_way_stay_behind_the_tips(
     kind: HandKind, opening: float, length: float, thick: float, palm: float
 ) -> None:
     hand = Hand(opening, length, thick, (0.08, palm), kind)
+    tip, way = hand.tips_m, length - thick + hand.tips_m
     palm_box, *fingers = hand_boxes(hand)
     palm_x = corners(palm_box, 0.0)[:, 0]
-    assert palm_x.max() == pytest.approx(thick - length)  # between palm and tips a finger fits
-    assert np.ptp(palm_x) == pytest.approx(palm + length)  # and it sweeps a finger's length
+    assert palm_x.max() == pytest.approx(tip - length)  # between palm and tips a finger fits
+    assert np.ptp(palm_x) == pytest.approx(palm + way)  # and it sweeps most of a finger's length
     for finger in fingers:
         x = corners(finger, 0.1)[:, 0]
-        assert x.max() == pytest.approx(thick)
+        assert x.max() == pytest.approx(tip)
         assert x.min() >= palm_x.min() - 1e-12
 
 
@@ -82,6 +83,10 @@ def test_the_palm_and_its_way_stay_behind_the_tips(
         (("[0.085, 0.028]", "[0.085, 0]"), "hand.palm_m"),
         (("opening_m", "finger_width_m = 0\nopening_m"), "hand.finger_width_m"),
         (("opening_m", "spread_m = -1\nopening_m"), "hand.spread_m"),
+        (("opening_m", "tip_m = 0\nopening_m"), "hand.tip_m"),
+        (("opening_m", "tip_m = 0.02\nopening_m"), "hand.tip_m"),
+        (("opening_m", "thumb_width_m = -1\nopening_m"), "hand.thumb_width_m"),
+        (("opening_m", "between_m = 0.1\nopening_m"), "hand.between_m"),
     ],
 )
 def test_sizes_that_cannot_be_are_refused_by_name(change: tuple[str, str], field: str) -> None:
@@ -96,7 +101,21 @@ def test_an_unknown_kind_is_refused_with_the_known_ones() -> None:
 
 def test_the_human_profile_has_a_human_hand() -> None:
     hand = parse_hand(TomlTable.parse(builtin_profile_text("human"), "human.toml", most_bytes=100_000).table("hand"))
-    assert (hand.kind, hand.one_sided, hand.opening_m) == ("human", False, 0.10)
+    assert (hand.kind, hand.one_sided, hand.opening_m) == ("human", True, 0.10)
+    assert (hand.tips_m, hand.thumb_m, hand.width_m) == (0.001, 0.022, 0.085)
+    assert hand.palms is not None
+    assert (hand.palms.least_m, hand.palms.opening_m) == (0.10, 0.60)
+
+
+@pytest.mark.parametrize("kind", HAND_KINDS)
+def test_two_hands_lie_flat_on_both_sides_with_the_tips_at_the_points(kind: HandKind) -> None:
+    hand = parsed(f'{TABLE}kind = "{kind}"\nbetween_m = 0.5\ntip_m = 0.003')
+    assert hand.palms is not None
+    left, right = hand_boxes(hand.palms)
+    assert (left.name, left.side, right.name, right.side) == ("left", -1, "right", 1)
+    assert left.half_m == right.half_m
+    assert corners(right, 0.2)[:, 0].max() == pytest.approx(0.003)
+    assert parsed(f'{TABLE}kind = "{kind}"\nbetween_m = 0').palms is None
 
 
 SHAPES = (

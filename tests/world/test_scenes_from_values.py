@@ -48,6 +48,7 @@ def entries(draw: st.DrawFn) -> AgentEntry:
     st.none() | st.lists(texts, max_size=2).map(tuple),
     st.lists(texts, max_size=2).map(tuple),
     st.lists(entries(), max_size=2, unique_by=lambda entry: entry.name).map(tuple),
+    st.none() | st.lists(st.integers(0, 5), min_size=1, max_size=3).map(tuple),
 )
 def test_a_written_scene_file_reads_as_the_same_value(
     name: str,
@@ -55,8 +56,9 @@ def test_a_written_scene_file_reads_as_the_same_value(
     objects: tuple[str, ...] | None,
     estimated: tuple[str, ...],
     agents: tuple[AgentEntry, ...],
+    seen_groups: tuple[int, ...] | None,
 ) -> None:
-    file = SceneFile(name, model, objects, estimated, agents, where="here")
+    file = SceneFile(name, model, objects, estimated, agents, "here", seen_groups)
     assert parse_scene_file(write_scene_file(file), where="elsewhere") == file
 
 

@@ -9,6 +9,7 @@ import typer
 from rich.text import Text
 
 from taskgist.cli.common import JsonOption, RecordingArgument, about, command, console, print_json, progress_bar
+from taskgist.cli.relations import intervals_document, print_intervals, print_relations
 from taskgist.common.frozen import thaw
 from taskgist.errors import LabelError
 from taskgist.facts.predicates import known_predicates, with_predicates
@@ -32,21 +33,30 @@ def facts(
     object: Annotated[str | None, typer.Option("--object", help="Of which object; default: the label's.")] = None,  # noqa: A002
     at: Annotated[float | None, typer.Option(help="Only at this time, with evidence; seconds.")] = None,
     every: Annotated[float, typer.Option(min=0.02, help="Seconds between samples of the timeline.")] = 0.5,
+    relations: Annotated[
+        bool, typer.Option("--relations", help="Relations instead: sight, attention, places, touching, carrying.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Show what is true for an agent, when, and what changed.
 
-    Prints every attribute over time, and the effect between the label's start and end.
+    Prints every attribute over time, and the effect between the label's start and end. With --relations: who has what
+    in sight, looks at it, is near, approaches, touches and carries it, exact to the frame.
 
     Example: taskgist facts handover.mcap
 
     Example: taskgist facts handover.mcap --agent giver --object baton --at 2.0
+
+    Example: taskgist facts handover.mcap --relations
     """
     opened = read(recording)
     with about(recording, {"time_s": "--at"}):
         agent, object = _subject(opened, agent, object)  # noqa: A001
         state = None if at is None else opened.at(at)
     observer = Observer(opened.scene, opened)
+    if relations:
+        print_relations(opened, observer, agent, object, state, as_json=as_json)
+        return
     if state is not None:
         stage = Stage(opened.scene, state)
         observed = snapshot(stage, observer, agent=agent, name=object, predicates=known_predicates())
@@ -107,10 +117,7 @@ def _value_text(value: Any) -> str:
 
 
 def _timeline_document(line: Timeline, effect: Explanation | None) -> dict[str, Any]:
-    rows = {
-        attribute: [{"value": i.value, "start_s": round(i.start_s, 4), "end_s": round(i.end_s, 4)} for i in intervals]
-        for attribute, intervals in line.rows.items()
-    }
+    rows = {attribute: intervals_document(intervals) for attribute, intervals in line.rows.items()}
     values = {name: node.to_json() for name, node in effect.nodes.items()} if effect else None
     return {"agent": line.agent, "object": line.name, "every_s": line.every_s, "timeline": rows, "effect": values}
 
@@ -120,9 +127,7 @@ def _print_timeline(line: Timeline) -> None:
     for attribute, intervals in line.rows.items():
         if attribute.endswith(".state"):
             continue  # joint angles: --at shows them
-        console.print(Text(f"  {attribute}", style="bold"))
-        for i in intervals:
-            console.print(f"    {i.start_s:6.2f} - {i.end_s:6.2f} s  {'unknown' if i.value is None else i.value}")
+        print_intervals(attribute, intervals)
 
 
 def _print_effect(effect: Explanation | None) -> None:

@@ -23,6 +23,7 @@ from taskgist.cli.common import (
 )
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.language.efforts import why
+from taskgist.observe.relation_questions import RELATION_VERBS
 from taskgist.perspective.effort import ABILITIES, Ability, Effort
 from taskgist.perspective.queries import objects_where, parse_question
 from taskgist.perspective.scene_efforts import SceneEfforts, able_by, becoming_able_by
@@ -120,7 +121,7 @@ class _Answers:
     def where(self, text: str) -> int:
         """A set question."""
         scene = self.scene_efforts.stage.scene
-        question = parse_question(text, scene.agents)
+        question = parse_question(text, scene.agents, RELATION_VERBS)
         chosen = objects_where(self.scene_efforts, question)
         efforts = {
             name: [self.scene_efforts.effort(agent, name, ability) for agent, ability in question.abilities]

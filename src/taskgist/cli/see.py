@@ -69,7 +69,9 @@ def _sentence(visible: Visibility | None) -> str:
         return "unknown: it was not tracked"
     if not visible.visible_px:
         hidden_by = ", ".join(owner for owner, _ in visible.occluders)
-        return f"not visible: hidden by {hidden_by}" if hidden_by else "not visible: out of the field of view"
+        if hidden_by:
+            return f"not visible: hidden by {hidden_by}"
+        return f"not visible: {'too small' if visible.unoccluded_px else 'out of the field of view'}"
     where = "in the gaze cone" if visible.in_gaze_cone else "beside the gaze cone"
     unoccluded = _percent(visible.visible_share, 0)
     return f"visibility score {_percent(visible.score, 2)}, {where}, {unoccluded} of it unoccluded"

@@ -7,6 +7,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from decimal import Decimal
 from enum import Enum
 from pathlib import Path
 from typing import Final, Generic, Literal, NoReturn, TypeAlias, TypeVar, cast
@@ -220,4 +221,4 @@ def score_bin(score: float, vision: Vision) -> str:
 
 def _rounded(number: float, digits: int) -> str:
     """Text with this many significant digits, without an exponent."""
-    return f"{float(f'{number:.{digits}g}'):.12g}"
+    return format(Decimal(f"{number:.{digits}g}"), "f")

@@ -6,16 +6,24 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 from taskgist.perspective.effort import (
+    BEND,
+    CROUCH,
     LEAN,
+    LIFT,
     MOVE,
     NO_ACTION,
     NO_KNOWN_LEVEL,
     PAN,
+    PUSH,
+    SIDLE,
     SIT,
     STAND,
     TILT,
     TURN,
+    Amount,
     Effort,
+    Grasped,
+    Held,
     Occlusion,
     Reason,
     Visibility,
@@ -38,10 +46,11 @@ def why(effort: Effort) -> str:
     if effort.level is None:
         return f"it is unknown whether {_claim(effort)}: {effort.reason}"
     if effort.level == NO_KNOWN_LEVEL:
-        return f"{effort.agent} cannot {effort.ability} the {effort.target}: {_hindrance(effort)}"
+        untried = f" ({effort.evidence.untried} was not tried)" if effort.evidence.untried else ""
+        return f"{effort.agent} cannot {effort.ability} the {effort.target}: {_hindrance(effort)}{untried}"
     if effort.actions == (NO_ACTION,):
         return f"{_claim(effort)} without effort: {_now(effort)}"
-    return f"{_claim(effort)} by {listed(gerunds(effort))}; {_with_less(effort)}"
+    return f"{_claim(effort)} by {listed(gerunds(effort))}{_prepared(effort)}; {_with_less(effort)}"
 
 
 def gerunds(effort: Effort) -> list[str]:
@@ -53,10 +62,17 @@ def gerunds(effort: Effort) -> list[str]:
         TURN: lambda: f"turning the torso {_degrees(turns[TURN])}",
         LEAN: lambda: f"leaning {'forward' if turns[LEAN] > 0 else 'back'} {_degrees(turns[LEAN])}",
         STAND: lambda: "standing up",
+        BEND: lambda: f"bending at the hips {_degrees(_amount(effort).bent_rad)}",
+        CROUCH: lambda: f"crouching by {_amount(effort).lowered_m:.2f} m",
+        LIFT: lambda: f"moving the torso up or down by {_amount(effort).lowered_m:.2f} m",
+        PUSH: lambda: "pushing the seat back",
+        SIDLE: lambda: "moving along the seat",
         SIT: lambda: "sitting down",
         MOVE: lambda: _moving(effort),
     }
-    return [_stretching(action) if action.startswith(STRETCH) else telling[action]() for action in effort.actions]
+    arms = [action for action in effort.actions if action.startswith(STRETCH)]
+    told = [telling[action]() for action in effort.actions if action not in arms]
+    return [*told, *(["stretching out both arms"] if len(arms) > 1 else map(_stretching, arms))]
 
 
 def listed(parts: Sequence[str]) -> str:
@@ -71,11 +87,22 @@ def _claim(effort: Effort) -> str:
 def _now(effort: Effort) -> str:
     """What already is so at level 0."""
     found = effort.evidence.attained
-    assert found is not None, "an effort of level 0 has found something"
-    if not isinstance(found, Visibility):
+    if isinstance(found, Held):
         return f"it is in {effort.agent}'s {found.arm} hand"
-    shown = "all" if found.visible_px == found.unoccluded_px else f"{found.visible_px}"
-    return f"it is in the gaze cone, and {shown} of its {found.unoccluded_px} pixels are visible"
+    assert isinstance(found, Visibility), "what is not held at level 0 is seen"
+    shown = "all" if found.visible_px == found.unoccluded_px else _number(found.visible_px)
+    return f"it is in the gaze cone, and {shown} of its {_number(found.unoccluded_px)} pixels are visible"
+
+
+def _number(pixels: float) -> str:
+    """Whole pixels, or parts of one where there are few."""
+    return f"{pixels:.0f}" if pixels >= 10 else f"{pixels:.2g}"
+
+
+def _prepared(effort: Effort) -> str:
+    """What is done to the object before a hand grasps it."""
+    found = effort.evidence.attained
+    return f", once it is {found.prepared}" if isinstance(found, Grasped) and found.prepared else ""
 
 
 def _with_less(effort: Effort) -> str:
@@ -101,7 +128,7 @@ def _covered(effort: Effort) -> str | None:
     if not isinstance(hindrance, Occlusion):
         return None
     by = [f"the {owner}" for owner, _ in hindrance.occluders]
-    return f"{listed(by)} {'hides' if len(by) == 1 else 'hide'} all of its {hindrance.unoccluded_px} pixels"
+    return f"{listed(by)} {'hides' if len(by) == 1 else 'hide'} all of its {_number(hindrance.unoccluded_px)} pixels"
 
 
 def _degrees(angle_rad: float) -> str:
@@ -109,10 +136,15 @@ def _degrees(angle_rad: float) -> str:
     return f"{degrees:.0f}°" if degrees >= 0.5 else "less than 1°"
 
 
-def _moving(effort: Effort) -> str:
+def _amount(effort: Effort) -> Amount:
     assert effort.amount is not None, "an effort with actions has an amount"
-    turn = f"turning {_degrees(effort.amount.turned_rad)}"
-    return f"going {effort.amount.moved_m:.2f} m and {turn}" if effort.amount.moved_m else f"{turn} on the spot"
+    return effort.amount
+
+
+def _moving(effort: Effort) -> str:
+    amount = _amount(effort)
+    turn = f"turning {_degrees(amount.turned_rad)}"
+    return f"going {amount.moved_m:.2f} m and {turn}" if amount.moved_m else f"{turn} on the spot"
 
 
 def _stretching(action: str) -> str:

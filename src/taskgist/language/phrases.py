@@ -84,7 +84,7 @@ EFFORTS = {
     "Arm_Torso_Effort": "takes an arm and the torso",
     "Head_Effort": "takes turning the head",
     "Head_Torso_Effort": "takes turning head and torso",
-    "Whole_Body_Effort": "takes standing up or sitting down",
+    "Whole_Body_Effort": "takes standing up, sitting down or bending",
     "Displacement_Effort": "takes going elsewhere",
     "No_Possible_Known_Effort": "is not possible by any known effort",
 }
@@ -98,6 +98,11 @@ ACTIONS = {
     "Lean_Torso": "leaning",
     "Make_Standing": "standing up",
     "Make_Sitting": "sitting down",
+    "Bend_Hips": "bending at the hips",
+    "Crouch": "crouching",
+    "Lift_Torso": "moving the torso up or down",
+    "Push_Seat_Back": "pushing the seat back",
+    "Move_Along_Seat": "moving along the seat",
     "Move_To": "going elsewhere",
     "No_Possible_Known_Action": "more than any known action",
 }

@@ -15,14 +15,15 @@ now, for there are too many cells to test each of their directions.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled_part
-from taskgist.perspective.candidates import Neck
+from taskgist.perspective.candidates import Candidates, Neck
+from taskgist.perspective.constraints import Collisions
 from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.world.geometry.transforms import yaw_of
 from taskgist.world.state import State
@@ -56,6 +57,7 @@ class Configuration:
 
     Args:
         here: The agent's viewpoint.
+        collisions: What the agent would push into.
         state: The configuration.
         frames: Where it brings the agent's frames, (f, 12).
         shoulders: Where it brings the shoulders of all its arms, (arms, 12).
@@ -67,7 +69,17 @@ class Configuration:
         doubtful: The others, (m,).
     """
 
-    def __init__(self, here: Viewpoint, state: State, frames: Array, shoulders: Array, neck: Neck, base: Base) -> None:
+    def __init__(
+        self,
+        here: Viewpoint,
+        collisions: Collisions,
+        state: State,
+        frames: Array,
+        shoulders: Array,
+        neck: Neck,
+        base: Base,
+    ) -> None:
+        self._collisions = collisions
         self.state, self.frames, self.shoulders, self.neck, self.base = state, frames, shoulders, neck, base
         free = self._surely_free(here) if base.turns else np.ones(len(base.places), dtype=bool)
         self.clear, self.doubtful = np.flatnonzero(free), np.flatnonzero(~free)
@@ -98,7 +110,7 @@ class Configuration:
             turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
             start, there = np.array([*self.base.start[:2], 0.0]), np.array([*self.base.places[place], 0.0])
             stage.place(core, (positions - start) @ turn.T + there, (turn @ matrices.reshape(-1, 3, 3)).reshape(-1, 9))
-            self._known[place, step] = here.collisions.find() is None
+            self._known[place, step] = self._collisions.find() is None
         return self._known[place, step]
 
     def _surely_free(self, here: Viewpoint) -> Mask:
@@ -108,7 +120,7 @@ class Configuration:
         shapes must keep away from these. The level floor is left out: it is met alike at all places.
         """
         stage, model = here.stage.show(self.state), here.stage.scene.model
-        core, obstacles = here.agent.core_geoms, here.collisions.obstacles
+        core, obstacles = here.agent.core_geoms, self._collisions.obstacles
         endless = model.geom_rbound[obstacles] == 0.0
         upright = stage.geoms(obstacles[endless])[1].reshape(-1, 3, 3)[:, 2, 2]
         if (upright < LEVEL).any():
@@ -136,13 +148,15 @@ def configurations(here: Viewpoint, level: int) -> Iterator[Configuration]:
     target = now[:3] + AHEAD_M * np.array([math.cos(heading), math.sin(heading), 0.0])
     batches = list(here.candidates.of_level(level, target))
     if level == 4 and batches:
-        offsets = np.unique(np.round(np.concatenate([batch.offsets_m for batch in batches]), 9), axis=0)
-    for candidates in batches[:1] if level == 4 else batches:
+        places = np.array([place.offset_m for place in here.candidates.places])
+        offsets = np.unique(np.round(places, 9), axis=0)
+    for candidates in _first_of_each_posture(batches) if level == 4 else batches:
         agent_frames = candidates.torso.frames
         neck = agent_frames.usable(here.actions if level else frozenset()).neck
+        collisions = here.collisions_of(candidates.torso.start)
         for index in range(len(candidates)) if level == 4 else reversed(range(len(candidates))):
             state, frames = candidates[index].state, candidates.frames(index)
-            if level < 4 and (level <= 1 or here.collisions.blocking(state) is None):
+            if level < 4 and (level <= 1 or collisions.blocking(state) is None):
                 base = Base(now[:3], np.zeros(2), now[None, :2], turns=False)
             elif level == 4 and np.abs(candidates.offsets_m[index]).max() < SAME_M:
                 start = np.array(state.qpos[here.agent.base][:3])
@@ -150,7 +164,12 @@ def configurations(here: Viewpoint, level: int) -> Iterator[Configuration]:
                 base = Base(start, ahead / np.linalg.norm(ahead), start[:2] + offsets, turns=True)
             else:
                 continue
-            yield Configuration(here, state, frames, frames[agent_frames.first_shoulder :], neck, base)
+            yield Configuration(here, collisions, state, frames, frames[agent_frames.first_shoulder :], neck, base)
+
+
+def _first_of_each_posture(batches: Sequence[Candidates]) -> list[Candidates]:
+    """Of the batches in which the search walks, those near to where the agent is: one for each posture."""
+    return list({id(batch.torso): batch for batch in reversed(batches)}.values())[::-1]
 
 
 @compiled_part

@@ -19,7 +19,7 @@ from taskgist.maps.configurations import Base, Configuration, straight_ahead, tu
 from taskgist.maps.grid import BLOCK_CELLS, Cells, Undecided
 from taskgist.perspective.candidates import Neck
 from taskgist.perspective.gaze import TURN_COLUMNS, aim, off_gaze
-from taskgist.perspective.image import Lens, in_view, lens_of
+from taskgist.perspective.lens import Lens, in_view, lens_of
 from taskgist.perspective.occlusion import CLEAR, HIDDEN, from_eye, hidden_point
 from taskgist.perspective.reach import ball_around
 from taskgist.perspective.viewpoint import Viewpoint
@@ -178,7 +178,7 @@ class CellsToSee:
         self.found = np.full(len(cells.points), HIDDEN, dtype=np.uint8)
         self._eyes = np.empty((len(cells.points), 3))
         stage, agent = here.stage.show(here.state), here.agent
-        seen = np.flatnonzero(stage.seen)
+        seen = np.flatnonzero(stage.seen & stage.scene.hiding(here.settings.vision.transparent_alpha))
         mine = np.isin(seen, agent.geoms)
         self._own, self._others = np.setdiff1d(seen[mine], shapes_of_head(here)), seen[~mine]
         self._lens = lens_of(agent.profile.eye)

@@ -2,7 +2,7 @@
 
 A **subject** is something to look at, named as everything is: "P1" is a face, "cup" a thing, "P1/right_arm" a hand.
 Each fixation begins with a smooth turn of the head and then follows its subject; eyes do the rest, so heads stay within
-a comfortable range (that of the agent's profile).
+a comfortable range, and in that of the agent's profile.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.moving.motion import minimum_jerk
 from taskgist.world.bodies.agent import Agent, ArmIndices
+from taskgist.world.bodies.profile import Axis
 from taskgist.world.geometry.transforms import normalized
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
@@ -24,6 +25,8 @@ from taskgist.world.state import State
 
 TURN_S = 0.4
 """Duration of a turn of the head towards a new subject (for gaze shifts of 40° [Guitton & Volle 1987])."""
+COMFORTABLE_PAN_RAD, COMFORTABLE_TILT_RAD = math.radians(60.0), math.radians(30.0)
+"""How far a head turns and tilts for a look, though necks do more: eyes do the rest (ours)."""
 AIMING_ROUNDS = 2
 """Turning the head moves the eye a little: the aim is corrected this often."""
 
@@ -129,7 +132,7 @@ def aimed(stage: Stage, agent: Agent, frames: Array, places: Array) -> Array:
     if pan is None or tilt is None:
         raise SceneError("demonstrators need a head that pans and tilts", where=agent.name)
     columns = [agent.joints[pan.joint], agent.joints[tilt.joint]]
-    low, high = np.transpose((pan.range_rad, tilt.range_rad))
+    low, high = np.transpose((_comfortable(pan, COMFORTABLE_PAN_RAD), _comfortable(tilt, COMFORTABLE_TILT_RAD)))
     model = stage.scene.model
     joints = [model.joint(f"{agent.name}/{axis.joint}").id for axis in (pan, tilt)]
     carrier = int(model.body_parentid[model.jnt_bodyid[joints[0]]])
@@ -142,6 +145,11 @@ def aimed(stage: Stage, agent: Agent, frames: Array, places: Array) -> Array:
             line = place - stage.show(State(posed)).eye(agent).position
             towards[:] = np.clip(signs * _pan_and_tilt(line @ stage.body(carrier).matrix), low, high)
     return angles
+
+
+def _comfortable(axis: Axis, most_rad: float) -> tuple[float, float]:
+    low, high = axis.range_rad
+    return max(low, -most_rad), min(high, most_rad)
 
 
 def _pan_and_tilt(line: Array) -> Array:

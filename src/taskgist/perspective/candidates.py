@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +21,22 @@ from taskgist.common.arrays import Array, Indices
 from taskgist.common.compiled import compiled, compiled_part
 from taskgist.errors import UnknownNameError
 from taskgist.perspective.constraints import Floor, Place, moved
-from taskgist.perspective.effort import LEAN, MOVE, PAN, SIT, STAND, TILT, TURN, Amount, stretch
+from taskgist.perspective.effort import (
+    BEND,
+    CROUCH,
+    LEAN,
+    LIFT,
+    MOVE,
+    PAN,
+    PUSH,
+    SIDLE,
+    SIT,
+    STAND,
+    TILT,
+    TURN,
+    Amount,
+    stretch,
+)
 from taskgist.settings import Efforts
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.bodies.profile import Axis
@@ -42,7 +57,8 @@ def actions_of(agent: Agent) -> tuple[str, ...]:
     p = agent.profile
     has = {PAN: p.pan, TILT: p.tilt, TURN: p.turn, LEAN: p.lean, MOVE: p.moves}
     both = "sitting" in p.legs.can and "standing" in p.legs.can
-    postures = (STAND, SIT) if both else ()
+    bends, lift = (BEND, CROUCH) if p.legs.hips else (), (LIFT,) if agent.lifts else ()
+    postures = (*((STAND, SIT) if both else ()), *bends, *lift, *((PUSH, SIDLE) if both else ()))
     return (*(action for action, part in has.items() if part), *postures, *(stretch(side) for side in agent.sides))
 
 
@@ -71,11 +87,13 @@ class Candidate:
         state: The state.
         actions: What leads there, in order.
         amount: How much of it.
+        aside: The seat that was pushed aside on the way: it is in nobody's way any longer.
     """
 
     state: State
     actions: tuple[str, ...] = ()
     amount: Amount = NO_AMOUNT
+    aside: str | None = None
 
 
 # --- Turns and leans of the torso (Eq. 4).
@@ -280,21 +298,36 @@ class Ways:
         offsets_m: How far it moves, metres along the world's x and y, (p, 2).
         lengths_m: Lengths of the ways, (p,).
         rounded_m: The same, rounded for comparing.
+        cells: Their cells of the floor, (p, 2).
     """
 
     offsets_m: Array
     lengths_m: Array
     rounded_m: Array
+    cells: Indices
 
     @classmethod
     def to(cls, places: Sequence[Place]) -> Ways:
         """The ways to some places."""
         offsets = np.array([place.offset_m for place in places]).reshape(-1, 2)
         lengths = np.array([place.way_m for place in places])
-        return cls(offsets, lengths, np.round(lengths, DIGITS))
+        cells = np.array([place.cell for place in places], dtype=np.intp).reshape(-1, 2)
+        return cls(offsets, lengths, np.round(lengths, DIGITS), cells)
+
+    def thinned(self, away_m: Array) -> Ways:
+        """Fewer and fewer of them where what an agent turns to is far: a step changes little there.
+
+        Args:
+            away_m: How far it is from each of the places, metres, (p,).
+        """
+        lattice = np.exp2(np.searchsorted(THINNED_M, away_m)).astype(np.intp)[:, None]
+        kept = (self.cells % lattice == 0).all(axis=1)
+        return Ways(self.offsets_m[kept], self.lengths_m[kept], self.rounded_m[kept], self.cells[kept])
 
 
-NO_WAY = Ways(np.zeros((1, 2)), np.zeros(1), np.zeros(1))
+THINNED_M = (2.0, 4.0)
+"""Distances beyond which only every second cell each way is a place, and every fourth (ours: no arm is so long)."""
+NO_WAY = Ways(np.zeros((1, 2)), np.zeros(1), np.zeros(1), np.zeros((1, 2), dtype=np.intp))
 """The base stays."""
 NO_TURN = np.zeros(1)
 
@@ -347,12 +380,15 @@ class Candidates:
     def __getitem__(self, index: int) -> Candidate:
         """The candidate of that index."""
         place, pose = self.table.spot[index], self.torso.poses[self.table.bend[index]]
-        state, used = self.torso.start.state.replace(pose.changes), pose.actions
+        start = self.torso.start
+        state, used = start.state.replace(pose.changes), pose.actions
         way_m, turned_rad = float(self._ways.lengths_m[place]), float(self._turned_rad[place])
         if self._ways is not NO_WAY:
             x, y = self._ways.offsets_m[place].tolist()
             state, used = moved(state, self.torso.agent, (x, y), turned_rad), (MOVE, *used)
-        return Candidate(state, (*self.torso.start.actions, *used), Amount(way_m, abs(turned_rad), pose.by_rad))
+        moved_m = start.amount.moved_m + way_m
+        amount = replace(start.amount, moved_m=moved_m, turned_rad=abs(turned_rad), torso_rad=pose.by_rad)
+        return Candidate(state, (*start.actions, *used), amount, start.aside)
 
     @property
     def offsets_m(self) -> Array:
@@ -455,19 +491,18 @@ class Walk:
     """An agent ready to walk.
 
     Args:
-        upright: The agent standing, with what its torso may do.
+        upright: The agent standing, then bent and crouched, with what its torso may do.
         facing_rad: Where its chest faces then, about the vertical.
         floor: Where it can get to.
     """
 
-    def __init__(self, upright: TorsoPoses, facing_rad: float, floor: Floor) -> None:
+    def __init__(self, upright: Sequence[TorsoPoses], facing_rad: float, floor: Floor) -> None:
         self._upright, self._facing_rad, self.floor = upright, facing_rad, floor
-        self._base = np.array(upright.start.state.qpos[upright.agent.base])
         self._ways: list[Ways] = []
         self._last: tuple[bytes, list[Candidates]] = b"", []
 
     def candidates(self, target: Array) -> Iterator[Candidates]:
-        """Batches of growing distance: most objects are near to where somebody can stand.
+        """Batches of growing distance: most objects are near to where somebody can stand upright.
 
         Args:
             target: What the agent turns to, metres, (3,).
@@ -475,10 +510,13 @@ class Walk:
         if self._last[0] != target.tobytes():
             self._last = target.tobytes(), []
         known = self._last[1]  # the three abilities ask for the same ones, one after the other
-        for index, ways in enumerate(self._floor_ways()):
+        batches = ((torso, ways) for torso in self._upright for ways in self._floor_ways())
+        for index, (torso, ways) in enumerate(batches):
             if index == len(known):
-                turned_rad = turns_towards(target, self._base, self._facing_rad, ways.offsets_m)
-                known.append(Candidates(self._upright, ways, turned_rad))
+                base = np.array(torso.start.state.qpos[torso.agent.base])
+                near = ways.thinned(np.hypot(*(target[:2] - base[:2] - ways.offsets_m).T))
+                turned_rad = turns_towards(target, base, self._facing_rad, near.offsets_m)
+                known.append(Candidates(torso, near, turned_rad))
             yield known[index]
 
     def _floor_ways(self) -> Iterator[Ways]:

@@ -28,6 +28,7 @@ from taskgist.settings import Contact, Efforts, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.contacts import holding_of
 from taskgist.world.geometry.distances import any_near, ball_around_boxes, near_ball
+from taskgist.world.geometry.solids import solids_of
 from taskgist.world.geometry.transforms import turned_about_z, yaw_of
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
@@ -54,7 +55,7 @@ class Collisions:
     ) -> None:
         self._stage, self._agent, self._recorder = stage, agent, recorder
         self.obstacles = _obstacles(stage, agent, held)
-        self._tolerance_m = settings.efforts.collision_m
+        self._tolerance_m, self._passing_m = settings.efforts.collision_m, settings.efforts.passing_m
         self._farthest_m = settings.efforts.move_radius_m + settings.efforts.move_step_m
         self._usual_m = {
             (geom, other): depth for geom, other, depth in stage.overlaps(agent.core_geoms, self.obstacles)
@@ -64,6 +65,11 @@ class Collisions:
     def boxes(self) -> Array:
         """Boxes around the obstacles, (n, 18); see ``geometry.boxes``."""
         return self._stage.boxes(self.obstacles)
+
+    @cached_property
+    def solids(self) -> Array:
+        """The obstacles by formula, (n, 17); see ``geometry.solids``."""
+        return solids_of(self._stage.scene.model, self.obstacles, *self._stage.geoms(self.obstacles))
 
     def blocking(self, state: State) -> Blocking | None:
         """The first contact that blocks a state, None if it is free; the stage shows that state afterwards."""
@@ -86,20 +92,20 @@ class Collisions:
 
     def find(self) -> Blocking | None:
         """The first contact that blocks in the state that the stage shows; None where it is free."""
-        first = self._first()
+        first = self._first(self._tolerance_m)
         if first is None:
             return None
         geom, other, depth_m = first
         return Blocking(part_of(self._stage, self._agent, geom), self._stage.scene.owners[other], depth_m)
 
-    def _first(self) -> tuple[int, int, float] | None:
-        """Its two shapes, and how deep they overlap."""
-        tolerance_m, usual_m = self._tolerance_m, self._usual_m
+    def _first(self, tolerance_m: float) -> tuple[int, int, float] | None:
+        """The two shapes of the first contact that is deeper than usual by more than that, and how deep they are."""
+        usual_m = self._usual_m
         contacts = self._stage.overlaps(self._agent.core_geoms, self.obstacles, deeper_than_m=tolerance_m)
         return next((each for each in contacts if each[2] > usual_m.get(each[:2], 0.0) + tolerance_m), None)
 
     def footprint(self) -> Callable[[tuple[float, float]], bool]:
-        """Tells whether the agent, as the stage shows it now, would be free when moved over the floor, by offset."""
+        """Tells whether the agent, as the stage shows it now, could pass where an offset over the floor moves it."""
         core = self._agent.core_geoms
         positions, matrices = self._stage.geoms(core)
         own = self._stage.boxes(core)
@@ -107,10 +113,10 @@ class Collisions:
         around = self.boxes[near_ball(self.boxes, x, y, z, radius_m + self._farthest_m)]
 
         def free(offset_m: tuple[float, float]) -> bool:
-            if not any_near(own, offset_m, around, -self._tolerance_m / 2):
+            if not any_near(own, offset_m, around, -self._passing_m / 2):
                 return True
             self._stage.place(core, positions + (*offset_m, 0.0), matrices)
-            return self._first() is None
+            return self._first(self._passing_m) is None
 
         return free
 
@@ -151,7 +157,7 @@ def part_of(stage: Stage, agent: Agent, geom: int) -> str:
 Cell = tuple[int, int]
 STEPS: tuple[Cell, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1))
 
-BATCHES_M = (0.6, math.inf)
+BATCHES_M = (0.6, 2.0, 4.0, math.inf)
 """Lengths of the way up to which places are looked at together."""
 NOTHING: Mapping[tuple[float, float], bool] = MappingProxyType({})
 
@@ -162,6 +168,7 @@ class Place:
 
     offset_m: tuple[float, float]
     way_m: float
+    cell: Cell = (0, 0)
 
 
 class Floor:
@@ -174,7 +181,9 @@ class Floor:
         free: Whether the agent collides with nothing when moved by an offset in metres along the world's axes.
         known: What is known of that already, by cell; half cells lie between.
 
-    ``free_at`` is what is known by now.
+    Attributes:
+        free_at: What is known by now.
+        goes_on: Whether the floor goes on where the radius ends, as far as is known by now.
     """
 
     def __init__(
@@ -189,6 +198,7 @@ class Floor:
         yaw, step_m = yaw_of(start.qpos[agent.base][3:]), settings.move_step_m
         self._forward = (step_m * math.cos(yaw), step_m * math.sin(yaw))
         self.free_at: dict[tuple[float, float], bool] = dict(known)
+        self.goes_on = False
         self._batches: list[list[Place]] = []
         self._flood = self._flooded()
         self._next: Place | None = next(self._flood, None)
@@ -219,7 +229,7 @@ class Floor:
             if cell in done:
                 continue
             done.add(cell)
-            yield Place(self.offset_m(*cell), way)
+            yield Place(self.offset_m(*cell), way, cell)
             for ahead, aside, step_m in steps:
                 following, longer = (cell[0] + ahead, cell[1] + aside), way + step_m
                 if longer < ways.get(following, math.inf) and following not in done and self._leads(cell, following):
@@ -228,7 +238,10 @@ class Floor:
 
     def _leads(self, cell: Cell, following: Cell) -> bool:
         half_way = ((cell[0] + following[0]) / 2, (cell[1] + following[1]) / 2)
-        return self._within(following) and self._stands(following) and self._stands(half_way)
+        if not self._within(following):
+            self.goes_on = self.goes_on or self._stands(half_way)
+            return False
+        return self._stands(following) and self._stands(half_way)
 
     def _within(self, cell: Cell) -> bool:
         return math.hypot(*cell) * self._settings.move_step_m <= self._settings.move_radius_m + 1e-9

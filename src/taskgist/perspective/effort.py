@@ -7,7 +7,7 @@ told and stored wherever Python runs. How efforts are found is told in ``search`
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, astuple, dataclass, field, fields
 from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -39,6 +39,10 @@ EFFORT_NAMES: Mapping[Ability, tuple[str, ...]] = {
 PAN, TILT = "Pan_Head", "Tilt_Head"
 TURN, LEAN = "Turn_Torso", "Lean_Torso"
 STAND, SIT = "Make_Standing", "Make_Sitting"
+BEND, CROUCH, LIFT = "Bend_Hips", "Crouch", "Lift_Torso"
+"""Of the whole body, as standing up is (ours): the paper's bodies reach nothing that is lower than an arm is long."""
+PUSH, SIDLE = "Push_Seat_Back", "Move_Along_Seat"
+"""What whoever sits at a table does before standing up (ours): on a chair, or on a bench or sofa."""
 MOVE = "Move_To"
 NO_ACTION = "No_Action_Required"
 """What level 0 takes (5.1.5)."""
@@ -56,21 +60,25 @@ class Amount:
     """How much of an effort: compared in this order, so that a step weighs more than any turn (5.1.6).
 
     Attributes:
+        lowered_m: How far the hips are lowered, or the torso lifted or lowered, metres: people rather take a step.
+        bent_rad: How far the pelvis is pitched over the legs, radians.
         moved_m: Length of the way over the floor, metres.
         turned_rad: Turn of the whole body on the spot, radians.
         torso_rad: Turn and lean of the torso together, radians.
         head_rad: Pan and tilt of the head together, radians.
     """
 
+    lowered_m: float = 0.0
+    bent_rad: float = 0.0
     moved_m: float = 0.0
     turned_rad: float = 0.0
     torso_rad: float = 0.0
     head_rad: float = 0.0
 
     @property
-    def key(self) -> tuple[float, float, float, float]:
+    def key(self) -> tuple[float, ...]:
         """For comparing: rounded, so that equal amounts stay equal wherever the scene stands."""
-        return (round(self.moved_m, 6), round(self.turned_rad, 6), round(self.torso_rad, 6), round(self.head_rad, 6))
+        return tuple(round(amount, 6) for amount in astuple(self))
 
 
 # --- Evidence that an ability holds: what was found in the attained state.
@@ -84,20 +92,21 @@ class Visibility:
     """How much of an object is visible, from one state (5.1.1).
 
     Attributes:
-        visible_px: Pixels of the object in the image of the whole field of view.
+        visible_px: Pixels of the object in the image of the whole field of view; parts of a pixel count as such, and
+            what is too small to be made out as nothing (setting ``vision.least_visible_arcmin2``).
         image_px: Pixels of that image.
         unoccluded_px: Pixels that the object would have if nothing stood in the way.
-        gaze_px: Those of the visible pixels that lie in the gaze cone.
+        gaze_px: Those of the visible pixels that lie in the gaze cone; none if they are too few to be made out.
         occluders: What covers the object's pixels, and how many of them, most first.
         nearest_m: Distance from the eye to the nearest point seen, in metres; None where nothing is seen.
         off_gaze_rad: Angle between the gaze and the object's middle.
     """
 
-    visible_px: int
+    visible_px: float
     image_px: int
-    unoccluded_px: int
-    gaze_px: int
-    occluders: tuple[tuple[str, int], ...]
+    unoccluded_px: float
+    gaze_px: float
+    occluders: tuple[tuple[str, float], ...]
     nearest_m: float | None
     off_gaze_rad: float
 
@@ -142,6 +151,10 @@ class Reached:
     distance_m: float
 
 
+Prepared = Literal["", "tilted", "slid over the edge", "drawn aside"]
+"""What a hand does to an object before it grasps it: nothing, mostly."""
+
+
 @dataclass(frozen=True)
 class Grasped:
     """A hand closes on the object, free of collisions.
@@ -154,6 +167,7 @@ class Grasped:
         width_m: How far the two points are apart.
         closing: Unit direction from the thumb's point to the fingers'.
         approach: Unit direction in which the palm comes.
+        prepared: What is done to the object first; then the others tell of what it is afterwards.
     """
 
     arm: str
@@ -163,9 +177,33 @@ class Grasped:
     width_m: float
     closing: Vector
     approach: Vector
+    prepared: Prepared = ""
 
 
-Attained = Visibility | Held | Reached | Grasped
+@dataclass(frozen=True)
+class GraspedByBoth:
+    """Both hands of an agent press on the object from two sides, free of collisions.
+
+    Attributes:
+        arms: Their sides.
+        hand: Kind of the hands.
+        points_m: Where each of them presses.
+        distances_m: How far that is from each shoulder.
+        width_m: How far the two points are apart.
+        closing: Unit direction from the first point to the second.
+        approach: Unit direction in which both hands come.
+    """
+
+    arms: tuple[str, str]
+    hand: str
+    points_m: tuple[Vector, Vector]
+    distances_m: tuple[float, float]
+    width_m: float
+    closing: Vector
+    approach: Vector
+
+
+Attained = Visibility | Held | Reached | Grasped | GraspedByBoth
 """What shows that an ability holds."""
 
 # --- Evidence that an ability does not hold.
@@ -173,7 +211,7 @@ Attained = Visibility | Held | Reached | Grasped
 
 @dataclass(frozen=True)
 class Occlusion:
-    """All pixels of the object show something else.
+    """Something else hides the object, or leaves less of it than is made out.
 
     Attributes:
         occluders: What hides it, and how many pixels, most first.
@@ -182,8 +220,8 @@ class Occlusion:
         hits_m: One point at which each of the occluders is met.
     """
 
-    occluders: tuple[tuple[str, int], ...]
-    unoccluded_px: int
+    occluders: tuple[tuple[str, float], ...]
+    unoccluded_px: float
     eye_m: Vector
     hits_m: tuple[tuple[str, Vector], ...]
 
@@ -215,13 +253,28 @@ class Blocking:
 
 
 @dataclass(frozen=True)
+class BlockedArm:
+    """What is in the way of an arm that would reach the object otherwise.
+
+    Attributes:
+        arm: Its side.
+        counts: What is in the way, and of how many configurations of the arm, most first.
+        shut_in: Whether no way at all leads from the object to where an arm could come from.
+    """
+
+    arm: str
+    counts: tuple[tuple[str, int], ...]
+    shut_in: bool = False
+
+
+@dataclass(frozen=True)
 class BlockedApproaches:
     """What is in the way of the grasps within reach, and of how many of them, most first."""
 
     counts: tuple[tuple[str, int], ...]
 
 
-Hindrance = Occlusion | OutOfReach | Blocking | BlockedApproaches
+Hindrance = Occlusion | OutOfReach | Blocking | BlockedArm | BlockedApproaches
 """What shows that an ability does not hold."""
 
 
@@ -233,12 +286,15 @@ class Reason(Enum):
     TOO_WIDE = "the hand does not open that wide"
     TOO_NARROW = "not all fingers meet the object"
     COLLISION = "head, torso or base would push into something"
+    SHUT_IN = "no way leads from the object to an arm"
+    ARM_BLOCKED = "something is in the way of every arm that would reach the object"
     NO_FREE_GRASP = "something is in the way of every grasp within reach"
     FROM_BEHIND = "grasps within reach would come from behind"
-    OUT_OF_SECTOR = "the object is near enough, beside the sector of the arm"
+    ONE_HAND = "it takes both hands, and only one reaches it"
+    OUT_OF_SECTOR = "the object is near enough, where the arm does not get to"
     TOO_FAR = "the object is farther away than the arm is long"
     OCCLUDED = "something hides all of the object"
-    TOO_SMALL = "the object is smaller than a pixel"
+    TOO_SMALL = "the object is too small to be made out"
     BESIDE_GAZE = "the object is in view, beside the gaze cone"
     OUT_OF_VIEW = "the object is out of the field of view"
     BEYOND_NECK = "the head does not turn far enough"
@@ -254,9 +310,12 @@ class Reason(Enum):
 
 TOLD_FIRST: tuple[frozenset[Reason], ...] = (
     frozenset({Reason.NO_HAND, Reason.NO_OPPOSITE_FACES, Reason.TOO_WIDE, Reason.TOO_NARROW}),  # nothing helps
+    frozenset({Reason.SHUT_IN}),
     frozenset({Reason.COLLISION}),  # it would do but for that
     frozenset({Reason.NO_FREE_GRASP}),
+    frozenset({Reason.ARM_BLOCKED}),
     frozenset({Reason.FROM_BEHIND}),
+    frozenset({Reason.ONE_HAND}),
     frozenset({Reason.OUT_OF_SECTOR}),
     frozenset({Reason.TOO_FAR}),
     frozenset({Reason.OCCLUDED, Reason.TOO_SMALL, Reason.BESIDE_GAZE, Reason.OUT_OF_VIEW}),
@@ -323,12 +382,14 @@ class Evidence:
             unknown, the last one says what was not tracked.
         told: The miss that ``reason`` tells; None where there was none.
         attained: What was found in the attained state; None at level 5 and if unknown.
+        untried: What might be possible at level 5, and was left untried; None if nothing was.
     """
 
     reason: str
     misses: tuple[Miss, ...]
     told: Miss | None
     attained: Attained | None
+    untried: str | None = None
 
 
 def evidence_document(evidence: Attained | Hindrance | None) -> dict[str, object]:
@@ -352,10 +413,18 @@ def evidence_document(evidence: Attained | Hindrance | None) -> dict[str, object
             return {"blocking": asdict(evidence)}
         case BlockedApproaches():
             return {"approaches": dict(evidence.counts)}
+        case BlockedArm():
+            return {"arm": evidence.arm, "in_the_way": dict(evidence.counts), "shut_in": evidence.shut_in}
         case OutOfReach():
             return {name: value for name, value in asdict(evidence).items() if value is not None}
-        case Reached() | Grasped():
-            return {name: list(value) if isinstance(value, tuple) else value for name, value in vars(evidence).items()}
+        case Reached() | Grasped() | GraspedByBoth():
+            told = {name: value for name, value in vars(evidence).items() if value != ""}
+            return {name: _listed(value) for name, value in told.items()}
+
+
+def _listed(value: object) -> object:
+    """Tuples as lists."""
+    return [_listed(each) for each in value] if isinstance(value, tuple) else value
 
 
 @dataclass(frozen=True)
@@ -370,8 +439,9 @@ class Effort:
         actions: Virtual actions A_v in order; ``No_Action_Required`` at level 0, ``No_Possible_Known_Action`` at 5,
             none if unknown.
         amount: How much of it; None at level 5 and if unknown.
-        joints_rad: Angles in radians of the head's and the torso's joints in the attained state S, by name (an arm is
-            stretched out without looking at its joints). At level 5 and if unknown, those of the current state.
+        joints_rad: Angles in radians of the head's and the torso's joints in the attained state S, by name (an
+            arm has many ways to be stretched out: its joints are not told). At level 5 and if unknown, those of the
+            current state.
         posture: Posture in that state; None if unknown.
         turns_rad: By how much each of the actions turns its joint of head or torso, signed, radians.
         find_evidence: Finds the evidence; asked at most once, and only if somebody wants to know.
@@ -408,11 +478,13 @@ class Effort:
         """The evidence as plain data, fit for JSON."""
         evidence, told = self.evidence, self.evidence.told
         amount = {} if self.amount is None else {"amount": asdict(self.amount)}
+        untried = {} if evidence.untried is None else {"untried": evidence.untried}
         return {
             "reason": evidence.reason,
             "not_with_less": [miss.text for miss in evidence.misses],
             "miss": evidence_document(told.hindrance if told else None),
             **amount,
+            **untried,
             **evidence_document(evidence.attained),
         }
 

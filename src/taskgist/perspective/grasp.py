@@ -1,187 +1,33 @@
 """Grasp: the object is reachable, and at least one collision-free grasp of that hand exists (5.1.3).
 
-A grasp is tried with the shapes of a hand before it closes, and all that they sweep on the last finger's length of its
-approach. They must be free of everything solid: the support, other agents' hands, the agent's own head, torso and
-legs, and the object itself; only what the fingers close on is touched by design. The agent's own arms do not count,
-they are where the virtual action brings them.
+A grasp is tried with the shapes of a hand before it closes, and all that they sweep on their last way. They must be
+free of everything solid: the support, other agents' hands, the agent's own head, torso and legs, and the object itself;
+only what the fingers close on is touched by design. The agent's own arms do not count, they are where the virtual
+action brings them.
+
+What one hand cannot take as it lies, people tilt, people and robots slide over an edge, and both take between their two
+hands. The ways are asked in the order of their trouble, and of two candidates the one of the least amount counts.
+
+Tracked things sink into what carries them, or float above it, by millimetres: they are grasped as if they lay on it.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from taskgist.common.arrays import Array, Indices
-from taskgist.common.compiled import compiled, compiled_part
-from taskgist.perspective.candidates import Candidate, Candidates
-from taskgist.perspective.constraints import Collisions
-from taskgist.perspective.effort import BlockedApproaches, Grasped, Miss, Reason, nearest_miss, stretch
-from taskgist.perspective.grasp_sampling import TOUCH_M, Grasps, grasps_in_object, hand_centers, hand_frames
-from taskgist.perspective.reach import DIGITS, ArmJudge, PointCloud, ReachScreening, grasps_in_reach
-from taskgist.perspective.target import Target, vector
+from taskgist.perspective.candidates import Candidates
+from taskgist.perspective.effort import Miss, Prepared, Reason, nearest_miss
+from taskgist.perspective.grasp_flat import LyingThing, closes_sideways, is_flat
+from taskgist.perspective.grasp_sampling import SIDES, TOUCH_M, Grasps, grasps_in_object
+from taskgist.perspective.grasp_ways import ONLY_ONE, OneHanded, TwoHanded
+from taskgist.perspective.reach import ArmJudge, ReachScreening
+from taskgist.perspective.target import Target
 from taskgist.perspective.viewpoint import FindMiss, Hit, Screening, Viewpoint
-from taskgist.world.bodies.agent import Agent, ArmIndices
-from taskgist.world.bodies.hands import Hand, hand_boxes
-from taskgist.world.geometry.distances import (
-    COLUMNS,
-    EXACT,
-    HALF,
-    RADIUS,
-    TURNED,
-    next_near,
-    seen_from,
-    surely_overlap,
-)
+from taskgist.world.bodies.hands import Hand, Palms
 from taskgist.world.geometry.transforms import Pose
-from taskgist.world.stage import Stage
-
-# --- The hand in each of many grasps.
-
-
-@dataclass(frozen=True, eq=False)
-class Hands:
-    """The boxes of a hand in each of n grasps, before it closes.
-
-    Attributes:
-        frames: How the hand is turned, (n, 9).
-        centers: Middles of its boxes, metres, (n, k, 3).
-        boxes: The boxes as rows of a table, to be put there, (k, 18); see ``geometry.boxes``.
-        middle: Middle of a ball that holds the hand in all of the grasps, metres, (3,).
-        radius_m: Its radius.
-    """
-
-    frames: Array
-    centers: Array
-    boxes: Array
-    middle: Array
-    radius_m: float
-
-    @classmethod
-    def of(cls, grasps: Grasps, hand: Hand) -> Hands:
-        """The hand in some grasps; found once for each set of grasps."""
-        known = _KNOWN.setdefault(grasps, {})
-        if hand not in known:
-            half = np.array([box.half_m for box in hand_boxes(hand)])
-            boxes = np.zeros((len(half), COLUMNS))
-            boxes[:, HALF : HALF + 3], boxes[:, RADIUS], boxes[:, EXACT] = half, np.linalg.norm(half, axis=1), 1.0
-            centers = hand_centers(grasps, hand)
-            middle = centers.mean(axis=(0, 1))
-            radius_m = float((np.linalg.norm(centers - middle, axis=2) + boxes[:, RADIUS]).max())
-            known[hand] = cls(hand_frames(grasps).reshape(-1, 9), centers, boxes, middle, radius_m)
-        return known[hand]
-
-
-_KNOWN: WeakKeyDictionary[Grasps, dict[Hand, Hands]] = WeakKeyDictionary()
-
-
-# --- Trials: which of many grasps a hand can take without meeting anything (5.1.3).
-#
-# Boxes around all that stands near the object are held against those of the hand, in the object's frame, for many
-# grasps at once. Most grasps surely meet nothing then, or surely something; MuJoCo measures the others.
-
-UNTRIED, DOUBTFUL, FREE = -1, -2, -3
-"""What a grasp meets, where that is not the index of something."""
-SURE_M = 1e-3
-"""What surely overlaps deeper than this need not be measured: no two ways of measuring disagree on it (ours)."""
-
-
-class GraspTrials:
-    """Grasps of one object by one agent, tried one after the other; what another shape blocks stays blocked.
-
-    Args:
-        stage: The scene; objects and others stay where they are.
-        agent: Whose head, torso and base may be in the way as well, wherever it stands.
-        object_in_world: Where the object is.
-        grasps: Its grasps, in its frame.
-        hand: What closes on it.
-        collisions: What else is in the way of the agent.
-
-    Attributes:
-        others: Those of the solid shapes that the hand may meet.
-        met: What is in the way of each grasp: index into ``others``, one more for the object itself; negative where
-            nothing is known to be, (n,).
-    """
-
-    def __init__(
-        self, stage: Stage, agent: Agent, object_in_world: Pose, grasps: Grasps, hand: Hand, collisions: Collisions
-    ) -> None:
-        self._stage, self._agent, self._pose = stage, agent, object_in_world
-        self._hands = Hands.of(grasps, hand)
-        geoms, boxes = collisions.around(object_in_world.to_world(self._hands.middle), self._hands.radius_m)
-        foreign = ~np.isin(geoms, grasps.solids)
-        self.others: Indices = geoms[foreign]
-        self._boxes = seen_from(boxes[foreign], object_in_world.position, object_in_world.matrix)
-        self.met: Indices = np.where(grasps.in_itself, len(self.others), UNTRIED)
-
-    def first_free(self, order: Indices, arm: ArmIndices) -> int | None:
-        """The first of some grasps that meets nothing, the agent being as the stage shows it; None if all do."""
-        own = seen_from(self._stage.boxes(self._agent.core_geoms), self._pose.position, self._pose.matrix)
-        hands, at = self._hands, 0
-        while True:
-            at, sure = _next(order, at, self.met, hands.frames, hands.centers, hands.boxes, self._boxes, own)
-            if at == len(order):
-                return None
-            index = int(order[at])
-            if sure or self._free(index, arm.ghosts):
-                return index
-            at += 1
-
-    def _free(self, index: int, ghosts: Indices) -> bool:
-        """Whether MuJoCo finds a grasp free."""
-        centers, matrix = self._pose.to_world(self._hands.centers[index]), self._hands.frames[index].reshape(3, 3)
-        self._stage.place(ghosts, centers, (self._pose.matrix @ matrix).reshape(9))
-        if self.met[index] == DOUBTFUL:
-            overlaps = self._stage.overlaps(ghosts, self.others, deeper_than_m=TOUCH_M)
-            met = next((other for _, other, _ in overlaps), None)
-            self.met[index] = FREE if met is None else np.flatnonzero(self.others == met)[0]
-        own = self._agent.core_geoms
-        return bool(self.met[index] == FREE) and not any(self._stage.overlaps(ghosts, own, deeper_than_m=TOUCH_M))
-
-
-@compiled
-def _next(
-    order: Indices, start: int, met: Indices, frames: Array, centers: Array, boxes: Array, others: Array, own: Array
-) -> tuple[int, bool]:
-    """Place in the order of the next grasp that may be free, and whether it surely is; notes what others meet."""
-    hand = boxes.copy()
-    for at in range(start, len(order)):
-        index = order[at]
-        if met[index] >= 0:
-            continue
-        for box in range(len(hand)):
-            for axis in range(3):
-                hand[box, axis] = centers[index, box, axis]
-            for k in range(9):
-                hand[box, TURNED + k] = frames[index, k]
-        if met[index] == UNTRIED:
-            met[index] = _met(hand, others)
-        if met[index] >= 0:
-            continue
-        own_met = _met(hand, own)
-        if own_met < 0:
-            return at, met[index] == FREE and own_met == FREE
-    return len(order), False
-
-
-@compiled_part
-def _met(hand: Array, things: Array) -> int:
-    """The first box, by row, that a hand surely meets; that it is clear of all, or that there is doubt before."""
-    pair = next_near(hand, things, 0.0, 0)
-    if pair < 0:
-        return FREE
-    box, row = pair // len(things), pair % len(things)
-    return row if surely_overlap(hand, box, things, row, SURE_M) else DOUBTFUL
-
-
-# --- The judge of grasping.
-
-NAMED = 2
-"""Names of what is in the way that a reason tells; the evidence has all of them."""
 
 
 class Impossible:
@@ -213,13 +59,13 @@ class Grasp(ArmJudge):
 
     def __init__(self, here: Viewpoint, target: Target) -> None:
         super().__init__(here, target)
-        self._first_blocked: Miss | None = None
+        self.here = here
 
     def screen(self, candidates: Candidates) -> Screening:
         """What the arms can grasp from some candidates."""
-        if self._here.agent.profile.hand is not None:
+        if self.here.agent.profile.hand is not None:
             surface = ReachScreening(self, candidates, self.surface)
-            if surface.beyond(self._hand.opening_m / 2 + self._here.settings.reach.cell_m):
+            if surface.beyond(self._hand.opening_m / 2 + self.here.settings.reach.cell_m):
                 return surface  # no grasp is farther from the surface than this: spares sampling them
         if self._impossible is not None:
             return Impossible(self._impossible)
@@ -228,125 +74,149 @@ class Grasp(ArmJudge):
     @cached_property
     def _impossible(self) -> Miss | None:
         """Why no hand of the agent closes on the object at all."""
-        hand = self._here.agent.profile.hand
+        hand = self.here.agent.profile.hand
         if hand is None:
             return Miss(Reason.NO_HAND, "no hand that grasps")
-        narrowest_m = self._grasps.narrowest_m
+        narrowest_m = self._in_object.narrowest_m
         if narrowest_m is None:
             return Miss(Reason.NO_OPPOSITE_FACES, "no two opposite faces to close on")
-        if narrowest_m > hand.opening_m and not len(self._grasps):
-            return Miss(Reason.TOO_WIDE, f"too wide ({narrowest_m:.2f} m > {hand.opening_m:.2f} m)")
-        return None if len(self._grasps) else Miss(Reason.TOO_NARROW, "too narrow for both fingers to meet it")
-
-    @cached_property
-    def _in_object(self) -> Grasps:
-        """Grasps in the object's frame."""
-        return grasps_in_object(self._here.stage, self.target.name, self._hand, self._here.settings.grasp)
-
-    @cached_property
-    def _grasps(self) -> Grasps:
-        """The same where the object is."""
-        return self._in_object.placed(self._object_in_world)
-
-    @property
-    def _object_in_world(self) -> Pose:
-        stage = self._here.stage
-        return stage.body(stage.scene.object_body(self.target.name))
+        if len(self._in_object) or (self._between is not None and len(self._between)):
+            return None
+        widest_m = hand.opening_m if self._palms is None else self._palms.opening_m
+        if narrowest_m > widest_m:
+            return Miss(Reason.TOO_WIDE, f"too wide ({narrowest_m:.2f} m > {widest_m:.2f} m)")
+        return Miss(Reason.TOO_NARROW, "too narrow for both fingers to meet it")
 
     @property
     def _hand(self) -> Hand:
-        assert self._here.agent.profile.hand is not None
-        return self._here.agent.profile.hand
+        assert self.here.agent.profile.hand is not None
+        return self.here.agent.profile.hand
 
     @cached_property
-    def cloud(self) -> PointCloud:
-        """Where grasps are."""
-        return PointCloud.of(self._grasps.centers)
+    def _palms(self) -> Palms | None:
+        """Both hands of the agent together, if it has two that are free and may use them."""
+        sides = {self.arm(index).profile.side for index in self.arms}
+        return self._hand.palms if sides >= set(SIDES) and not self.here.held else None
 
     @cached_property
-    def _trials(self) -> GraspTrials:
-        """What is in the way of them."""
-        here = self._here
-        return GraspTrials(here.stage, here.agent, self._object_in_world, self._in_object, self._hand, here.collisions)
+    def _in_object(self) -> Grasps:
+        """Grasps by one hand, in the object's frame."""
+        return grasps_in_object(self.here.stage, self.target.name, self._hand, self.here.settings.grasp)
 
-    def grasped(self, candidate: Candidate, arm: int, shoulder: Array) -> Hit | Miss:
-        """The nearest free grasp of an arm from a candidate, whose shoulder is at a pose, (12,)."""
-        grasps, facing = self._grasps, self._here.settings.grasp.facing
-        order = grasps_in_reach(shoulder, self.arm(arm), grasps.centers, grasps.approaches, facing)
-        if not len(order):
-            return Miss(Reason.FROM_BEHIND, "could only be grasped from behind")
-        to_try = order[self._trials.met[order] < 0]
-        if len(to_try):
-            self._here.stage.show(candidate.state)
-        index = self._trials.first_free(to_try, self.arm(arm)) if len(to_try) else None
-        return self._blocked(order) if index is None else self._hit(self.arm(arm), index, shoulder[:3])
+    @cached_property
+    def _between(self) -> Grasps | None:
+        """Grasps between both hands, in the object's frame; None if nothing of it is wider than a hand opens."""
+        if self._palms is None or float(np.ptp(self.target.corners, axis=0).max(initial=0.0)) <= self._hand.opening_m:
+            return None
+        return grasps_in_object(self.here.stage, self.target.name, self._palms, self.here.settings.grasp)
 
-    def _hit(self, arm: ArmIndices, index: int, shoulder: Array) -> Hit:
-        grasps, side, kind = self._grasps, arm.profile.side, self._hand.kind
-        distance_m = float(np.linalg.norm(grasps.centers[index] - shoulder))
+    @cached_property
+    def _pose(self) -> Pose:
+        """Where the object is, lying on what carries it."""
+        stage, up_m = self.here.stage, self.target.seat_m or 0.0
+        pose = stage.body(stage.scene.object_body(self.target.name))
+        return Pose(pose.position + (0.0, 0.0, up_m), pose.matrix) if abs(up_m) > TOUCH_M else pose
 
-        def grasped() -> Grasped:
-            return Grasped(
-                side,
-                kind,
-                vector(grasps.centers[index]),
-                distance_m,
-                float(grasps.widths_m[index]),
-                vector(grasps.closings[index]),
-                vector(grasps.approaches[index]),
-            )
+    @cached_property
+    def plain(self) -> OneHanded:
+        """With one hand, as it lies."""
+        return OneHanded(self.here, self.target, self._pose, self._in_object, self._hand)
 
-        return Hit(grasped, actions=(stretch(side),), cost=round(distance_m, DIGITS))
+    @cached_property
+    def between(self) -> TwoHanded | None:
+        """Between both hands, where one closes on it from above and beneath at most; None if both do not, either."""
+        if closes_sideways(self.plain.grasps, self.here.settings.grasp) or self._between is None or self._palms is None:
+            return None
+        if not len(self._between):
+            return None
+        return TwoHanded(self.here, self.target, self._pose, self._between, self._palms, kind=self._hand.kind)
 
-    def _blocked(self, tried: Indices) -> Miss:
-        """Why none of the grasps is free that an arm reaches: what was in the way when that first was so."""
-        if self._first_blocked is None:
-            self._first_blocked = self._blocked_approaches(tried)
-        return self._first_blocked
+    @cached_property
+    def _lying(self) -> LyingThing | None:
+        """The object, if it lies on something."""
+        if self.target.seat_m is None:
+            return None
+        return LyingThing(self.here, self.target, self._pose, self._in_object)
 
-    def _blocked_approaches(self, tried: Indices) -> Miss:
-        """What is in the way of which grasps."""
-        name, agent = self.target.name, self._here.agent.name
-        owners = [*map(self._called, self._trials.others.tolist()), name]
-        met = Counter(owners[row] if row >= 0 else agent for row in self._trials.met[tried].tolist())
-        counts = sorted(met.items(), key=lambda each: (-each[1], each[0]))
-        telling = [each for each in counts if each[0] != name] or counts  # it is always in its own way somewhere
-        counted = [f"{owner} ({count} of {len(tried)})" if len(telling) > 1 else owner for owner, count in telling]
-        text = f"every approach blocked by {' and '.join(counted[:NAMED])}"
-        return Miss(Reason.NO_FREE_GRASP, text, hindrance=BlockedApproaches(tuple(counts)))
+    @cached_property
+    def _is_flat(self) -> bool:
+        return is_flat(self.plain.grasps, self.here.settings.grasp)
 
-    def _called(self, geom: int) -> str:
-        """Name of an obstacle: another agent's hand is called so."""
-        scene = self._here.stage.scene
-        owner = scene.owners[geom]
-        if owner in scene.agents and any(geom in arm.hand_geoms for arm in scene.agent(owner).arms):
-            return f"{owner}'s hand"
-        return owner
+    def _prepared(self, grasps: Grasps, prepared: Prepared) -> OneHanded:
+        return OneHanded(self.here, self.target, self._pose, grasps, self._hand, prepared=prepared)
+
+    @cached_property
+    def tilted(self) -> OneHanded | None:
+        """With one hand, after tilting it, as people do."""
+        if self._lying is None or self._hand.kind != "human" or not self._is_flat:
+            return None
+        return self._prepared(self._lying.tilted(), "tilted")
+
+    @cached_property
+    def slid(self) -> OneHanded | None:
+        """With one hand, after sliding it over an edge."""
+        if self._lying is None or not self._is_flat:
+            return None
+        return self._prepared(self._lying.slid(), "slid over the edge")
+
+    @cached_property
+    def drawn(self) -> OneHanded | None:
+        """With one hand, after drawing it away from what it lies against, as people do."""
+        if self._lying is None or self._hand.kind != "human":
+            return None
+        return self._prepared(self._lying.drawn(), "drawn aside")
 
 
 class GraspScreening:
-    """Where an arm reaches some grasp of the object, from n candidates."""
+    """Where arms reach some grasp of the object, from n candidates."""
 
     def __init__(self, grasp: Grasp, candidates: Candidates) -> None:
         self._grasp, self._candidates = grasp, candidates
-        self._reach = ReachScreening(grasp, candidates, grasp.cloud)
+        self._plain = ReachScreening(grasp, candidates, grasp.plain.cloud)
+
+    @cached_property
+    def _between(self) -> ReachScreening | None:
+        """From where arms reach the sides that both hands press on."""
+        way = self._grasp.between
+        return None if way is None else ReachScreening(self._grasp, self._candidates, way.cloud)
 
     def next(self, start: int, stop: int) -> int:
         """The first candidate from which an arm reaches a grasp."""
-        return self._reach.next(start, stop)
+        first = self._plain.next(start, stop)
+        return self._between.next(start, first) if first > start and self._between is not None else first
 
     def results(self, index: int) -> Iterator[Hit | FindMiss]:
-        """The arms that can grasp the object, the nearer grasp first; or the nearest miss."""
-        candidate, frames = self._candidates[index], self._candidates.frames(index)
-        shoulders = frames[self._candidates.torso.frames.first_shoulder :]
-        arms = [self._grasp.arms[column] for column in self._reach.able(index)]
-        results = [self._grasp.grasped(candidate, arm, shoulders[arm]) for arm in arms]
-        hits = [result for result in results if isinstance(result, Hit)]
-        yield from sorted(hits, key=lambda hit: hit.cost)
-        if not hits:
-            miss = nearest_miss([result for result in results if isinstance(result, Miss)])
-            yield lambda: miss
+        """How hands can grasp the object by the way of least trouble, the nearer grasp first; or the nearest miss."""
+        misses: list[Miss] = []
+        for results in self._by_way(index):
+            hits = [result for result in results if isinstance(result, Hit)]
+            if hits:
+                yield from sorted(hits, key=lambda hit: hit.cost)
+                return
+            misses += [result for result in results if isinstance(result, Miss)]
+        miss = nearest_miss(misses)
+        yield lambda: miss
+
+    def _by_way(self, index: int) -> Iterator[list[Hit | Miss]]:
+        """How each way succeeds from a candidate, or why not; the way of least trouble first."""
+        grasp, candidate = self._grasp, self._candidates[index]
+        shoulders = self._candidates.frames(index)[self._candidates.torso.frames.first_shoulder :]
+        able = [grasp.arms[column] for column in self._plain.able(index)]
+        plain = grasp.plain.results(candidate, shoulders, able)
+        yield plain
+        # What is done to a thing first helps hands that get to it and find something in the way.
+        pairs = zip(able, plain, strict=True)
+        blocked = [arm for arm, miss in pairs if isinstance(miss, Miss) and miss.reason is Reason.NO_FREE_GRASP]
+        if blocked and grasp.tilted is not None:
+            yield grasp.tilted.results(candidate, shoulders, blocked)
+        if self._between is not None and grasp.between is not None:
+            both = len(self._between.able(index)) == len(SIDES)
+            yield grasp.between.results(candidate, shoulders) if both else [ONLY_ONE]
+        if blocked and grasp.slid is not None:
+            yield grasp.slid.results(candidate, shoulders, blocked)
+        if blocked and grasp.drawn is not None:
+            yield grasp.drawn.results(candidate, shoulders, blocked)
 
     def miss(self) -> Miss | None:
         """Why no grasp is reached from the other candidates."""
-        return self._reach.miss()
+        return self._plain.miss() if self._between is None or len(self._grasp.plain.grasps) else self._between.miss()

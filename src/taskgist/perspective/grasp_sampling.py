@@ -21,8 +21,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.settings import Grasp
-from taskgist.world.bodies.agent import ArmIndices
-from taskgist.world.bodies.hands import Hand, hand_boxes
+from taskgist.world.bodies.hands import Hand, Palms, hand_boxes
 from taskgist.world.geometry.shapes import distances_outside_m, inner_points, spans_m
 from taskgist.world.geometry.transforms import Pose
 from taskgist.world.scene import Scene
@@ -85,7 +84,7 @@ def hand_frames(grasps: Grasps) -> Array:
     return np.stack((grasps.approaches, grasps.closings, np.stack(across, axis=1)), axis=2)
 
 
-def hand_centers(grasps: Grasps, hand: Hand) -> Array:
+def hand_centers(grasps: Grasps, hand: Hand | Palms) -> Array:
     """Middles of the boxes of ``hand_boxes`` in each grasp before the hand closes, metres, (n, k, 3).
 
     Fingers and thumb stand off the two points by the grasp's gap; their pads are beside them.
@@ -203,11 +202,14 @@ def _surface(bench: Stage, shapes: Indices, spacing_m: float) -> tuple[Array, Ar
 def _thinned(points: Array, normals: Array, spacing_m: float) -> Indices:
     """Points of which none share a cell and a side of the surface: in fine cells, or in coarser ones if they are many.
 
-    Small parts of a large shape, as its handle, keep a point on each of their sides.
+    Small parts of a large shape, as its handle, keep a point on each of their sides; and the sides of a thin shape
+    theirs at both edges and amid: whichever way up it lies, fingers come to the upper one.
     """
     cell_m = spacing_m / THINNING
+    thin_m = np.maximum(np.ptp(points, axis=0) / 2, SAME_M)
     while True:
-        kept = _distinct(np.concatenate((np.round(points / cell_m), np.round(2 * normals)), axis=1))
+        cells = np.round(points / np.minimum(cell_m, thin_m))
+        kept = _distinct(np.concatenate((cells, np.round(2 * normals)), axis=1))
         if len(kept) <= MOST or cell_m >= spacing_m:
             return kept
         cell_m *= 2
@@ -300,7 +302,7 @@ def touching(bench: Stage, name: str, pairs: Pairs) -> Mask:
     return touched
 
 
-def in_itself(bench: Stage, grasps: Grasps, hand: Hand) -> Mask:
+def in_itself(bench: Stage, grasps: Grasps, hand: Hand | Palms) -> Mask:
     """Whether the open hand, or its way, is in the object otherwise than by design, (n,).
 
     Quick tests for all grasps at once settle most of them; the others are measured.
@@ -312,32 +314,33 @@ def in_itself(bench: Stage, grasps: Grasps, hand: Hand) -> Mask:
     """
     frames, centers = hand_frames(grasps), hand_centers(grasps, hand)
     found, near = _settled(bench, grasps, hand, frames, centers)
-    arm = _arm_with(bench.scene, hand)
-    boxes = {int(ghost): box for box, ghost in enumerate(arm.ghosts)}
+    ghosts = ghosts_with(bench.scene, hand)
+    boxes = {int(ghost): box for box, ghost in enumerate(ghosts)}
     columns = {int(solid): column for column, solid in enumerate(grasps.solids)}
     for index in np.flatnonzero(near.any(axis=(1, 2)) & ~found):
-        bench.place(arm.ghosts, centers[index], frames[index].reshape(9))
+        bench.place(ghosts, centers[index], frames[index].reshape(9))
         suspects = grasps.solids[near[index].any(axis=0)]
         found[index] = any(
             depth_m > TOUCH_M and near[index, boxes[ghost], columns[other]]
-            for ghost, other, depth_m in bench.overlaps(arm.ghosts, suspects)
+            for ghost, other, depth_m in bench.overlaps(ghosts, suspects)
         )
     return found
 
 
-def _settled(bench: Stage, grasps: Grasps, hand: Hand, frames: Array, centers: Array) -> tuple[Mask, Mask]:
+def _settled(bench: Stage, grasps: Grasps, hand: Hand | Palms, frames: Array, centers: Array) -> tuple[Mask, Mask]:
     """Which grasps surely are in the object, (n,), and which box of which may be in which solid shape, (n, boxes, k).
 
     A box is in a shape if one of its points is; it is not if one of its faces keeps the shape apart.
     """
     boxes, model = hand_boxes(hand), bench.scene.model
     half = np.array([box.half_m for box in boxes]) - TOUCH_M
+    closing = [row for row, box in enumerate(boxes) if box.side]
     near = np.zeros((len(grasps), len(boxes), len(grasps.solids)), dtype=bool)
     found = np.zeros(len(grasps), dtype=bool)
     for column, solid in enumerate(grasps.solids.tolist()):
         pose = bench.geom(solid)
         counts = np.repeat(~found[:, None], len(boxes), axis=1)
-        counts[:, 1:] &= ~grasps.touching[:, column, None]
+        counts[:, closing] &= ~grasps.touching[:, column, None]
         near[:, :, column] = _near(bench, solid, frames, centers, half, counts)
         for row in range(len(boxes)):
             rows = np.flatnonzero(near[:, row, column] & ~found)
@@ -381,10 +384,19 @@ def _meets(bench: Stage, shapes: Indices, start: Array, direction: Array, within
     return 0 <= distance_m <= within_m
 
 
-def _arm_with(scene: Scene, hand: Hand) -> ArmIndices:
-    """An arm whose ghosts have the shape of a hand."""
-    arms = (arm for name in scene.agents if scene.agent(name).profile.hand == hand for arm in scene.agent(name).arms)
-    return next(arms)
+def ghosts_with(scene: Scene, hand: Hand | Palms) -> Indices:
+    """Shapes of a virtual grasp by such a hand, or by two, of some agent that has it; in the order of its boxes."""
+    for agent in map(scene.agent, scene.agents):
+        own = agent.profile.hand
+        if own == hand:
+            return agent.arms[0].ghosts
+        if own is not None and own.palms == hand and len(agent.arms) > 1:
+            return np.array([agent.arm(side).flat_ghost for side in SIDES])
+    raise AssertionError("grasps are asked for a hand of the scene")
+
+
+SIDES = ("left", "right")
+"""Whose hand is on the thumb's side and on the fingers' side of what two hands hold."""
 
 
 # --- Sampling, once for each form.
@@ -395,7 +407,7 @@ REMEMBERED = 256
 IDENTITY = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
-def sample_grasps(stage: Stage, name: str, hand: Hand, settings: Grasp) -> Grasps:
+def sample_grasps(stage: Stage, name: str, hand: Hand | Palms, settings: Grasp) -> Grasps:
     """Grasps of an object where it is now, in the world.
 
     Args:
@@ -407,7 +419,7 @@ def sample_grasps(stage: Stage, name: str, hand: Hand, settings: Grasp) -> Grasp
     return grasps_in_object(stage, name, hand, settings).placed(stage.body(stage.scene.object_body(name)))
 
 
-def grasps_in_object(stage: Stage, name: str, hand: Hand, settings: Grasp) -> Grasps:
+def grasps_in_object(stage: Stage, name: str, hand: Hand | Palms, settings: Grasp) -> Grasps:
     """Grasps of an object in its own frame, sampled once; only the object's own joints are read off the stage."""
     scene = stage.scene
     joints = {int(index): round(float(stage.state.qpos[index]), 6) for index in scene.inner_joints(name)}
@@ -426,7 +438,7 @@ _BY_FORM: dict[Hashable, Grasps] = {}
 """Grasps whose shapes are counted among those of their object."""
 
 
-def _of_its_form(bench: Stage, name: str, hand: Hand, settings: Grasp) -> Grasps:
+def _of_its_form(bench: Stage, name: str, hand: Hand | Palms, settings: Grasp) -> Grasps:
     """Grasps of an object; one of the same form may have been sampled in another scene."""
     shapes = shapes_of(bench, name)
     key = (form_of(bench, name), hand, settings)
@@ -440,12 +452,13 @@ def _of_its_form(bench: Stage, name: str, hand: Hand, settings: Grasp) -> Grasps
     return _frozen(replace(known, shapes=shapes[known.shapes], solids=shapes[known.solids]))
 
 
-def _sampled(bench: Stage, name: str, hand: Hand, settings: Grasp) -> Grasps:
+def _sampled(bench: Stage, name: str, hand: Hand | Palms, settings: Grasp) -> Grasps:
     pairs = opposite_points(bench, name, settings, hand.opening_m + ROUNDING)
     narrowest_m = float(pairs.widths_m.min()) if len(pairs.widths_m) else None
-    pairs = pairs.take(pairs.widths_m <= hand.opening_m + ROUNDING)
+    least_m = hand.least_m if isinstance(hand, Palms) else 0.0
+    pairs = pairs.take((pairs.widths_m <= hand.opening_m + ROUNDING) & (pairs.widths_m > least_m - ROUNDING))
     grasps = _around(bench, name, _both_ways(pairs) if hand.one_sided else pairs, narrowest_m, settings)
-    if hand.one_sided:
+    if isinstance(hand, Hand) and hand.kind == "three_finger":
         grasps = grasps.only(met_by_all_fingers(bench, name, grasps, hand))
     return _frozen(_opened(bench, grasps, hand))
 
@@ -467,7 +480,7 @@ def _around(bench: Stage, name: str, pairs: Pairs, narrowest_m: float | None, se
     )
 
 
-def _opened(bench: Stage, grasps: Grasps, hand: Hand) -> Grasps:
+def _opened(bench: Stage, grasps: Grasps, hand: Hand | Palms) -> Grasps:
     """Grasps opened as wide as the hand goes where they would be in the object otherwise."""
     tight = in_itself(bench, grasps, hand)
     widest = np.maximum((hand.opening_m - grasps.widths_m) / 2, grasps.gaps_m)

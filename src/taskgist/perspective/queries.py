@@ -14,6 +14,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.perspective.effort import NO_KNOWN_LEVEL, Ability
@@ -75,7 +76,7 @@ class Condition(Question):
         if not self.min_level:
             return within
         less = efforts.able(self.agent, name, self.ability, max_level=self.min_level - 1)
-        return _both(within, _negated(less))
+        return both(within, _negated(less))
 
     @property
     def abilities(self) -> tuple[tuple[str, Ability], ...]:
@@ -93,7 +94,7 @@ class All(Question):
         """False as soon as one part is; unknown parts are outweighed by false ones."""
         answer: bool | None = True
         for part in self.parts:
-            answer = _both(answer, part.holds(efforts, name))
+            answer = both(answer, part.holds(efforts, name))
             if answer is False:
                 return False
         return answer
@@ -144,7 +145,8 @@ def objects_where(
     return Chosen.by({name: question.holds(efforts, name) for name in names})
 
 
-def _both(first: bool | None, second: bool | None) -> bool | None:
+def both(first: bool | None, second: bool | None) -> bool | None:
+    """And, where None is unknown."""
     if first is False or second is False:
         return False
     return None if first is None or second is None else True
@@ -160,13 +162,14 @@ def _negated(value: bool | None) -> bool | None:
 #
 #     question = both { "or" both }
 #     both     = term { "and" term }
-#     term     = "not" term | "(" question ")" | AGENT ABILITY [ BOUND LEVEL ]
+#     term     = "not" term | "(" question ")" | AGENT ABILITY [ BOUND LEVEL ] | AGENT VERB
 #     ABILITY  = "see" | "sees" | "reach" | "reaches" | "grasp" | "grasps"
 #     BOUND    = "<=" | "<" | "=" | ">=" | ">"
 #     LEVEL    = 0 to 5
 #
 # Without a bound an agent is able to by some known action, which is ``<= 4``. A name of an agent that holds blanks or
-# brackets, or is a word of the grammar, stands between double quotes.
+# brackets, or is a word of the grammar, stands between double quotes. Further verbs are given to the reader, by rooms
+# that know more than efforts.
 
 TOKEN = re.compile(r'"[^"]*"|<=|>=|[<>=()]|[^\s<>=()"]+|"')
 VERBS: Mapping[str, Ability] = {
@@ -190,18 +193,24 @@ MOST_BRACKETS = 50
 WORDS = ("and", "or", "not", "(", ")", *BOUNDS)
 
 
-def parse_question(text: str, agents: Collection[str]) -> Question:
+MoreVerbs = Mapping[str, Callable[[str], Question]]
+"""Verbs that ask for something else than an effort: each makes a question about an agent."""
+NO_VERBS: MoreVerbs = MappingProxyType({})
+
+
+def parse_question(text: str, agents: Collection[str], verbs: MoreVerbs = NO_VERBS) -> Question:
     """Read a set question.
 
     Args:
         text: The question.
         agents: Names of the scene's agents.
+        verbs: Further verbs.
 
     Raises:
         InputError: The text does not follow the grammar, or a bound leaves no level.
         UnknownNameError: There is no such agent or ability.
     """
-    reader = _Reader(text, agents)
+    reader = _Reader(text, agents, verbs)
     question = reader.question()
     if reader.next is not None:
         raise reader.error(f"{reader.next!r} is too much", hint='join conditions with "and" or "or"')
@@ -211,8 +220,8 @@ def parse_question(text: str, agents: Collection[str]) -> Question:
 class _Reader:
     """Reads tokens from left to right: one method per rule of the grammar."""
 
-    def __init__(self, text: str, agents: Collection[str]) -> None:
-        self._text, self._agents = text, agents
+    def __init__(self, text: str, agents: Collection[str], verbs: MoreVerbs) -> None:
+        self._text, self._agents, self._verbs = text, agents, verbs
         self._tokens = deque(TOKEN.findall(text))
         self._open = 0
 
@@ -253,8 +262,11 @@ class _Reader:
         self._open -= 1
         return inside
 
-    def condition(self) -> Condition:
-        agent, ability = self._agent(), self._ability()
+    def condition(self) -> Question:
+        agent = self._agent()
+        if self.next in self._verbs:
+            return self._verbs[self._tokens.popleft()](agent)
+        ability = self._ability()
         if self.next not in BOUNDS:
             return Condition(agent, ability)
         low, high = BOUNDS[self._tokens.popleft()](self._level())
@@ -285,7 +297,7 @@ class _Reader:
             raise self.error("an agent without a verb", hint=EXAMPLE)
         verb = self._tokens.popleft()
         if verb not in VERBS:
-            raise UnknownNameError("ability", verb, VERBS)
+            raise UnknownNameError("ability", verb, (*VERBS, *self._verbs))
         return VERBS[verb]
 
     def _level(self) -> int:

@@ -1,14 +1,14 @@
-"""Reach: some cell of the object is within the arm's length of the shoulder and inside its sector (5.1.2).
+"""Reach: an arm gets its palm to some cell of the object, and nothing is in the way of it (5.1.2; see ``arms``).
 
-A rough reach, as people perceive it: head, torso and base must not collide, the arm is not looked at. Who holds the
-object reaches it without effort. An arm that was not tracked can be stretched out all the same, for its shoulder
-hangs on the torso; only whether its hand holds the object is then unknown, unless the object is farther away than the
-whole arm.
+Head, torso and base must not collide, nor the arm. Who holds the object reaches it without effort. An arm that was not
+tracked can be stretched out all the same, for its shoulder hangs on the torso; only whether its hand holds the object
+is then unknown, unless the object is farther away than the whole arm.
 """
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -17,36 +17,57 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.common.compiled import compiled, compiled_part
+from taskgist.perspective.arms import (
+    ROUNDING,
+    Arms,
+    Around,
+    arms_of,
+    distance_m,
+    free_configuration,
+    in_reach,
+    shut_in,
+    usually_met,
+)
 from taskgist.perspective.candidates import Candidates, Table, carry
-from taskgist.perspective.effort import Held, Miss, OutOfReach, Quantity, Reached, Reason, stretch
+from taskgist.perspective.effort import BlockedArm, Held, Miss, OutOfReach, Quantity, Reached, Reason, stretch
 from taskgist.perspective.target import Target, vector
 from taskgist.perspective.viewpoint import FindMiss, Hit, Screening, Viewpoint
+from taskgist.settings import DEFAULT, ReachModel
 from taskgist.world.bodies.agent import ArmIndices
-from taskgist.world.bodies.profile import Arm
 from taskgist.world.contacts import hand_known
 from taskgist.world.geometry.linkage import POSE
+from taskgist.world.geometry.solids import COLUMNS
 
-# --- The sector of an arm: which points lie within its length of the shoulder, and in front of it (5.1.2). Compiled.
-#
-# Shoulders are given in the frame of what carries the arm, x forward and z up; the right arm's azimuth is mirrored.
+# --- What arms reach of some points, and what is in their way. Compiled.
 
-ROUNDING = 1e-9
 DIGITS = 6
 """Distances that agree to so many digits are equal, wherever the scene stands."""
 NOWHERE = -1
+NOTHING_AROUND = Around(np.empty((0, COLUMNS)), np.empty((0, 0), dtype=np.bool_), 0.0, 0.0, False)
+TRIES = 8
+"""Points of an object that are tried where its nearest one is out of the arm's way: spread by their distance (ours)."""
 
 
-def grasps_in_reach(shoulder: Array, arm: ArmIndices, centers: Array, approaches: Array, facing: float) -> Indices:
+def grasps_in_reach(
+    shoulder: Array,
+    arm: ArmIndices,
+    centers: Array,
+    approaches: Array,
+    facing: float,
+    *,
+    model: ReachModel = DEFAULT.reach.model,
+) -> Indices:
     """Indices of the grasps that one shoulder reaches, but for those from behind: nearest first, ties in their order.
 
     Args:
         shoulder: Its position in metres and the orientation of what carries it, a row of 12.
-        arm: Length and sector.
+        arm: What reaches.
         centers: Where the grasps are, metres, (k, 3).
         approaches: Unit directions in which the palm comes, (k, 3).
         facing: Least cosine between the approach and the direction from the shoulder to the grasp.
+        model: How reach is judged, ``settings.reach.model``; what is in the way is left aside.
     """
-    found, distances = _grasps_within(shoulder, arm.sector, centers, approaches, facing)
+    found, distances = _grasps_within(shoulder, arms_of((arm,), model), centers, approaches, facing)
     return found[np.argsort(distances, kind="stable")]
 
 
@@ -54,76 +75,112 @@ def grasps_in_reach(shoulder: Array, arm: ArmIndices, centers: Array, approaches
 def first_in_reach(
     table: Table,
     shoulders: Indices,
-    sectors: Array,
+    arms: Arms,
+    around: Around,
     points: Array,
     middle: Array,
     radius_m: float,
     start: int,
     stop: int,
+    pausing: bool,
     nearest: Indices,
     reach_m: Array,
     missed: Indices,
     gap_m: Array,
-) -> int:
+    blocked: Indices,
+) -> tuple[int, bool]:
     """The first of some candidates from which an arm reaches one of some points; ``stop`` if there is none.
 
     Args:
         table: The candidates.
         shoulders: Which frame each arm's shoulder is, (a,).
-        sectors: Of these arms, (a, 6).
+        arms: These arms.
+        around: What may be in their way.
         points: Metres, (k, 3).
         middle: Centre of a ball that holds the points, (3,).
         radius_m: Its radius.
         start: From which candidate on,
         stop: and before which.
+        pausing: Whether to end at the first candidate as well from which only what is in the way keeps an arm.
         nearest: Written, for the candidate found: the nearest point that each arm reaches, −1 for none, (a,); of
             equally near ones the first.
         reach_m: Written: how far it is, (a,).
         missed: Kept up to date: of the candidates passed over, the one from which each arm misses least, (a,).
         gap_m: Kept up to date: how far its shoulder is from the nearest point then, (a,).
+        blocked: Kept up to date: the first of them from which only what is in its way keeps each arm, −1 for none,
+            (a,).
+
+    Returns:
+        Which it is, and whether any arm reaches.
     """
     pose, gaps = np.empty(POSE), np.empty(len(shoulders))
+    met = np.zeros(len(around.solids), dtype=np.intp)
     for i in range(start, stop):
-        able = False
+        able, pause = False, False
         for arm in range(len(shoulders)):
             carry(table, i, shoulders[arm], pose)
             nearest[arm], gaps[arm] = NOWHERE, np.inf
             ball_m = distance_m(pose, middle) - radius_m
-            if ball_m <= sectors[arm, 0] + ROUNDING or ball_m <= gap_m[arm]:
-                nearest[arm], reach_m[arm], gaps[arm] = _nearest(pose, sectors[arm], points)
-            able |= nearest[arm] != NOWHERE
-        if able:
-            return i
+            if ball_m > arms.sectors[arm, 0] + ROUNDING and ball_m > gap_m[arm]:
+                continue
+            found, reach_m[arm], gaps[arm] = _nearest(pose, arms, arm, points)
+            nearest[arm] = _free_point(pose, arms, arm, points, found, around, met)
+            if nearest[arm] != NOWHERE:
+                reach_m[arm], able = distance_m(pose, points[nearest[arm]]), True
+            elif found != NOWHERE and blocked[arm] == NOWHERE:
+                blocked[arm], pause = i, pausing
+        if able or pause:
+            return i, able
         for arm in range(len(shoulders)):
             if gaps[arm] < gap_m[arm]:
                 missed[arm], gap_m[arm] = i, gaps[arm]
-    return stop
+    return stop, False
 
 
 @compiled_part
-def _nearest(pose: Array, sector: Array, points: Array) -> tuple[int, float, float]:
+def _nearest(pose: Array, arms: Arms, arm: int, points: Array) -> tuple[int, float, float]:
     """The nearest point that a shoulder reaches, −1 for none; how far it is; and how far the nearest of all is."""
     nearest, reach_m, least_m, gap_m = NOWHERE, np.inf, np.inf, np.inf
     for k in range(len(points)):
         at_m = distance_m(pose, points[k])
         gap_m = min(gap_m, at_m)
-        if at_m > sector[0] + ROUNDING or round(at_m, DIGITS) >= least_m:
+        if at_m > arms.sectors[arm, 0] + ROUNDING or round(at_m, DIGITS) >= least_m:
             continue
-        if in_reach(pose, sector, points[k]):
+        if in_reach(pose, arms, arm, points[k]):
             nearest, reach_m, least_m = k, at_m, round(at_m, DIGITS)
     return nearest, reach_m, gap_m
 
 
 @compiled
+def _free_point(pose: Array, arms: Arms, arm: int, points: Array, nearest: int, around: Around, met: Indices) -> int:
+    """Of the points that an arm reaches, given the nearest or −1, the nearest with a free way; −1 if none has."""
+    if nearest == NOWHERE or not around.asked:
+        return nearest
+    if free_configuration(pose, arms, arm, points[nearest], around, met) >= 0:
+        return nearest
+    inside, away, count = np.empty(len(points), dtype=np.intp), np.empty(len(points)), 0
+    for k in range(len(points)):
+        if in_reach(pose, arms, arm, points[k]):
+            inside[count], away[count] = k, round(distance_m(pose, points[k]), DIGITS)
+            count += 1
+    tries, order = min(count, TRIES), np.argsort(away[:count], kind="mergesort")
+    for t in range(1, tries):
+        k = inside[order[t if count <= TRIES else t * (count - 1) // (TRIES - 1)]]
+        if free_configuration(pose, arms, arm, points[k], around, met) >= 0:
+            return int(k)
+    return NOWHERE
+
+
+@compiled
 def beyond(
-    table: Table, shoulders: Indices, sectors: Array, points: Array, middle: Array, radius_m: float, margin_m: float
+    table: Table, shoulders: Indices, arms: Arms, points: Array, middle: Array, radius_m: float, margin_m: float
 ) -> bool:
     """Whether all points are farther than a margin beyond every arm, from every candidate; arguments as above."""
     pose = np.empty(POSE)
     for i in range(len(table.spot)):
         for arm in range(len(shoulders)):
             carry(table, i, shoulders[arm], pose)
-            far_m = sectors[arm, 0] + margin_m
+            far_m = arms.sectors[arm, 0] + margin_m
             if distance_m(pose, middle) - radius_m > far_m:
                 continue
             for k in range(len(points)):
@@ -133,51 +190,19 @@ def beyond(
 
 
 @compiled
-def _grasps_within(
-    pose: Array, sector: Array, centers: Array, approaches: Array, facing: float
-) -> tuple[Indices, Array]:
-    """Indices of those grasps, and how far they are, rounded for comparing."""
+def _grasps_within(pose: Array, arms: Arms, centers: Array, approaches: Array, facing: float) -> tuple[Indices, Array]:
+    """Indices of those grasps of the one arm, and how far they are, rounded for comparing."""
     found, distances, count = np.empty(len(centers), dtype=np.intp), np.empty(len(centers)), 0
     for k in range(len(centers)):
         at_m, along = distance_m(pose, centers[k]), 0.0
-        if at_m > sector[0] + ROUNDING:
+        if at_m > arms.sectors[0, 0] + ROUNDING:
             continue
         for axis in range(3):
             along += approaches[k, axis] * (centers[k, axis] - pose[axis])
-        if along >= facing * at_m - ROUNDING and in_reach(pose, sector, centers[k]):
+        if along >= facing * at_m - ROUNDING and in_reach(pose, arms, 0, centers[k]):
             found[count], distances[count] = k, np.rint(at_m * 10.0**DIGITS)
             count += 1
     return found[:count], distances[:count]
-
-
-@compiled
-def distance_m(pose: Array, point: Array) -> float:
-    """How far a point is from where a pose is."""
-    x, y, z = point[0] - pose[0], point[1] - pose[1], point[2] - pose[2]
-    return math.sqrt(x * x + y * y + z * z)
-
-
-@compiled_part
-def in_reach(pose: Array, sector: Array, point: Array) -> bool:
-    """Whether a point lies within an arm's length of a shoulder and in its sector.
-
-    Args:
-        pose: The shoulder's position in metres and the orientation of what carries it, (12,).
-        sector: Length in metres, whether it is mirrored, and lowest and highest azimuth and elevation, radians, (6,).
-        point: Metres, (3,).
-    """
-    if distance_m(pose, point) > sector[0] + ROUNDING:
-        return False
-    dx, dy, dz = point[0] - pose[0], point[1] - pose[1], point[2] - pose[2]
-    x = dx * pose[3] + dy * pose[6] + dz * pose[9]
-    y = dx * pose[4] + dy * pose[7] + dz * pose[10]
-    z = dx * pose[5] + dy * pose[8] + dz * pose[11]
-    azimuth = math.atan2(-y if sector[1] else y, x)
-    elevation = math.atan2(z, math.hypot(x, y))
-    return bool(
-        sector[2] - ROUNDING <= azimuth <= sector[3] + ROUNDING
-        and sector[4] - ROUNDING <= elevation <= sector[5] + ROUNDING
-    )
 
 
 @compiled
@@ -196,16 +221,16 @@ def ball_around(points: Array) -> tuple[Array, float]:
     return middle, math.sqrt(squared)
 
 
-def out_of_reach(arm: Arm, shoulder: Array, points: Array) -> Miss:
-    """Why an arm reaches none of some points, (k, 3), from a shoulder, (3,)."""
+def out_of_reach(side: str, length_m: float, shoulder: Array, points: Array, model: ReachModel) -> Miss:
+    """Why an arm of some length reaches none of some points, (k, 3), from a shoulder, (3,)."""
     gap_m = float(np.linalg.norm(points - shoulder, axis=1).min())
-    if gap_m <= arm.length_m:
-        text = f"outside the sector of the {arm.side} arm"
-        return Miss(Reason.OUT_OF_SECTOR, text, hindrance=OutOfReach(arm.side))
-    beyond_m = gap_m - arm.length_m
+    if gap_m <= length_m:
+        text = f"outside the sector of the {side} arm" if model == "sector" else f"where the {side} arm does not get to"
+        return Miss(Reason.OUT_OF_SECTOR, text, hindrance=OutOfReach(side))
+    beyond_m = gap_m - length_m
     far = f"{beyond_m:.2f} m" if beyond_m >= 0.005 else f"{1000 * beyond_m:.1f} mm"
-    text = f"{gap_m:.2f} m from the {arm.side} shoulder, {far} beyond the arm"
-    return Miss(Reason.TOO_FAR, text, Quantity(beyond_m, "m"), OutOfReach(arm.side, beyond_m))
+    text = f"{gap_m:.2f} m from the {side} shoulder, {far} beyond the arm"
+    return Miss(Reason.TOO_FAR, text, Quantity(beyond_m, "m"), OutOfReach(side, beyond_m))
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,6 +258,16 @@ class PointCloud:
 # Only the agent's own hands matter. One that was not tracked leaves it unknown, unless the object rests on something
 # or is farther away than the whole arm.
 
+NAMED = 2
+"""Names of what is in the way that a reason tells; the evidence has all of them."""
+LINK_M = 0.1
+"""How thick the links of an arm may be, and how far its palm is from what it touches."""
+INSIDE_M = 0.01
+"""How far within an object's surface its free surroundings are looked for."""
+MOST_SHUT_M = 0.4
+"""Of things whose farthest point is farther than this from their middle it is not asked whether they are shut in."""
+LARGEST_M = 1.0
+"""What a flood of this radius leaves counts as open, however long the arm."""
 WHOLE_ARM = 1.25
 """A hand holds nothing farther from its shoulder than this times the arm's length (ours; a human's is 1.1)."""
 PARTS: tuple[tuple[str, ...], ...] = ((), ("torso",), ("torso",), ("torso", "legs"), ("torso", "legs"))
@@ -242,11 +277,11 @@ NO_SURFACE = Miss(Reason.NO_SURFACE, "has no surface")
 NOT_HELD = Miss(Reason.NOT_HELD, "not held")
 
 
-def usable_arms(here: Viewpoint) -> tuple[tuple[int, ...], Array]:
-    """The arms that an agent may stretch out: their indices, and lengths and sectors for compiled functions, (a, 6)."""
+def usable_arms(here: Viewpoint) -> tuple[tuple[int, ...], Arms]:
+    """The arms that an agent may stretch out: their indices, and the same for compiled functions."""
     arms = here.agent.arms
     usable = tuple(index for index, arm in enumerate(arms) if stretch(arm.profile.side) in here.actions)
-    return usable, np.array([arms[index].sector for index in usable]).reshape(-1, 6)
+    return usable, arms_of(tuple(arms[index] for index in usable), here.settings.reach.model)
 
 
 class ArmJudge:
@@ -258,17 +293,73 @@ class ArmJudge:
 
     Attributes:
         arms: Indices of those that may be stretched out.
-        sectors: Their lengths and sectors for compiled functions, (a, 6).
+        reaches: The same for compiled functions.
+        shut_in: Why no way leads from the object to any arm, where that was found out.
+        looked: Whether it was tried to find out.
     """
 
     def __init__(self, here: Viewpoint, target: Target) -> None:
         self._here, self.target = here, target
-        self.arms, self.sectors = usable_arms(here)
+        self.arms, self.reaches = usable_arms(here)
+        self.model = here.settings.reach.model
+        self.shut_in: Miss | None = None
+        self.looked = False
 
     @cached_property
     def surface(self) -> PointCloud:
         """The object's cells."""
         return PointCloud.of(self.target.points)
+
+    @cached_property
+    def obstacles(self) -> Indices:
+        """Rows of the solid shapes that may be in an arm's way when it reaches the object, (n,)."""
+        here, cloud = self._here, self.surface
+        far_m = cloud.radius_m + LINK_M + float(self.reaches.sectors[:, 0].max(initial=0.0))  # from palm to shoulder
+        geoms, _ = here.collisions.around(cloud.middle, far_m)
+        own = here.stage.scene.geoms_of(self.target.name)
+        return np.searchsorted(here.collisions.obstacles, geoms[~np.isin(geoms, own)])
+
+    @cached_property
+    def around(self) -> Around:
+        """What may be in the way of the arms when they reach the object."""
+        here = self._here
+        squeeze_m, touch_m = here.settings.efforts.collision_m, here.settings.reach.touch_m
+        solids = here.collisions.solids[self.obstacles]
+        usual = usually_met(self.shoulders, self.reaches, solids, squeeze_m)
+        return Around(solids, usual, touch_m, squeeze_m, True)
+
+    @property
+    def shoulders(self) -> Array:
+        """Where the shoulders of those arms are now, and the frames of what carries them, (a, 12)."""
+        stage, arms = self._here.stage.show(self._here.state), self._here.agent.arms
+        poses = [stage.shoulder(arms[index]) for index in self.arms]
+        return np.array([[*pose.position, *pose.matrix.ravel()] for pose in poses]).reshape(-1, POSE)
+
+    def owners(self, met: Indices) -> tuple[tuple[str, int], ...]:
+        """Whose shapes were met how often, most first; counts by obstacle, (n,)."""
+        counts: Counter[str] = Counter()
+        obstacles, owners = self._here.collisions.obstacles, self._here.stage.scene.owners
+        for row in np.flatnonzero(met).tolist():
+            counts[owners[int(obstacles[self.obstacles[row]])]] += int(met[row])
+        return tuple(sorted(counts.items(), key=lambda each: (-each[1], each[0])))
+
+    def look_for_way(self) -> None:
+        """Find out whether any way at all leads from the object to an arm; see ``shut_in``."""
+        self.looked, around, cloud = True, self.around, self.surface
+        if cloud.radius_m > MOST_SHUT_M:
+            return
+        met = np.zeros(len(around.solids), dtype=np.intp)
+        inwards = cloud.middle - cloud.points
+        away_m = np.maximum(np.linalg.norm(inwards, axis=1), INSIDE_M)[:, None]
+        starts = cloud.points + inwards * (INSIDE_M / away_m)
+        eye = self._here.stage.eye(self._here.agent).position
+        here = np.concatenate((self.shoulders[:, :3], eye[None]))
+        radius_m = min(float(self.reaches.sectors[:, 0].max()), LARGEST_M) + cloud.radius_m
+        if shut_in(starts, cloud.middle, radius_m, here, around.solids, met):
+            counts = self.owners(met)
+            side = self.arm(self.arms[0]).profile.side
+            text = f"shut in by {' and '.join(owner for owner, _ in counts[:NAMED])}"
+            self.shut_in = Miss(Reason.SHUT_IN, text, hindrance=BlockedArm(side, counts, shut_in=True))
 
     def arm(self, index: int) -> ArmIndices:
         """An arm of the agent by its index."""
@@ -321,20 +412,34 @@ class ReachScreening:
     def __init__(self, judge: ArmJudge, candidates: Candidates, cloud: PointCloud) -> None:
         self._judge, self._candidates, self._cloud = judge, candidates, cloud
         shoulders = candidates.torso.frames.first_shoulder + np.array(judge.arms, dtype=np.intp)
-        self._where = (candidates.table, shoulders, judge.sectors, cloud.points, cloud.middle, cloud.radius_m)
+        self._from, self._to = (
+            (candidates.table, shoulders, judge.reaches),
+            (cloud.points, cloud.middle, cloud.radius_m),
+        )
         count = len(judge.arms)
         self._nearest, self._reach_m = np.empty(count, dtype=np.intp), np.empty(count)
         self._missed, self._gap_m = np.full(count, NOWHERE), np.full(count, np.inf)
+        self._blocked = np.full(count, NOWHERE)
 
     def next(self, start: int, stop: int) -> int:
         """The first candidate from which an arm reaches one of the points."""
-        if not len(self._cloud.points):
+        if not len(self._cloud.points) or self._judge.shut_in is not None:
             return stop
-        return first_in_reach(*self._where, start, stop, self._nearest, self._reach_m, self._missed, self._gap_m)
+        judge, noted = self._judge, (self._nearest, self._reach_m, self._missed, self._gap_m, self._blocked)
+        # What is in the way matters only from where an arm is long enough.
+        start, able = first_in_reach(*self._from, NOTHING_AROUND, *self._to, start, stop, False, *noted)
+        if not able or judge.model == "sector":
+            return start
+        where = (*self._from, judge.around, *self._to)
+        found, able = first_in_reach(*where, start, stop, not judge.looked, *noted)
+        if found < stop and not able:
+            judge.look_for_way()
+            found, able = first_in_reach(*where, stop if judge.shut_in else found + 1, stop, False, *noted)
+        return found
 
     def beyond(self, margin_m: float) -> bool:
         """Whether all points are farther than this beyond every arm, from every candidate."""
-        return beyond(*self._where, margin_m)
+        return beyond(*self._from, *self._to, margin_m)
 
     def able(self, index: int) -> list[int]:
         """Which of the judge's arms reach some point from such a candidate, the nearer shoulder's first."""
@@ -352,12 +457,32 @@ class ReachScreening:
             return NO_ARM
         if not len(self._cloud.points):
             return NO_SURFACE
+        if self._judge.shut_in is not None:
+            return self._judge.shut_in
+        if (self._blocked != NOWHERE).any():
+            return self._in_the_way(int(np.argmax(self._blocked != NOWHERE)))
         column = int(np.argmin(self._gap_m))
         if self._missed[column] == NOWHERE:
             return None
         arm = self._judge.arms[column]
         shoulder = self._candidates.shoulder(int(self._missed[column]), arm)
-        return out_of_reach(self._judge.arm(arm).profile, shoulder.position, self._cloud.points)
+        profile = self._judge.arm(arm).profile
+        length_m = profile.length_m if self._judge.model == "sector" else float(self._judge.reaches.sectors[column, 0])
+        return out_of_reach(profile.side, length_m, shoulder.position, self._cloud.points, self._judge.model)
+
+    def _in_the_way(self, column: int) -> Miss:
+        """What keeps an arm from the points, from the first candidate where it would reach them otherwise."""
+        judge, index = self._judge, int(self._blocked[column])
+        arm = judge.arms[column]
+        pose = self._candidates.frames(index)[self._candidates.torso.frames.first_shoulder + arm]
+        met = np.zeros(len(judge.around.solids), dtype=np.intp)
+        for point in self._cloud.points[np.argsort(np.linalg.norm(self._cloud.points - pose[:3], axis=1))[:TRIES]]:
+            free_configuration(pose, judge.reaches, column, point, judge.around, met)
+        side, counts = judge.arm(arm).profile.side, judge.owners(met)
+        text = f"the way of the {side} arm is blocked"
+        if counts:
+            text += f" by {' and '.join(owner for owner, _ in counts[:NAMED])}"
+        return Miss(Reason.ARM_BLOCKED, text, hindrance=BlockedArm(side, counts))
 
     def _stretched(self, column: int) -> Hit:
         side, distance_m = self._judge.arm(self._judge.arms[column]).profile.side, float(self._reach_m[column])

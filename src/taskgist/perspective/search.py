@@ -131,7 +131,7 @@ def _free(
             misses.append(result)
             continue
         solution = Solution(candidate, result)
-        blocking = here.collisions.blocking(solution.state)
+        blocking = here.collisions_of(candidate).blocking(solution.state)
         if blocking is None:
             yield solution
             return
@@ -188,7 +188,8 @@ def effort_from(here: Viewpoint, name: str, ability: Ability, *, explained: bool
         here.recorder.begin()
         level, solution, misses = _searched(here, name, ability)
         if explained:
-            evidence = _evidence(ability, level, solution, misses)
+            untried = here.candidates.untried if level == NO_KNOWN_LEVEL else None
+            evidence = replace(_evidence(ability, level, solution, misses), untried=untried)
             return _effort(here, name, ability, level, solution, lambda: evidence)
     asked = (here.stage.scene, here.state, here.agent.name, here.settings, here.actions, name, ability)
     return _effort(here, name, ability, level, solution, partial(_evidence_anew, *asked))

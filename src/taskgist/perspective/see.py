@@ -1,4 +1,4 @@
-"""See: at least one visible pixel of the object lies in the gaze cone (5.1.1; the cone is ours).
+"""See: what is visible of the object in the gaze cone is large enough to be made out (5.1.1; cone and size are ours).
 
 With effort, the head aims at the object; if the object is seen so, the first of the steps on the way that sees it
 needs the least amount. What is not seen when looked at is not searched on the way. Candidates from which the head
@@ -8,7 +8,6 @@ cannot turn far enough, or does not even glimpse the object, are passed over wit
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterator
 from functools import cached_property, partial
 
@@ -19,7 +18,8 @@ from taskgist.common.compiled import compiled, compiled_part
 from taskgist.perspective.candidates import EYE, STILL_RAD, Candidates, Neck, Table, carry
 from taskgist.perspective.effort import Miss, Occlusion, Quantity, Reason, Visibility
 from taskgist.perspective.gaze import TURN_COLUMNS, aim, aimed, off_gaze, turned_heads
-from taskgist.perspective.image import Lens, Sight, lens_of, measured, window
+from taskgist.perspective.image import Sight, measured
+from taskgist.perspective.lens import Lens, lens_of, raster, ray_through
 from taskgist.perspective.occlusion import GRAZE_M, away_m, from_eye, in_shadow
 from taskgist.perspective.target import Sought, Target, vector
 from taskgist.perspective.viewpoint import FindMiss, Hit, Viewpoint
@@ -124,11 +124,13 @@ def _nearest_rad(eye: Array, sought: Sought) -> float:
 @compiled_part
 def _shows(wanted: Array, others: Array, sought: Sought, lens: Lens, eye: Array) -> bool:
     """Whether the ray of some pixel meets a wanted shape, and none of the others before."""
-    hider, rays, frame = 0, lens.rays, eye[3:]
-    first_row, last_row, first_column, last_column = window(lens, eye, sought.centers, sought.radii_m)
+    hider, frame = 0, eye[3:]
+    halvings, first_row, last_row, first_column, last_column = raster(
+        lens, eye, sought.centers, sought.radii_m, sought.corners
+    )
     for row in range(first_row, last_row):
         for column in range(first_column, last_column):
-            x, y, z = rays[row, column, 0], rays[row, column, 1], rays[row, column, 2]
+            x, y, z = ray_through(lens, halvings, row, column)
             if x < lens.cone_cos:
                 continue
             dx = frame[0] * x + frame[1] * y + frame[2] * z
@@ -178,14 +180,14 @@ class SeeScreening:
         """The least turn of the head on the way that sees the object comes first."""
         start, angles = self._candidates[index].state, self._on_the_way(self._aimed(index))
         sight = self._see.gaze(start.replace(self._head.changes(angles[-1])))
-        if not sight.visible.any():
+        if not sight.makes_out(sight.visible):
             yield partial(self._see.miss, sight)
             return
         for step in self._glimpsed(index, angles):
             changes = self._head.changes(angles[step]) if step else {}
             state = start.replace(changes)
             sight = self._see.gaze(state)
-            if sight.visible.any():
+            if sight.makes_out(sight.visible):
                 yield self._see.hit(state, changes, self._turned(changes), sight)
 
     def _aimed(self, index: int) -> Array:
@@ -261,7 +263,7 @@ class See:
     def without_effort(self) -> Hit | FindMiss:
         """Level 0: in the gaze cone of the current state."""
         sight = self._here.sight(self.target)
-        if (sight.visible & (sight.rays_in_eye[:, 0] >= self.lens.cone_cos)).any():
+        if sight.makes_out(sight.visible & (sight.rays_in_eye[:, 0] >= self.lens.cone_cos)):
             return self.hit(self._here.state, {}, {}, sight)
         return partial(self._miss_now, sight)
 
@@ -286,7 +288,7 @@ class See:
             angles,
             tuple(action for action, turn in turned.items() if turn > STILL_RAD),
             head_rad=sum(turned.values()),
-            cost=-float(sight.visible.sum()),
+            cost=-sight.pixels(sight.visible),
         )
 
     def _visibility(self, state: State) -> Visibility:
@@ -296,11 +298,11 @@ class See:
 
     def miss(self, sight: Sight) -> Miss:
         """Why the object is not seen in the gaze cone when looked at."""
-        if len(sight.geoms):
+        if sight.makes_out():
             return self._hidden(sight)
         off_rad = self._off_rad(sight)
         if off_rad <= self._cone_rad and self._in_image(sight):
-            return Miss(Reason.TOO_SMALL, "smaller than a pixel", Quantity(off_rad, "rad"))
+            return Miss(Reason.TOO_SMALL, "too small to be made out", Quantity(off_rad, "rad"))
         return beyond_neck(off_rad)
 
     def _miss_now(self, sight: Sight) -> Miss:
@@ -308,24 +310,24 @@ class See:
         off_rad = self._off_rad(sight)
         off = Quantity(off_rad, "rad")
         beside = f"{math.degrees(off_rad):.0f}° beside the gaze (cone {math.degrees(self._cone_rad):.0f}°)"
-        if sight.visible.any():
+        if sight.makes_out(sight.visible):
             return Miss(Reason.BESIDE_GAZE, f"in view, but {beside}", off)
-        if len(sight.geoms):
+        if sight.makes_out():
             return self._hidden(sight)
         if self._in_image(sight):
-            return Miss(Reason.TOO_SMALL, "smaller than a pixel", off)
+            return Miss(Reason.TOO_SMALL, "too small to be made out", off)
         return Miss(Reason.OUT_OF_VIEW, f"out of view, {beside}", off)
 
     def _hidden(self, sight: Sight) -> Miss:
-        """All of the object's pixels show something else."""
-        owners = [self._here.stage.scene.owners[geom] for geom in sight.geoms.tolist()]
-        counts = sorted(Counter(owners).items())
-        first = {owner: owners.index(owner) for owner, _ in counts}
+        """Something else hides the object, or all of it but too little."""
+        scene, hidden = self._here.stage.scene, np.flatnonzero(~sight.visible)
+        owners = [scene.owners[geom] for geom in sight.geoms[hidden].tolist()]
+        first = {owner: hidden[owners.index(owner)] for owner in sorted(set(owners))}
         eye = eye_pose(sight)
         hits = eye.to_world(sight.rays_in_eye * sight.distances_m[:, None])
         occlusion = Occlusion(
-            tuple(sorted(counts, key=lambda each: -each[1])),
-            len(owners),
+            sight.owners(~sight.visible, scene.owners),
+            sight.pixels(),
             vector(eye.position),
             tuple((owner, vector(hits[row])) for owner, row in first.items()),
         )

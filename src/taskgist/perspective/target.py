@@ -6,6 +6,7 @@ noted where things are looked at and collisions are tested, for all abilities al
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import NamedTuple
 
@@ -16,7 +17,7 @@ from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled, compiled_part
 from taskgist.perspective.effort import Vector
 from taskgist.settings import Settings
-from taskgist.world.contacts import object_points
+from taskgist.world.contacts import object_points, seat_m
 from taskgist.world.stage import Stage
 
 
@@ -26,6 +27,8 @@ def vector(values: Array) -> Vector:
     return (x, y, z)
 
 
+SQUARE_ARCMIN_SR = math.radians(1 / 60) ** 2
+"""A square minute of arc in steradians."""
 SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 
 
@@ -45,6 +48,15 @@ class Sought(NamedTuple):
     radii_m: Array
     corners: Array
     middle: Array
+
+
+def box_corners(stage: Stage, shapes: Indices) -> Array:
+    """Corners of the boxes around some shapes, each in its own frame, metres in the world, (8 n, 3)."""
+    bounds = stage.scene.model.geom_aabb[shapes]
+    local = bounds[:, None, :3] + SIGNS * bounds[:, None, 3:]
+    positions, matrices = stage.geoms(shapes)
+    turned = local @ matrices.reshape(-1, 3, 3).transpose(0, 2, 1)
+    return np.asarray((turned + positions[:, None]).reshape(-1, 3))
 
 
 class Target:
@@ -81,13 +93,19 @@ class Target:
         return object_points(self._stage, self.name, self._settings.reach.cell_m)
 
     @cached_property
+    def seat_m(self) -> float | None:
+        """How far up it must be moved to lie on what carries it, metres; None if nothing does."""
+        return seat_m(self._stage, self.name, self._settings.contact)
+
+    @cached_property
     def corners(self) -> Array:
         """Corners of the boxes around its seen shapes, metres, (8 n, 3)."""
-        bounds = self._stage.scene.model.geom_aabb[self.shapes]
-        local = bounds[:, None, :3] + SIGNS * bounds[:, None, 3:]
-        positions, matrices = self._stage.geoms(self.shapes)
-        turned = local @ matrices.reshape(-1, 3, 3).transpose(0, 2, 1)
-        return np.asarray((turned + positions[:, None]).reshape(-1, 3))
+        return box_corners(self._stage, self.shapes)
+
+    @property
+    def least_sr(self) -> float:
+        """The least solid angle of it that is made out, steradians."""
+        return self._settings.vision.least_visible_arcmin2 * SQUARE_ARCMIN_SR
 
     @cached_property
     def sought(self) -> Sought:
@@ -96,8 +114,8 @@ class Target:
 
     @cached_property
     def others(self) -> Indices:
-        """All other seen shapes of the scene, (m,)."""
-        counted = self._stage.seen.copy()
+        """All other seen shapes of the scene that are not looked through, (m,)."""
+        counted = self._stage.seen & self._stage.scene.hiding(self._settings.vision.transparent_alpha)
         counted[self.shapes] = False
         return np.flatnonzero(counted)
 

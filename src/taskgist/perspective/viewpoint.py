@@ -9,9 +9,11 @@ level  effort (Fig. 6)                 candidates
 ====== =============================== ==========================================================================
 0, 1   none; head, or arm              the current state
 2      and torso                       turns and leans of the torso
-3      whole body                      the other posture, with turns and leans of the torso
-4      displacement                    standing, on every place of the floor that can be got to, the chest turned to
-                                       the object, with leans of the torso (a turn would repeat that of the base)
+3      whole body                      other postures, with turns and leans of the torso: standing up or sitting down,
+                                       bending at the hips, crouching (``postures``)
+4      displacement                    standing, bent or crouched, on every place of the floor that can be got to, the
+                                       chest turned to the object, with leans of the torso (a turn would repeat that
+                                       of the base)
 ====== =============================== ==========================================================================
 
 What an agent holds stays where it is in all of them: a held object can be reached and grasped without effort anyway,
@@ -40,15 +42,16 @@ from taskgist.perspective.candidates import (
     torso_poses,
 )
 from taskgist.perspective.constraints import NOTHING, Collisions, Floor, Place, held_by
-from taskgist.perspective.effort import MOVE, SIT, STAND, TURN, Attained, Miss, Reason, Visibility
+from taskgist.perspective.effort import MOVE, SIT, STAND, TURN, Amount, Attained, Miss, Reason, Visibility
 from taskgist.perspective.image import Sight, look, measured
+from taskgist.perspective.postures import bends, leaving_seat, seat_height_m
 from taskgist.perspective.target import Recorder, Region, Target
-from taskgist.settings import DEFAULT, Efforts, Settings
+from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.bodies.profile import Posture
 from taskgist.world.contacts import holding_of, objects_near
 from taskgist.world.geometry.transforms import yaw_of
-from taskgist.world.stage import Stage, posture_of, seat_position, with_posture
+from taskgist.world.stage import Stage, posture_of, with_posture
 from taskgist.world.state import State
 
 
@@ -96,6 +99,7 @@ class Viewpoint:
         self.held: Mapping[str, str] = held_by(stage, self.agent, near, settings.contact)
         self.recorder = Recorder(self._own_region(near))
         self.collisions = Collisions(stage, self.agent, settings, self.held, self.recorder)
+        self._without: dict[str, Collisions] = {}
         self.posture: Posture | None = posture_of(stage, self.agent, settings.contact)
 
     def _own_region(self, near: Iterable[str]) -> Region:
@@ -107,6 +111,16 @@ class Viewpoint:
             thing = self.target(name)
             region.add_balls(thing.centers, thing.radii_m + contact.container_m)
         return region
+
+    def collisions_of(self, candidate: Candidate) -> Collisions:
+        """What the agent would push into in states that a candidate leads to."""
+        aside = candidate.aside
+        if aside is None:
+            return self.collisions
+        if aside not in self._without:
+            stage, out = self.stage.show(self.state), (*self.held, aside)
+            self._without[aside] = Collisions(stage, self.agent, self.settings, out, self.recorder)
+        return self._without[aside]
 
     @cached_property
     def candidates(self) -> CandidateSource:
@@ -178,7 +192,7 @@ class Viewpoint:
 
 
 AROUND_M = 0.6
-"""How far around an agent a seat may be, at most: a thigh behind its feet."""
+"""How far around an agent a seat may be, at most: a thigh behind its feet; and what it might move with its seat."""
 NO_CANDIDATE: Mapping[int, Miss] = {
     2: Miss(Reason.NO_TORSO, "the torso does not move"),
     3: Miss(Reason.NO_POSTURE, "no other posture to take"),
@@ -196,7 +210,7 @@ class CandidateSource:
 
     def __init__(self, here: Viewpoint) -> None:
         self._here = here
-        self._frames: dict[tuple[str, ...], Frames] = {}
+        self._frames: dict[Candidate, Frames] = {}
 
     def of_level(self, level: int, target: Array) -> Iterator[Candidates]:
         """Candidates of an effort level, by increasing amount, in batches.
@@ -211,11 +225,11 @@ class CandidateSource:
             yield self._with_torso
         elif level == 3:
             self._here.recorder.add_body(self._seat_region())
-            if self.other_posture is not None:
-                yield self._in_other_posture
+            yield from self._in_other_postures
         elif level == 4 and MOVE in self._here.actions:
             if self.other_posture is not None and self._here.posture == "sitting":
                 self._here.recorder.add_body(self._here.collisions.filled(self.other_posture.state))
+                self._here.recorder.add_body(self._seat_region())
             if self.walk is not None:
                 self._here.recorder.floor = True
                 yield from self.walk.candidates(target)
@@ -243,17 +257,38 @@ class CandidateSource:
         if here.posture == "standing" and SIT in here.actions:
             seat = seat_height_m(stage, here.agent, here.settings.efforts)
             if seat is not None:
-                return Candidate(with_posture(stage, here.agent, "sitting", seat_height_m=seat), (SIT,))
+                state = with_posture(stage, here.agent, "sitting", seat_height_m=seat)
+                lowered_m = float(here.state.qpos[here.agent.base][2] - state.qpos[here.agent.base][2])
+                return Candidate(state, (SIT,), Amount(lowered_m=lowered_m))
         return None
 
     @cached_property
     def upright(self) -> Candidate | None:
         """The agent standing, free of collisions, ready to walk; None if it cannot be."""
-        if self._here.posture == "standing":
+        here, standing = self._here, self.other_posture
+        if here.posture == "standing":
             return self.current
-        standing = self.other_posture
-        free = standing is not None and self._here.collisions.blocking(standing.state) is None
-        return standing if free else None
+        if standing is None or here.collisions.blocking(standing.state) is None:
+            return standing
+        ways_out = leaving_seat(here.stage.show(here.state), here.agent, here.settings.efforts, here.actions)
+        return next((way for way in ways_out if here.collisions_of(way).blocking(way.state) is None), None)
+
+    @cached_property
+    def _bent(self) -> list[Candidate]:
+        """What the agent does standing."""
+        here, upright = self._here, self.upright
+        assert upright is not None
+        return list(bends(here.stage, here.agent, upright, here.settings.efforts, here.actions))
+
+    @cached_property
+    def other_postures(self) -> tuple[Candidate, ...]:
+        """All other postures, the least first; they may collide."""
+        here, upright = self._here, self.upright
+        found = [self.other_posture] if self.other_posture else []
+        if upright is not None:
+            found += [upright] if here.posture == "sitting" and upright is not self.other_posture else []
+            found += self._bent
+        return tuple(sorted(found, key=lambda posture: posture.amount.key))
 
     @cached_property
     def walk(self) -> Walk | None:
@@ -262,11 +297,20 @@ class CandidateSource:
         if MOVE not in here.actions or self.upright is None:
             return None
         agent, state, axis = here.agent, self.upright.state, here.agent.profile.turn
-        torso = self._torso(self.upright, self._poses(here.actions - {TURN}))
+        poses, standing = self._poses(here.actions - {TURN}), (self.upright, *self._bent)
+        torso = [self._torso(start, poses) for start in standing]
+        collisions = here.collisions_of(self.upright)
         here.stage.show(state)
-        floor = Floor(state, agent, here.settings.efforts, here.collisions.footprint(), here.known_floor)
+        floor = Floor(state, agent, here.settings.efforts, collisions.footprint(), here.known_floor)
         turned_rad = float(here.state.qpos[agent.joints[axis.joint]]) if axis else 0.0
         return Walk(torso, yaw_of(state.qpos[agent.base][3:]) + turned_rad, floor)
+
+    @property
+    def untried(self) -> str | None:
+        """What was left out of the candidates that were made; None if nothing was."""
+        if self.__dict__.get("walk") is None or self.walk is None or not self.walk.floor.goes_on:
+            return None
+        return f"going farther than {self._here.settings.efforts.move_radius_m:g} m"
 
     @property
     def places(self) -> tuple[Place, ...]:
@@ -283,7 +327,8 @@ class CandidateSource:
     def _seat_region(self) -> Region:
         """Where a seat is looked for."""
         region, here = Region(), self._here
-        region.add_points(here.stage.show(here.state).geom_centers(here.agent.geoms), AROUND_M)
+        around_m = AROUND_M + (here.settings.efforts.leaving_seat_m if here.posture == "sitting" else 0.0)
+        region.add_points(here.stage.show(here.state).geom_centers(here.agent.geoms), around_m)
         return region
 
     @cached_property
@@ -295,40 +340,18 @@ class CandidateSource:
         return Candidates(self._torso(self.current, [pose for pose in self._poses(self._here.actions) if pose.actions]))
 
     @cached_property
-    def _in_other_posture(self) -> Candidates:
-        assert self.other_posture is not None
-        return Candidates(self._torso(self.other_posture, self._poses(self._here.actions)))
+    def _in_other_postures(self) -> list[Candidates]:
+        poses = self._poses(self._here.actions)
+        return [Candidates(self._torso(posture, poses)) for posture in self.other_postures]
 
     def _poses(self, actions: frozenset[str]) -> list[TorsoPose]:
         return torso_poses(self._here.agent, self._here.state, self._here.settings.efforts, actions)
 
     def _torso(self, start: Candidate, poses: Sequence[TorsoPose]) -> TorsoPoses:
-        here, posture = self._here, start.actions
-        if posture not in self._frames:
-            self._frames[posture] = Frames(here.stage.show(start.state), here.agent)
-        return TorsoPoses.of(here.agent, start, self._frames[posture], poses)
-
-
-DOWN = (0.0, 0.0, -1.0)
-HEADROOM_M = 0.05
-"""How far above the highest seat the search begins."""
-
-
-def seat_height_m(stage: Stage, agent: Agent, settings: Efforts) -> float | None:
-    """Height of what the agent would sit down onto, metres; None if nothing there has a seat's height.
-
-    Args:
-        stage: The scene in the agent's state. Agents are looked through, and nobody sits on one.
-        agent: The agent.
-        settings: Heights of seats.
-    """
-    lowest, highest = settings.seat_height_m
-    scene = stage.scene
-    things = [geom for geom, owner in enumerate(scene.owners) if owner not in scene.agents]
-    above = (*seat_position(stage, agent), highest + HEADROOM_M)
-    geoms, distances = stage.cast(above, [DOWN], only=things)
-    height = highest + HEADROOM_M - float(distances[0])
-    return height if geoms[0] >= 0 and lowest <= height <= highest else None
+        here = self._here
+        if start not in self._frames:
+            self._frames[start] = Frames(here.stage.show(start.state), here.agent)
+        return TorsoPoses.of(here.agent, start, self._frames[start], poses)
 
 
 # --- What the judges of the three abilities share: how candidates are screened, and what comes of it.

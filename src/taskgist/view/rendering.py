@@ -51,7 +51,13 @@ def pinhole(fov_rad: tuple[float, float], width_px: int, height_px: int) -> Arra
 
 
 def render(
-    stage: Stage, camera: Pose, directions: Array, *, exclude_body: int = -1, highlight: Collection[int] = ()
+    stage: Stage,
+    camera: Pose,
+    directions: Array,
+    *,
+    exclude_body: int = -1,
+    only: ArrayLike | None = None,
+    highlight: Collection[int] = (),
 ) -> Rendered:
     """Render what the stage shows.
 
@@ -60,12 +66,13 @@ def render(
         camera: Looks along its x axis, z up.
         directions: Unit directions of the pixels in the camera's frame, (height, width, 3).
         exclude_body: A body to look through (the head that the eye sits in), or −1.
+        only: The only shapes that are there, where given.
         highlight: Shapes to paint in the colour of attention.
     """
     height, width = directions.shape[:2]
     rays = directions.reshape(-1, 3) @ camera.matrix.T
     normals = np.zeros_like(rays)
-    geoms, distances = stage.cast(camera.position, rays, exclude_body=exclude_body, normals=normals)
+    geoms, distances = stage.cast(camera.position, rays, exclude_body=exclude_body, only=only, normals=normals)
     points = camera.position + rays * distances[:, None]
     colours = _colours(stage, geoms, points, highlight)
     lit = 0.55 + 0.45 * np.clip(normals @ LIGHT, 0.0, 1.0)

@@ -87,12 +87,15 @@ def draw_eye(axes: Axes, stage: Stage, agent: str, target: str | None, settings:
     body = stage.scene.agent(agent)
     eye = body.profile.eye
     height = round(EYE_WIDTH_PX * eye.image_px[1] / eye.image_px[0])
-    marked = stage.scene.object_geoms(target) if target else ()
+    marked = stage.scene.object_geoms(target) if target else np.empty(0, dtype=np.intp)
+    there = stage.seen & stage.scene.hiding(settings.vision.transparent_alpha)
+    there[marked] = stage.seen[marked]
     image = render(
         stage,
         stage.eye(body),
         pinhole(eye.fov_rad, EYE_WIDTH_PX, height),
         exclude_body=body.eye_exclude_body,
+        only=np.flatnonzero(there),
         highlight=[int(geom) for geom in marked],
     )
     axes.imshow(np.clip(image.rgb, 0, 1))

@@ -44,6 +44,7 @@ from taskgist.world.geometry.convex import decompose
 from taskgist.world.geometry.distances import bound_all_shapes
 from taskgist.world.geometry.transforms import about_z
 from taskgist.world.scene_file import AgentEntry, SceneFile, parse_scene_file, write_scene_file
+from taskgist.world.seen import hide_stand_ins, show_groups
 from taskgist.world.state import State
 
 SCENE_FILE = "scene.toml"
@@ -260,6 +261,11 @@ def assemble(file: SceneFile, bundle: Mapping[str, bytes], *, limits: Limits = D
     profiles = {entry.name: _profile(entry, files, file.where, limits) for entry in file.agents}
     room = _spec(files, file.model, file.where, room=True, limits=limits)
     _check_names(file, room)
+    _check_flexes(room, f"{file.where}: {file.model}")
+    if file.seen_groups is None:
+        hide_stand_ins(room, lambda: _compile(room, files, file.where))
+    else:
+        show_groups(room, file.seen_groups)
 
     def compiled_room(spec: mujoco.MjSpec) -> mujoco.MjModel:
         model = _compile(spec, files, file.where)
@@ -286,6 +292,14 @@ def _check_bytes(files: Mapping[str, bytes], where: str, limits: Limits) -> None
     if together > limits.bundle_bytes:
         hint = most_read(limits.bundle_bytes, "bundle_bytes")
         raise SceneError("the files of this scene are too large", where=where, value=f"{together:,} bytes", hint=hint)
+
+
+def _check_flexes(spec: mujoco.MjSpec, where: str) -> None:
+    """Refuse what bends: no ray of ours meets it, so that all behind it would be seen."""
+    for flex in spec.flexes:
+        hint = "leave it out, or make it a mesh (or boxes) where it hangs or lies"
+        problem = "a flex (cloth, rope or soft body) is not read"
+        raise SceneError(problem, where=where, field="flex", value=flex.name, hint=hint)
 
 
 def _check_objects(model: mujoco.MjModel, file: SceneFile, limits: Limits) -> None:
@@ -400,7 +414,9 @@ def _agent_spec(
         hint = f"leave out what is only shown: {most_read(limits.body_shapes, 'body_shapes')}"
         field = f"{entry.name}: {entry.model_key}"
         raise SceneError("a body of too many shapes", where=where, field=field, value=len(spec.geoms), hint=hint)
+    _check_flexes(spec, f"{where}: {entry.model_key}")
     spec.compiler.balanceinertia = True  # MJCF text of a URDF has lost that; published inertias are often impossible
+    hide_stand_ins(spec, lambda: _compile(spec, files, where))
     for problem in name_problems(spec, profile, f"{where}: {entry.profile_key}"):
         raise problem
     root = spec.worldbody.first_body()

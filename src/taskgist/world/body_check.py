@@ -94,18 +94,6 @@ def _told(vector: Array) -> str:
     return "(" + ", ".join(f"{value + 0.0:.1f}" for value in np.round(vector, 1) + 0.0) + ")"
 
 
-def sliding_before(model: mujoco.MjModel, body: Agent) -> tuple[str, ...]:
-    """Joints that slide between base and shoulders, as a torso's lift does: no virtual action moves them."""
-    carriers: set[int] = set()
-    for arm in body.arms:
-        carriers |= _carriers(model, arm.carrier_body)
-    return tuple(
-        str(model.joint(j).name).partition("/")[2]
-        for j in range(model.njnt)
-        if int(model.jnt_bodyid[j]) in carriers and int(model.jnt_type[j]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
-    )
-
-
 BODY = "body"
 """Name of the agent in the scene of a check."""
 
@@ -198,8 +186,6 @@ def _lacks(given: AgentProfile, scene: Scene) -> Iterator[str]:
         "solid shapes": (len(agent.core_geoms), "head, torso and base push into nothing: every way is free"),
     }
     yield from (f"no {field}: {meaning}" for field, (there, meaning) in has.items() if not there)
-    for joint in sliding_before(scene.model, agent):
-        yield f"{joint!r} slides between base and shoulders, and no virtual action moves it: a scene may, by joints_m"
     for (field, asked), (_, found) in zip(given.axes, agent.profile.axes, strict=True):
         if asked.range_rad not in (AS_THE_JOINT, found.range_rad):
             low, high = (math.degrees(limit) for limit in found.range_rad)

@@ -68,8 +68,13 @@ class Drop:
         """Those of an object where it is."""
         samples = object_points(stage, name, POINT_SPACING_M)
         points = _low_points(stage, name, samples)
-        # The lift stays inside the object, so that what stands above it is not taken for its support.
-        lift = min(settings.lift_m, float(np.ptp(samples[:, 2])) / 2) if len(points) else 0.0
+        if not len(points):
+            return cls(name, points, 0.0)
+        # The lift stays inside the object, so that what stands above it is not taken for its support: unless its
+        # middle is in something, into whose upper face it was tracked.
+        lift = min(settings.lift_m, float(np.ptp(samples[:, 2])) / 2)
+        if lift < settings.support_m:
+            lift = max(lift, _sunk_m(stage, name, float(points[0, 2]), settings))
         return cls(name, points + (0.0, 0.0, lift), lift)
 
     def around(self, stage: Stage, settings: Contact) -> Indices:
@@ -83,12 +88,28 @@ class Drop:
 
     def meets(self, stage: Stage, around: Indices, settings: Contact) -> str | None:
         """The owner of the surface on which the lowest point lands that meets a nearly level one, or None."""
+        geoms, _ = self._landing(stage, around, settings)
+        return stage.scene.owners[int(geoms[0])] if len(geoms) else None
+
+    def seat_m(self, stage: Stage, around: Indices, settings: Contact) -> float | None:
+        """How far up the object must be moved to lie on such surfaces, metres; None if it meets none.
+
+        What its points are in deeper than ``support_m`` stands beside it.
+        """
+        _, gaps_m = self._landing(stage, around, settings)
+        carries = gaps_m >= -settings.support_m - ROUNDING
+        return -float(gaps_m[carries].min()) if carries.any() else (0.0 if len(gaps_m) else None)
+
+    def _landing(self, stage: Stage, around: Indices, settings: Contact) -> tuple[Indices, Array]:
+        """The nearly level surfaces on which points land, lowest point first, and how far beneath the points."""
         geoms, distances, normals = stage.cast_each(around, self.starts, np.tile(DOWN, (len(self.starts), 1)))
-        level = normals[:, 2] >= math.cos(settings.support_slope_rad)
-        met = geoms[(geoms >= 0) & level & (distances - self.lift_m <= settings.support_m)]
         scene = stage.scene
-        owners = (scene.owners[geom] for geom in met.tolist())
-        return next((owner for owner in owners if owner != self.name and owner not in scene.agents), None)
+        counts = (geoms >= 0) & (normals[:, 2] >= math.cos(settings.support_slope_rad))
+        counts &= distances - self.lift_m <= settings.support_m
+        for geom in np.unique(geoms[counts]).tolist():
+            counts[geoms == geom] &= scene.owners[geom] != self.name and scene.owners[geom] not in scene.agents
+        rows = np.flatnonzero(counts)
+        return geoms[rows], distances[rows] - self.lift_m
 
 
 def support_of(stage: Stage, name: str, settings: Contact) -> str | None:
@@ -100,6 +121,46 @@ def support_of(stage: Stage, name: str, settings: Contact) -> str | None:
     """
     drop = Drop.of(stage, name, settings)
     return drop.meets(stage, drop.around(stage, settings), settings)
+
+
+UP = -DOWN
+ROUNDING = 1e-6
+SUNK_M = 1e-3
+"""How far above a surface a point is dropped that was beneath it."""
+
+
+def _sunk_m(stage: Stage, name: str, lowest_m: float, settings: Contact) -> float:
+    """How far an object must be lifted to be on a thing that its middle is in, by no more than ``support_m``; else 0.
+
+    Args:
+        stage: The scene in a state.
+        name: The object.
+        lowest_m: Height of its lowest point.
+        settings: Distances.
+    """
+    scene = stage.scene
+    middle = stage.geom_centers(scene.seen_geoms(name)).mean(axis=0)
+    around = stage.between(
+        middle, middle[None] + UP * settings.support_m, np.full(1, settings.support_m), but_body=scene.object_body(name)
+    )
+    things = [geom for geom in around.tolist() if scene.owners[geom] not in scene.agents]
+    met, above_m, normals = stage.cast_each(things, middle[None], UP[None])
+    level = math.cos(settings.support_slope_rad)
+    above = [float(above_m[0])] if met[0] >= 0 and normals[0, 2] >= level else []
+    planes = [stage.geom(geom) for geom in things if stage.is_plane(geom)]  # rays meet them from above only
+    above += [-float(pose.to_local(middle)[2] / pose.matrix[2, 2]) for pose in planes if pose.matrix[2, 2] >= level]
+    sunk_m = middle[2] + max(above) - lowest_m if max(above, default=0.0) > 0.0 else 0.0
+    return float(sunk_m) + SUNK_M if 0.0 < sunk_m <= settings.support_m + ROUNDING else 0.0
+
+
+def seat_m(stage: Stage, name: str, settings: Contact) -> float | None:
+    """How far up an object must be moved to lie on what carries it, metres: tracked things sink in or float a little.
+
+    None if nothing carries it. Agents' bodies are looked through.
+    """
+    drop, scene = Drop.of(stage, name, settings), stage.scene
+    things = [geom for geom in drop.around(stage, settings).tolist() if scene.owners[geom] not in scene.agents]
+    return drop.seat_m(stage, np.array(things, dtype=np.intp), settings)
 
 
 def _low_points(stage: Stage, name: str, samples: Array) -> Array:

@@ -7,6 +7,7 @@ A scene file is a short TOML document beside the model::
     model = "room.xml"                 # MJCF of room and objects
     objects = ["cup", "box"]           # optional; default: every free body
     estimated = ["table"]              # optional: bodies that nobody measured
+    seen_groups = [0, 1, 2]            # optional: the model's geom groups that are seen
 
     [agents.P1]
     profile = "human"                  # built in, or the file of your own
@@ -37,9 +38,9 @@ from taskgist.world.assembly import SCENE_FILE, Assembled, assemble, bundle_from
 from taskgist.world.bodies.agent import SEEN_GROUPS, Agent, subtree
 from taskgist.world.bodies.hands import GHOST_GROUP
 from taskgist.world.geometry.convex import whole
-from taskgist.world.geometry.rays import opaque, visible_geoms
 from taskgist.world.geometry.shapes import surface_points
 from taskgist.world.scene_file import AgentEntry, SceneFile, parse_scene_file
+from taskgist.world.seen import alphas, visible_geoms
 from taskgist.world.state import State
 
 ROOM_FILE = "room.xml"
@@ -111,6 +112,7 @@ class Scene:
         name: str = "scene",
         objects: Collection[str] | None = None,
         estimated: Collection[str] = (),
+        seen_groups: Collection[int] | None = None,
         files: Mapping[str, bytes] | None = None,
         where: str | None = None,
         limits: Limits = DEFAULT.limits,
@@ -133,6 +135,7 @@ class Scene:
             name: Name for people.
             objects: The bodies that facts can be said of; None: every free body.
             estimated: Bodies whose place or shape nobody measured.
+            seen_groups: Geom groups of the room's shapes that are seen; None: 0 to 2, without coarse stand-ins.
             files: Profiles (``NAME.profile.toml``) and models (``NAME.model.xml``) of agents that are not on disk.
             where: What the scene comes from, for messages; default: its name.
             limits: What is refused before memory is taken for it.
@@ -142,7 +145,8 @@ class Scene:
         """
         where = name if where is None else where
         chosen = None if objects is None else tuple(objects)
-        file = SceneFile(name, ROOM_FILE, chosen, tuple(estimated), tuple(agents), where)
+        groups = None if seen_groups is None else tuple(seen_groups)
+        file = SceneFile(name, ROOM_FILE, chosen, tuple(estimated), tuple(agents), where, groups)
         bundle = bundle_from_spec(room, file, files or {}, limits=limits)
         return cls.from_bundle(bundle, where=where, limits=limits)
 
@@ -246,7 +250,15 @@ class Scene:
     @cached_property
     def visible(self) -> np.ndarray:
         """Whether rays meet each shape: its group is seen, and it is not wholly transparent, (ngeom,)."""
-        return visible_geoms(self.model, SEEN_GROUPS)
+        return visible_geoms(self.model)
+
+    def hiding(self, transparent_alpha: float) -> np.ndarray:
+        """Whether each shape hides what is behind it, (ngeom,): not if its colour's alpha is at most that."""
+        return self._alphas > transparent_alpha
+
+    @cached_property
+    def _alphas(self) -> np.ndarray:
+        return alphas(self.model)
 
     def untracked_geoms(self, untracked: Iterable[str]) -> np.ndarray:
         """Geom indices of untracked objects ("cup"), agents ("P1") and parts of agents ("P1/left_arm"), (n,)."""
@@ -345,9 +357,13 @@ def _check_shapes(file: SceneFile, model: mujoco.MjModel, name: str, body: int) 
     if not len(own):
         return
     flat = (int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD))
-    seen = own[np.isin(model.geom_group[own], SEEN_GROUPS) & ~np.isin(model.geom_type[own], flat) & opaque(model, own)]
+    seen = own[visible_geoms(model)[own] & ~np.isin(model.geom_type[own], flat)]
     if not len(seen):
-        hint = "give it a box, sphere, capsule, cylinder, ellipsoid or mesh in group 0, 1 or 2 that is not transparent"
+        groups = SEEN_GROUPS if file.seen_groups is None else file.seen_groups
+        hint = (
+            "give it a box, sphere, capsule, cylinder, ellipsoid or mesh, not wholly transparent, in a seen group "
+            f"({', '.join(map(str, groups))})"
+        )
         raise SceneError(
             "an object without a shape that can be seen", where=file.where, field="objects", value=name, hint=hint
         )

@@ -20,9 +20,11 @@ from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.profile import Posture, read_posture
 
-SCENE_KEYS = {"name", "model", "objects", "estimated"}
+SCENE_KEYS = {"name", "model", "objects", "estimated", "seen_groups"}
 AGENT_KEYS = {"profile", "position_m", "yaw_deg", "posture", "seat_height_m", "body", "joints_deg", "joints_m"}
 SEAT_HEIGHTS_M = (0.0, 1.5)
+GROUPS = tuple(range(6))
+"""MuJoCo's geom groups."""
 DECIMALS = 9
 """Decimals of written numbers: nanometres, and billionths of a degree."""
 
@@ -75,6 +77,7 @@ class SceneFile:
         estimated: Bodies whose place or shape nobody measured.
         agents: Who is there.
         where: The file, for messages.
+        seen_groups: The model's geom groups that are seen; None: 0, 1 and 2, without coarse shapes for collisions.
     """
 
     name: str
@@ -83,6 +86,7 @@ class SceneFile:
     estimated: tuple[str, ...]
     agents: tuple[AgentEntry, ...]
     where: str = field(compare=False)
+    seen_groups: tuple[int, ...] | None = None
 
 
 def parse_scene_file(text: bytes | str, *, where: str, limits: Limits = DEFAULT.limits) -> SceneFile:
@@ -101,7 +105,16 @@ def parse_scene_file(text: bytes | str, *, where: str, limits: Limits = DEFAULT.
         estimated=scene.texts("estimated"),
         agents=tuple(_agent(name, agents.table(name).only(AGENT_KEYS)) for name in agents),
         where=where,
+        seen_groups=_checked_groups(scene) if "seen_groups" in scene else None,
     )
+
+
+def _checked_groups(scene: TomlTable) -> tuple[int, ...]:
+    groups = scene.any("seen_groups")
+    known = isinstance(groups, list) and all(type(group) is int and group in GROUPS for group in groups)
+    if not groups or not known:
+        raise scene.error("must be a list of geom groups", "seen_groups", groups, "each from 0 to 5, as [0, 1, 2]")
+    return tuple(groups)
 
 
 def _agent(name: str, entry: TomlTable) -> AgentEntry:
@@ -138,6 +151,8 @@ def write_scene_file(file: SceneFile) -> bytes:
         scene["objects"] = list(file.objects)
     if file.estimated:
         scene["estimated"] = list(file.estimated)
+    if file.seen_groups is not None:
+        scene["seen_groups"] = list(file.seen_groups)
     agents = {entry.name: _agent_table(entry) for entry in file.agents}
     return tomli_w.dumps({"scene": scene, "agents": agents} if agents else {"scene": scene}).encode()
 

@@ -113,6 +113,11 @@ class Stage:
         """One axis of a body's frame in the world, (3,)."""
         return np.array(self._data.xmat[body].reshape(3, 3)[:, axis])
 
+    def center_of_mass(self, bodies: Indices) -> Array:
+        """Where the mass of some bodies has its middle, metres, (3,)."""
+        masses = self.scene.model.body_mass[bodies]
+        return np.asarray(masses @ self._data.xipos[bodies] / masses.sum())
+
     def geom_centers(self, geoms: ArrayLike) -> Array:
         """Centres of shapes in metres, (n, 3)."""
         return np.array(self._data.geom_xpos[np.asarray(geoms, dtype=np.intp)])
@@ -214,6 +219,12 @@ class Stage:
     def boxes(self, geoms: Indices) -> Array:
         """Boxes around shapes where they are, as rows of a table, (n, 18); see ``geometry.boxes``."""
         return self._clearance.boxes(geoms)
+
+    def bounds(self, geoms: Indices) -> Array:
+        """Lowest and highest corner of a box along the world's axes around some shapes, metres, (2, 3)."""
+        table = self.boxes(geoms)
+        half = np.einsum("nij,nj->ni", np.abs(table[:, 3:12].reshape(-1, 3, 3)), table[:, 12:15])
+        return np.stack(((table[:, :3] - half).min(axis=0), (table[:, :3] + half).max(axis=0)))
 
     @property
     def counts(self) -> dict[str, int]:

@@ -42,7 +42,7 @@ def seen(recording: Recording, time_s: float) -> Visibility:
     return found
 
 
-def pixels(recording: Recording, time_s: float) -> int:
+def pixels(recording: Recording, time_s: float) -> float:
     return seen(recording, time_s).visible_px
 
 

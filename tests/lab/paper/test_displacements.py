@@ -277,6 +277,8 @@ def test_no_process_is_refused_before_anything_is_played(monkeypatch: pytest.Mon
 def test_a_shipped_draw_comes_out_again(job: Job) -> None:
     displacements = shipped_displacements()
     assert displacements is not None
+    if displacements.context.settings_digest != DEFAULT.digest:
+        pytest.skip("the shipped draws were made with other settings: taskgist paper --displacements 200")
     assert play(job) == displacements.by_task[job.task][job.displacement - 1][job.number - 1]
 
 

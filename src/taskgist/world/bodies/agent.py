@@ -12,6 +12,8 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
+from taskgist.world.bodies.arm_chain import ArmChain, chain_of
+from taskgist.world.bodies.capability import ArmReach, reach_of
 from taskgist.world.bodies.hands import GHOST_GROUP, ghosts_of
 from taskgist.world.bodies.profile import DERIVED_M, AgentProfile, Arm, Axis
 from taskgist.world.geometry.shapes import lowest_point
@@ -126,8 +128,9 @@ SEEN_MASK = np.array([group in SEEN_GROUPS for group in range(6)], dtype=np.uint
 class ArmIndices:
     """One arm: its profile and its indices.
 
-    ``ghosts`` are the geoms of a virtual grasp, in the order of ``hand_boxes``; ``carrier_body`` is what the arm hangs
-    on.
+    ``ghosts`` are the geoms of a virtual grasp, in the order of ``hand_boxes``; ``flat_ghost`` is that of the whole
+    hand flat on a thing, −1 if it grasps nothing together with another; ``carrier_body`` is what the arm hangs on;
+    ``chain`` are its joints and links as numbers; ``human_stature_m`` is None for robots.
     """
 
     profile: Arm
@@ -138,6 +141,14 @@ class ArmIndices:
     geoms: Indices
     hand_geoms: Indices
     ghosts: Indices
+    flat_ghost: int
+    chain: ArmChain
+    human_stature_m: float | None
+
+    @cached_property
+    def reach(self) -> ArmReach:
+        """Where its palm gets to; made in seconds when such an arm is first met, and kept."""
+        return reach_of(self.chain, self.profile.side, self.human_stature_m)
 
     @cached_property
     def sector(self) -> Array:
@@ -155,6 +166,7 @@ class Agent:
         joints: qpos index of each scalar joint, by its name without prefix, in the model's order.
         core_geoms: Solid shapes of head, torso and base: those that virtual actions must not push into things.
         geoms: All its shapes but the ghosts.
+        lifts: Names of the joints between base and shoulders that slide, as a torso's lift does.
     """
 
     name: str
@@ -170,6 +182,7 @@ class Agent:
     eye_exclude_body: int
     thigh_bodies: tuple[int, ...]
     arms: tuple[ArmIndices, ...]
+    lifts: tuple[str, ...]
     parts: Mapping[str, Indices]
 
     def arm(self, side: str) -> ArmIndices:
@@ -192,7 +205,10 @@ def resolve_agent(model: mujoco.MjModel, name: str, profile: AgentProfile, statu
     root = int(bodies[0])
     base = int(model.jnt_qposadr[model.body_jntadr[root]])
     geoms = _geoms_of(model, bodies)
-    arms = tuple(_resolve_arm(model, name, arm) for arm in profile.arms)
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    human_m = stature_m if profile.model == HUMAN else None
+    arms = tuple(_resolve_arm(model, data, name, arm, human_m) for arm in profile.arms)
     arm_geoms = np.concatenate([arm.geoms for arm in arms]) if arms else np.array([], dtype=np.intp)
     _, _, eye = profile.frames[0]
     return Agent(
@@ -209,7 +225,17 @@ def resolve_agent(model: mujoco.MjModel, name: str, profile: AgentProfile, statu
         eye_exclude_body=_body(model, name, profile.eye.exclude),
         thigh_bodies=tuple(_body(model, name, thigh) for thigh in profile.legs.thighs),
         arms=arms,
+        lifts=_lifts(model, name, arms),
         parts=_parts(model, name, profile, bodies),
+    )
+
+
+def _lifts(model: mujoco.MjModel, name: str, arms: Iterable[ArmIndices]) -> tuple[str, ...]:
+    carriers = {body for arm in arms for body in (arm.carrier_body, *_ancestors(model, arm.carrier_body))}
+    return tuple(
+        str(model.joint(j).name).removeprefix(f"{name}/")
+        for j in range(model.njnt)
+        if int(model.jnt_bodyid[j]) in carriers and int(model.jnt_type[j]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
     )
 
 
@@ -229,18 +255,33 @@ def _body(model: mujoco.MjModel, agent: str, name: str) -> int:
     return int(model.body(f"{agent}/{name}").id)
 
 
-def _resolve_arm(model: mujoco.MjModel, agent: str, arm: Arm) -> ArmIndices:
+HUMAN = "human"
+"""Model of the parametric human body."""
+
+
+def _resolve_arm(
+    model: mujoco.MjModel, data: mujoco.MjData, agent: str, arm: Arm, human_stature_m: float | None
+) -> ArmIndices:
     root, hand = _body(model, agent, arm.root), _body(model, agent, arm.hand)
     hand_geoms = _geoms_of(model, subtree(model, hand))
+    shoulder = site_index(model, agent, f"{arm.side}_shoulder_frame", arm.shoulder.name)
+    palm = site_index(model, agent, f"{arm.side}_palm_frame", arm.palm.name)
+    carrier = _body(model, agent, arm.carrier) if arm.carrier else int(model.body_parentid[root])
+    geoms = _geoms_of(model, subtree(model, root))
+    indices = {"root": root, "hand": hand, "carrier": carrier, "shoulder": shoulder, "palm": palm}
+    ghosts, flat_ghost = ghosts_of(model, hand)
     return ArmIndices(
         profile=arm,
-        shoulder_site=site_index(model, agent, f"{arm.side}_shoulder_frame", arm.shoulder.name),
-        palm_site=site_index(model, agent, f"{arm.side}_palm_frame", arm.palm.name),
+        shoulder_site=shoulder,
+        palm_site=palm,
         hand_body=hand,
-        carrier_body=_body(model, agent, arm.carrier) if arm.carrier else int(model.body_parentid[root]),
-        geoms=_geoms_of(model, subtree(model, root)),
+        carrier_body=carrier,
+        geoms=geoms,
         hand_geoms=solid(model, hand_geoms) if len(solid(model, hand_geoms)) else hand_geoms,
-        ghosts=np.array(ghosts_of(model, hand), dtype=np.intp),
+        ghosts=np.array(ghosts, dtype=np.intp),
+        flat_ghost=flat_ghost,
+        chain=chain_of(model, data, indices, geoms),
+        human_stature_m=human_stature_m,
     )
 
 

@@ -7,8 +7,12 @@ Three kinds are known, told apart by what faces what:
 - ``three_finger``: two fingers side by side against a thumb.
 
 The hand's frame lies half-way between the pads: x along the approach, y from the thumb to the fingers, z across. The
-boxes cover the hand where it grasps *and* all that it sweeps on its last way there, a finger's length along the
-approach, so that one test of them tells whether the grasp is free and can be come to.
+boxes cover the hand where it grasps *and* all that it sweeps on its last way there, about a finger's length along the
+approach, so that one test of them tells whether the grasp is free and can be come to. Fingers close with their tips,
+so that what lies flat on a table can be taken.
+
+Two hands together grasp as one that closes between its two palms: each lies along its side of the thing, with the
+finger tips at the point that it presses on.
 """
 
 from __future__ import annotations
@@ -17,6 +21,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import mujoco
+import numpy as np
 
 from taskgist.common.toml import TomlTable
 from taskgist.errors import UnknownNameError
@@ -29,6 +34,21 @@ FINGER_WIDTH_M: dict[HandKind, float] = {"parallel": 0.022, "three_finger": 0.02
 """Breadth of one finger where a profile does not say (ours: read off the PR2's and Robotiq's finger tips)."""
 SPREAD_M = 0.06
 """Distance of the two fingers of a three-finger hand, from middle to middle, where a profile does not say (ours)."""
+TIP_M: dict[HandKind, float] = {"human": 0.001, "parallel": 0.002, "three_finger": 0.006}
+"""How far the tips reach past the point that they close on, where a profile does not say.
+
+People's soft pads end some 3 mm before the tip, but what is rigid they take with the nail: it needs 1 mm beneath the
+point, as a coin of 2 mm has, or the upper edge of a card of 1 mm (ours). The flat pads of grippers end where the tips
+do, but for a rounded edge; three-finger hands have rounder tips (ours).
+"""
+THUMB_WIDTH_M = 0.022
+"""Breadth of a human thumb at its last joint, where a profile does not say [Garrett 1971: about 23 mm men, 19 mm
+women]."""
+BETWEEN_M = 0.60
+"""Widest thing that people carry between both hands, where a profile does not say (ours: the largest removal cartons;
+NIOSH advises 0.40 m [Waters 1993])."""
+PALM_LENGTH_M = 0.10
+"""From a human wrist to where the fingers begin [Garrett 1971: hands are 0.18 to 0.20 m long, less the fingers]."""
 
 
 @dataclass(frozen=True)
@@ -38,11 +58,15 @@ class Hand:
     Attributes:
         opening_m: Widest object between thumb and fingers.
         finger_length_m: From the palm to the tips.
-        finger_thickness_m: Along the closing direction; the pads lie that far behind the tips.
+        finger_thickness_m: Along the closing direction.
         palm_m: Breadth across the fingers, and thickness along them.
         kind: What faces what.
         finger_width_m: Breadth of one finger, or of a human's four fingers together; None for the kind's own.
         spread_m: From middle to middle of the two fingers of a three-finger hand.
+        tip_m: How far the tips reach past the point that they close on; None for the kind's own.
+        thumb_width_m: Breadth of the thumb; None for the kind's own: a human's, else that of a finger.
+        between_m: Widest object between both hands of an agent, 0 if it grasps with one hand only; None for the
+            kind's own.
     """
 
     opening_m: float
@@ -52,6 +76,9 @@ class Hand:
     kind: HandKind = "human"
     finger_width_m: float | None = None
     spread_m: float = SPREAD_M
+    tip_m: float | None = None
+    thumb_width_m: float | None = None
+    between_m: float | None = None
 
     @property
     def width_m(self) -> float:
@@ -59,9 +86,61 @@ class Hand:
         return self.finger_width_m or FINGER_WIDTH_M.get(self.kind, self.palm_m[0])
 
     @property
+    def thumb_m(self) -> float:
+        """Breadth of the thumb, metres."""
+        own = min(THUMB_WIDTH_M, self.width_m) if self.kind == "human" else self.width_m
+        return self.thumb_width_m or own
+
+    @property
+    def tips_m(self) -> float:
+        """How far the tips reach past the point that they close on, metres."""
+        return min(TIP_M[self.kind], self.finger_thickness_m) if self.tip_m is None else self.tip_m
+
+    @property
     def one_sided(self) -> bool:
         """Whether it matters on which side of the object the thumb lies."""
-        return self.kind == "three_finger"
+        return self.kind == "three_finger" or self.thumb_m != self.width_m
+
+    @property
+    def palms(self) -> Palms | None:
+        """Two such hands together; None if they do not grasp together.
+
+        A human's hand lies flat, a gripper on its flat side.
+        """
+        between_m = (BETWEEN_M if self.kind == "human" else 0.0) if self.between_m is None else self.between_m
+        if not between_m:
+            return None
+        flat = self.palm_m[::-1] if self.kind == "human" else (min(self.palm_m), self.opening_m)
+        behind_m = PALM_LENGTH_M if self.kind == "human" else self.palm_m[1]
+        return Palms(
+            between_m, self.opening_m, self.finger_length_m + behind_m, *flat, self.finger_length_m, self.tips_m
+        )
+
+
+@dataclass(frozen=True)
+class Palms:
+    """Two hands that press on a thing from both sides; lengths in metres.
+
+    Attributes:
+        opening_m: Widest object between them.
+        least_m: Width of what one hand takes alone.
+        length_m: Of a hand, from the wrist to the tips.
+        finger_thickness_m: Of a hand, along the closing direction.
+        width_m: Of a hand, across.
+        way_m: Length of the last way, along the approach.
+        tips_m: How far the tips reach past the point that they press on.
+    """
+
+    opening_m: float
+    least_m: float
+    length_m: float
+    finger_thickness_m: float
+    width_m: float
+    way_m: float
+    tips_m: float
+
+    one_sided = True
+    """It matters which hand is on which side."""
 
 
 @dataclass(frozen=True)
@@ -83,16 +162,22 @@ class HandBox:
     across_m: float = 0.0
 
 
-def hand_boxes(hand: Hand) -> tuple[HandBox, ...]:
-    """The boxes of a hand before it closes, with all that they sweep on the last finger's length; the palm first."""
+def hand_boxes(hand: Hand | Palms) -> tuple[HandBox, ...]:
+    """The boxes of a hand before it closes, with all that they sweep on their last way; the palm first.
+
+    Of two hands, the left one, which is where a thumb would be, and the right one.
+    """
+    if isinstance(hand, Palms):
+        length = hand.length_m + hand.way_m
+        half = (length / 2, hand.finger_thickness_m / 2, hand.width_m / 2)
+        return tuple(HandBox(name, half, length / 2 - hand.tips_m, side) for name, side in (("left", -1), ("right", 1)))
     breadth, thickness = hand.palm_m
-    thick, way = hand.finger_thickness_m, hand.finger_length_m
+    thick, way = hand.finger_thickness_m, hand.finger_length_m - hand.finger_thickness_m + hand.tips_m
     length = hand.finger_length_m + way
+    behind = length / 2 - hand.tips_m
+    palm_behind = hand.finger_length_m - hand.tips_m + (thickness + way) / 2
+    palm = HandBox("palm", ((thickness + way) / 2, hand.opening_m / 2, breadth / 2), palm_behind, 0)
     half = (length / 2, thick / 2, hand.width_m / 2)
-    behind = length / 2 - thick
-    palm = HandBox(
-        "palm", ((thickness + way) / 2, hand.opening_m / 2, breadth / 2), way - thick + (thickness + way) / 2, 0
-    )
     if hand.kind == "three_finger":
         fingers = tuple(
             HandBox(f"{name}_finger", half, behind, 1, across * hand.spread_m / 2)
@@ -100,16 +185,23 @@ def hand_boxes(hand: Hand) -> tuple[HandBox, ...]:
         )
     else:
         fingers = (HandBox("fingers", half, behind, 1),)
-    return (palm, *fingers, HandBox("thumb", half, behind, -1))
+    return (palm, *fingers, HandBox("thumb", (length / 2, thick / 2, hand.thumb_m / 2), behind, -1))
+
+
+FLAT = "flat"
+"""Name of the ghost of a whole hand that lies flat on a thing."""
 
 
 def add_ghosts(body: mujoco.MjsBody, side: str, hand: Hand) -> None:
-    """Give a hand's body the shapes of a virtual grasp, in the order of ``hand_boxes``."""
-    for box in hand_boxes(hand):
+    """Give a hand's body the shapes of a virtual grasp, in the order of ``hand_boxes``, and that of it lying flat."""
+    sizes = {box.name: box.half_m for box in hand_boxes(hand)}
+    if hand.palms is not None:
+        sizes[FLAT] = hand_boxes(hand.palms)[0].half_m
+    for name, half_m in sizes.items():
         body.add_geom(
-            name=f"{side}_grasp_{box.name}",
+            name=f"{side}_grasp_{name}",
             type=mujoco.mjtGeom.mjGEOM_BOX,
-            size=box.half_m,
+            size=half_m,
             group=GHOST_GROUP,
             contype=0,
             conaffinity=0,
@@ -127,16 +219,23 @@ def parse_hand(table: TomlTable) -> Hand:
     """
     lengths = {key: table.number(key) for key in ("opening_m", "finger_length_m", "finger_thickness_m")}
     palm = table.pair("palm_m")
-    width = table.number("finger_width_m") if "finger_width_m" in table else None
+    given = {key: table.number(key) for key in ("finger_width_m", "tip_m", "thumb_width_m") if key in table}
+    between = table.number("between_m") if "between_m" in table else None
     spread = table.number("spread_m", SPREAD_M)
-    sized = {**lengths, "palm_m": min(palm), "finger_width_m": width, "spread_m": spread}
+    sized = {**lengths, "palm_m": min(palm), "spread_m": spread, **given}
     for field, value in sized.items():
-        if value is not None and not value > 0:
+        if not value > 0:
             raise table.error("a hand has no such size", field, value, "give metres above zero")
     if lengths["finger_thickness_m"] >= lengths["finger_length_m"]:
         hint = "fingers are longer than thick"
         raise table.error("a hand has no such fingers", "finger_thickness_m", lengths["finger_thickness_m"], hint)
-    return Hand(**lengths, palm_m=palm, kind=_kind(table), finger_width_m=width, spread_m=spread)
+    if given.get("tip_m", 0.0) > lengths["finger_thickness_m"]:
+        hint = "tips reach no farther past what they close on than a finger is thick"
+        raise table.error("a hand has no such fingers", "tip_m", given["tip_m"], hint)
+    if between is not None and between != 0.0 and not between > lengths["opening_m"]:
+        hint = "more than one hand opens, or 0 for one hand only"
+        raise table.error("two hands hold no less than one", "between_m", between, hint)
+    return Hand(**lengths, palm_m=palm, kind=_kind(table), spread_m=spread, between_m=between, **given)
 
 
 def _kind(table: TomlTable) -> HandKind:
@@ -147,6 +246,8 @@ def _kind(table: TomlTable) -> HandKind:
     raise UnknownNameError("kind of hand", given, HAND_KINDS, where=f"{table.place}")
 
 
-def ghosts_of(model: mujoco.MjModel, hand_body: int) -> list[int]:
-    """Indices of the shapes of a virtual grasp, in the order of ``hand_boxes``."""
-    return [g for g in range(model.ngeom) if model.geom_bodyid[g] == hand_body and model.geom_group[g] == GHOST_GROUP]
+def ghosts_of(model: mujoco.MjModel, hand_body: int) -> tuple[list[int], int]:
+    """Indices of the shapes of a virtual grasp, in the order of ``hand_boxes``; and of the flat hand, −1 if none."""
+    ghosts = np.flatnonzero((model.geom_bodyid == hand_body) & (model.geom_group == GHOST_GROUP)).tolist()
+    flat = [ghost for ghost in ghosts if model.geom(ghost).name.endswith(f"_grasp_{FLAT}")]
+    return [ghost for ghost in ghosts if ghost not in flat], flat[0] if flat else -1

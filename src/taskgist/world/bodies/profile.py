@@ -138,7 +138,10 @@ class Axis:
 
 @dataclass(frozen=True)
 class Legs:
-    """How a body stands and sits; all empty for a body that only stands."""
+    """How a body stands, sits and bends; all empty for a body that only stands straight.
+
+    Hips, knees and ankles, one of each leg in the same order, bend it; thighs and feet are for sitting, too.
+    """
 
     can: tuple[Posture, ...] = ("standing",)
     hips: tuple[str, ...] = ()
@@ -311,6 +314,8 @@ def read_legs(table: TomlTable) -> Legs:
     joints = ("hips", "knees", "ankles", "thighs", "feet")
     table.only({"can", "seat_share", *joints})
     names = {key: table.texts(key) for key in joints}
+    if not len(names["hips"]) == len(names["knees"]) == len(names["ankles"]):
+        raise table.error("hips, knees and ankles, as many of each as there are legs", hint="name them leg by leg")
     can = tuple(read_posture(name, where=f"{table.place}") for name in table.texts("can"))
     if "sitting" in can and not all(names.values()):
         missing = next(key for key, found in names.items() if not found)

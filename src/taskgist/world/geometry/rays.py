@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Collection
 from typing import NamedTuple
 
 import mujoco
@@ -22,7 +21,7 @@ from taskgist.world.bodies.agent import SEEN_MASK
 #
 # Origin and direction are in the frame of the shape, its half sizes as MuJoCo keeps them. Each formula gives the
 # distance to the first surface ahead, infinite where there is none; a ray that starts inside of a shape meets its
-# surface from within, as MuJoCo's does.
+# surface from within, as MuJoCo's does. A plane has two sides here; MuJoCo's rays meet its front alone.
 
 PLANE = int(mujoco.mjtGeom.mjGEOM_PLANE)
 SPHERE = int(mujoco.mjtGeom.mjGEOM_SPHERE)
@@ -175,8 +174,8 @@ def capsule(radius: float, half: float, px: float, py: float, pz: float, dx: flo
 
 @compiled_part
 def plane(sx: float, sy: float, px: float, py: float, pz: float, dx: float, dy: float, dz: float) -> float:
-    """Distance to the front of a plane, within its half sizes where these are not zero."""
-    if dz > -LEVEL:
+    """Distance to a plane from either side, within its half sizes where these are not zero."""
+    if (dz if pz < 0.0 else -dz) < LEVEL:
         return INF
     t = -pz / dz
     beside = (sx > 0.0 and abs(px + t * dx) > sx) or (sy > 0.0 and abs(py + t * dy) > sy)
@@ -252,7 +251,7 @@ def stand_between(
 ) -> Indices:
     """Those of some shapes in whose box, grown by a ball's radius, the line from a point to the ball's centre runs.
 
-    All rays to the ball lie that near to the line. A plane counts unless point and balls are above it.
+    All rays to the ball lie that near to the line. A plane counts unless point and balls are on one side of it.
     """
     found, count = np.empty(len(candidates), dtype=np.intp), 0
     kinds, bounds, positions, matrices = of.kinds, of.bounds, of.positions, of.matrices
@@ -276,7 +275,7 @@ def stand_between(
             dx, dy, dz = centers[ball, 0] - ox, centers[ball, 1] - oy, centers[ball, 2] - oz
             dx, dy, dz = into_shape(matrices, shape, dx, dy, dz)
             if kinds[shape] == PLANE:
-                near = min(pz, pz + dz - radius) <= 0.0
+                near = min(pz, pz + dz - radius) <= 0.0 <= max(pz, pz + dz + radius)
             else:
                 bx, by, bz = px - bounds[shape, 0], py - bounds[shape, 1], pz - bounds[shape, 2]
                 sx, sy, sz = bounds[shape, 3] + radius, bounds[shape, 4] + radius, bounds[shape, 5] + radius
@@ -344,6 +343,7 @@ class Rays:
             data.geom_xpos,
             data.geom_xmat,
         )
+        self._planes = np.flatnonzero(kinds == PLANE)
         self.seen = visible
         self.cast_count = 0
 
@@ -385,7 +385,21 @@ class Rays:
                 len(rays),
                 mujoco.mjMAXVAL,
             )
+            of = self.shapes
+            for plane in self._planes_from_behind(np.asarray(origin, dtype=float), exclude_body, only):
+                met, away_m = cast_at(of.kinds, of.sizes, of.positions, of.matrices, plane, np.asarray(origin), rays)
+                nearer = (met >= 0) & ((geoms < 0) | (away_m < distances))
+                geoms[nearer], distances[nearer] = plane, away_m[nearer]
+                if normals is not None:
+                    normals[nearer] = -of.matrices[plane, 2::3]
         return geoms, distances
+
+    def _planes_from_behind(self, origin: Array, exclude_body: int, only: ArrayLike | None) -> Indices:
+        """Planes behind which rays start, and which MuJoCo lets them pass, (k, 1)."""
+        of, planes = self.shapes, self._planes if only is None else np.intersect1d(self._planes, only)
+        planes = planes[self.seen[planes] & (of.bodies[planes] != exclude_body)]
+        in_front_m = np.sum(of.matrices[planes, 2::3] * (origin - of.positions[planes]), axis=1)
+        return np.asarray(planes[in_front_m < 0.0][:, None])
 
     def cast_at(self, shapes: Indices, origin: Array, directions: Array) -> tuple[Indices, Array]:
         """Cast rays at a few shapes; see ``Stage.cast_at``."""
@@ -455,6 +469,8 @@ def cast_each(of: Shapes, shapes: Indices, origins: Array, directions: Array) ->
             if t < nearest[ray]:
                 first[ray], nearest[ray] = shape, t
                 n = normal_at(kind, size[0], size[1], size[2], x + t * dx, y + t * dy, z + t * dz)
+                if kind == PLANE and dz > 0.0:
+                    n = (0.0, 0.0, -1.0)
                 for axis in range(3):
                     normals[ray, axis] = m[3 * axis] * n[0] + m[3 * axis + 1] * n[1] + m[3 * axis + 2] * n[2]
     return first, nearest, normals
@@ -476,15 +492,3 @@ def meets_boxes(of: Shapes, shapes: Indices, origin: Array, directions: Array) -
 def _around(bounds: Array) -> Array:
     """Radii of balls about the origin that hold boxes, (n,)."""
     return np.asarray(np.linalg.norm(np.abs(bounds[:, :3]) + bounds[:, 3:], axis=1))
-
-
-def visible_geoms(model: mujoco.MjModel, groups: Collection[int]) -> Mask:
-    """Whether each shape can be seen: its group is one of these, and it is not wholly transparent, (ngeom,)."""
-    return np.isin(model.geom_group, list(groups)) & opaque(model, np.arange(model.ngeom))
-
-
-def opaque(model: mujoco.MjModel, geoms: Indices) -> Mask:
-    """Whether rays meet shapes at all: they pass what has no colour, (n,)."""
-    materials = model.geom_matid[geoms]
-    own = model.geom_rgba[geoms, 3] > 0
-    return np.asarray(own if not model.nmat else np.where(materials < 0, own, model.mat_rgba[materials, 3] > 0))

@@ -128,6 +128,8 @@ def _round(radius: float, half: float, spacing_m: float, least: int, *, caps: bo
     return np.concatenate(points), np.concatenate(normals)
 
 
+THINNEST_M = 1e-4
+"""Meshes count as no thinner than this where their points are thinned."""
 THINNING = 8
 """Points of a mesh that share a cell of an eighth of the spacing count once: fine meshes have more than needed."""
 
@@ -153,8 +155,10 @@ def _mesh(model: mujoco.MjModel, mesh: int, spacing_m: float, from_edges: float 
 
 
 def _thinned(points: Array, normals: Array, cell_m: float) -> tuple[Array, Array]:
-    """One point per cell and side of the surface."""
-    keys = np.concatenate((np.floor(points / cell_m), np.round(normals)), axis=1)
+    """One point per cell and side of the surface; of a shape thinner than a cell, at both edges of its sides."""
+    thin_m = np.maximum(np.ptp(points, axis=0) / 2, THINNEST_M)
+    cells = np.floor(points / np.minimum(cell_m, thin_m))
+    keys = np.concatenate((cells, np.round(normals)), axis=1)
     first = np.sort(np.unique(keys, axis=0, return_index=True)[1])
     return points[first], normals[first]
 
