@@ -11,12 +11,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from rich.table import Table
-
-from taskgist.cli.common import console, print_json, progress_bar
+from taskgist.cli.common import print_json, progress_bar
 from taskgist.perspective.effort import ABILITIES
+from taskgist_lab.cli.evaluate import print_sheet
 from taskgist_lab.evaluation.ordinary_rooms import judged_room, judged_rooms, sheets
-from taskgist_lab.evaluation.sheets import Sheet
 from taskgist_lab.ordinary.furnishing import furnished
 
 SEED, ROOMS = 1000, 24
@@ -44,19 +42,7 @@ def main() -> None:
         print_json(found.to_json())
         return
     for sheet in sheets(found):
-        _print(sheet)
-
-
-def _print(sheet: Sheet) -> None:
-    table = Table(title=sheet.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
-    for column in sheet.header:
-        table.add_column(column, overflow="fold")
-    for row in sheet.rows:
-        table.add_row(*row)
-    console.print(table)
-    if sheet.note:
-        console.print(sheet.note, style="dim")
-    console.print()
+        print_sheet(sheet)
 
 
 if __name__ == "__main__":

@@ -146,7 +146,6 @@ class _Seat:
         self._others = others[~np.isin(others, (*stage.scene.geoms_of(self.owner), *agent.geoms))]
         self._tolerance_m = settings.collision_m
         self._usual = set(self._met(0.0))
-        self._farthest_m = settings.leaving_seat_m
         self._base = np.array(stage.state.qpos[agent.base][:2])
 
     def goes_back(self, way_m: float) -> bool:

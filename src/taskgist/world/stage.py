@@ -22,7 +22,7 @@ from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.settings import Contact
 from taskgist.world.bodies.agent import Agent, ArmIndices, ankle_height_m, body_index, leg_lengths_m, legs_for
 from taskgist.world.bodies.profile import Posture
-from taskgist.world.geometry.distances import Clearance
+from taskgist.world.geometry.distances import HALF, RADIUS, TURNED, Clearance
 from taskgist.world.geometry.rays import Rays, Shapes
 from taskgist.world.geometry.transforms import Pose, about_z, yaw_of
 from taskgist.world.scene import Scene
@@ -223,7 +223,7 @@ class Stage:
     def bounds(self, geoms: Indices) -> Array:
         """Lowest and highest corner of a box along the world's axes around some shapes, metres, (2, 3)."""
         table = self.boxes(geoms)
-        half = np.einsum("nij,nj->ni", np.abs(table[:, 3:12].reshape(-1, 3, 3)), table[:, 12:15])
+        half = np.einsum("nij,nj->ni", np.abs(table[:, TURNED:HALF].reshape(-1, 3, 3)), table[:, HALF:RADIUS])
         return np.stack(((table[:, :3] - half).min(axis=0), (table[:, :3] + half).max(axis=0)))
 
     @property

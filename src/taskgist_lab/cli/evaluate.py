@@ -104,7 +104,7 @@ def evaluate(
     _print_pool(judged)
     for result in results.values():
         for sheet in sheets_of(result):
-            _print_sheet(sheet)
+            print_sheet(sheet)
     for path in pictures:
         console.print(f"picture: {path}")
 
@@ -149,7 +149,8 @@ def _print_pool(pool: Pool) -> None:
     console.print()
 
 
-def _print_sheet(sheet: Sheet) -> None:
+def print_sheet(sheet: Sheet) -> None:
+    """Print a table with its title and note."""
     table = RichTable(title=sheet.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
     for column in sheet.header:
         table.add_column(column, overflow="fold")
