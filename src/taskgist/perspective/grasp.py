@@ -191,7 +191,7 @@ class GraspScreening:
         for results in self._by_way(index):
             hits = [result for result in results if isinstance(result, Hit)]
             if hits:
-                yield from sorted(hits, key=lambda hit: hit.cost)
+                yield from sorted(hits, key=lambda hit: hit.order)
                 return
             misses += [result for result in results if isinstance(result, Miss)]
         miss = nearest_miss(misses)

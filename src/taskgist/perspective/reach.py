@@ -278,10 +278,14 @@ NOT_HELD = Miss(Reason.NOT_HELD, "not held")
 
 
 def usable_arms(here: Viewpoint) -> tuple[tuple[int, ...], Arms]:
-    """The arms that an agent may stretch out: their indices, and the same for compiled functions."""
+    """The arms that an agent may stretch out: their indices, and the same for compiled functions.
+
+    The right one comes first, and is taken where two are equally near: most people are right-handed.
+    """
     arms = here.agent.arms
-    usable = tuple(index for index, arm in enumerate(arms) if stretch(arm.profile.side) in here.actions)
-    return usable, arms_of(tuple(arms[index] for index in usable), here.settings.reach.model)
+    usable = [index for index, arm in enumerate(arms) if stretch(arm.profile.side) in here.actions]
+    usable.sort(key=lambda index: arms[index].profile.side == "left")
+    return tuple(usable), arms_of(tuple(arms[index] for index in usable), here.settings.reach.model)
 
 
 class ArmJudge:
@@ -461,7 +465,7 @@ class ReachScreening:
             return self._judge.shut_in
         if (self._blocked != NOWHERE).any():
             return self._in_the_way(int(np.argmax(self._blocked != NOWHERE)))
-        column = int(np.argmin(self._gap_m))
+        column = int(np.argmin(np.round(self._gap_m, DIGITS)))
         if self._missed[column] == NOWHERE:
             return None
         arm = self._judge.arms[column]

@@ -2,7 +2,7 @@
 
 Within a level, candidates come from the least amount to the greatest. The first amount at which the ability holds
 without a collision is the level's answer; of several states with equal amounts the one of least cost is taken (most
-pixels, nearest shoulder). The levels are nested: what a level gives is not lost at a higher one, for a higher one is
+pixels, nearest shoulder), and between two hands that are equally near the right one. The levels are nested: what a level gives is not lost at a higher one, for a higher one is
 only asked when all lower ones fail.
 """
 
@@ -80,8 +80,8 @@ class Solution:
 
     @property
     def order(self) -> tuple[object, ...]:
-        """Least amount first, then least cost."""
-        return (self.amount.key, self.hit.cost)
+        """Least amount first, then least cost, then the right hand."""
+        return (self.amount.key, self.hit.order)
 
 
 def least(here: Viewpoint, judge: Judge, level: int, target: Array) -> Solution | FindMiss:

@@ -42,7 +42,7 @@ from taskgist.perspective.candidates import (
     torso_poses,
 )
 from taskgist.perspective.constraints import NOTHING, Collisions, Floor, Place, held_by
-from taskgist.perspective.effort import MOVE, SIT, STAND, TURN, Amount, Attained, Miss, Reason, Visibility
+from taskgist.perspective.effort import MOVE, SIT, STAND, TURN, Amount, Attained, Miss, Reason, Visibility, stretch
 from taskgist.perspective.image import Sight, look, measured
 from taskgist.perspective.postures import bends, leaving_seat, seat_height_m
 from taskgist.perspective.target import Recorder, Region, Target
@@ -374,6 +374,11 @@ class Hit:
     actions: tuple[str, ...] = ()
     head_rad: float = 0.0
     cost: float = 0.0
+
+    @property
+    def order(self) -> tuple[float, bool]:
+        """Least cost first; of equal ones the right hand's, as most people are right-handed."""
+        return self.cost, stretch("left") in self.actions
 
 
 FindMiss = Callable[[], Miss]
