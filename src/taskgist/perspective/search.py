@@ -2,8 +2,8 @@
 
 Within a level, candidates come from the least amount to the greatest. The first amount at which the ability holds
 without a collision is the level's answer; of several states with equal amounts the one of least cost is taken (most
-pixels, nearest shoulder), and between two hands that are equally near the right one. The levels are nested: what a level gives is not lost at a higher one, for a higher one is
-only asked when all lower ones fail.
+pixels, nearest shoulder), and between two hands that are equally near the right one. The levels are nested: what a
+level gives is not lost at a higher one, for a higher one is only asked when all lower ones fail.
 """
 
 from __future__ import annotations

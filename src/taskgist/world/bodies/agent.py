@@ -12,9 +12,10 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
-from taskgist.world.bodies.arm_chain import ArmChain, chain_of
+from taskgist.world.bodies.arm_chain import NO_LIMITS, ArmChain, chain_of
 from taskgist.world.bodies.capability import ArmReach, reach_of
 from taskgist.world.bodies.hands import GHOST_GROUP, ghosts_of
+from taskgist.world.bodies.human import shoulder_limits
 from taskgist.world.bodies.profile import DERIVED_M, AgentProfile, Arm, Axis
 from taskgist.world.geometry.shapes import lowest_point
 
@@ -280,7 +281,7 @@ def _resolve_arm(
         hand_geoms=solid(model, hand_geoms) if len(solid(model, hand_geoms)) else hand_geoms,
         ghosts=np.array(ghosts, dtype=np.intp),
         flat_ghost=flat_ghost,
-        chain=chain_of(model, data, indices, geoms),
+        chain=chain_of(model, data, indices, geoms, shoulder_limits(arm.side) if human_stature_m else NO_LIMITS),
         human_stature_m=human_stature_m,
     )
 

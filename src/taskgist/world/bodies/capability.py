@@ -9,7 +9,8 @@ grid of cells that is fixed to what carries the arm, with its shoulder as origin
   brings the palm nearest to the cell's middle (how it is reached).
 
 The shoulder girdle stays at rest: joints that move the shoulder itself are a body's thrust, no part of its arm. What a
-configuration pushes into the carrier itself, an upper body mostly, is no configuration.
+configuration pushes into the carrier itself, an upper body mostly, is no configuration; nor is one that a
+ball-and-socket joint does not take, though each of the hinges that stand for it does.
 
 Maps are made once, in seconds, and kept in the user's cache by a digest of the arm. Left and right arms that mirror
 each other have one map, and all people of the same proportions: lengths scale with the stature.
@@ -47,8 +48,9 @@ from taskgist.world.bodies.arm_chain import (
     chain_of,
     put,
     put_frames,
+    within_limits,
 )
-from taskgist.world.bodies.human import HumanSize, human_mjcf
+from taskgist.world.bodies.human import HumanSize, human_mjcf, shoulder_limits
 from taskgist.world.geometry.convex import cache_folder
 from taskgist.world.geometry.solids import AT, TURNED, outside_m
 
@@ -96,6 +98,7 @@ def _sampled(
     palm: Array,
     wrist: Array,
     carrier: Array,
+    limits: Array,
     count: int,
     cells: int,
     cell_m: float,
@@ -117,7 +120,9 @@ def _sampled(
         put_frames(joints, steps, frames)
         x, y, z = put(frames[size], palm[0], palm[1], palm[2])
         i, j, k = int((x + half_m) / cell_m), int((y + half_m) / cell_m), int((z + half_m) / cell_m)
-        if min(i, j, k) < 1 or max(i, j, k) >= cells - 1 or _pushes(frames, capsules, carrier):
+        if min(i, j, k) < 1 or max(i, j, k) >= cells - 1 or not within_limits(frames, limits):
+            continue
+        if _pushes(frames, capsules, carrier):
             continue
         wx, wy, wz = put(frames[size], wrist[0], wrist[1], wrist[2])
         direction = pointing(x - wx, y - wy, z - wz)
@@ -243,7 +248,8 @@ class CapabilityMap:
         most = int((MOST_SAMPLED_BYTES / (2 * DIRECTIONS * max(len(chain.joints), 1))) ** (1 / 3))
         cell_m = max(CELL_M, 2 * stretched_m / (most - 6))
         cells = 2 * math.ceil(stretched_m / cell_m) + 4
-        found = _sampled(chain.joints, chain.capsules, chain.palm, chain.wrist, chain.carrier, count, cells, cell_m)
+        arrays = (chain.joints, chain.capsules, chain.palm, chain.wrist, chain.carrier, chain.limits)
+        found = _sampled(*arrays, count, cells, cell_m)
         kept = np.isfinite(found.off)
         grid = (found.eighths > 0) | kept.any(axis=1)
         index = np.stack(np.unravel_index(np.flatnonzero(grid), (cells,) * 3), axis=1)
@@ -327,7 +333,7 @@ def _usual() -> ArmChain:
     sites = {"shoulder": int(model.site("left_shoulder").id), "palm": int(model.site("left_palm").id)}
     arm = ("left_clavicle", "left_upper_arm", "left_forearm", "left_hand")
     geoms = np.flatnonzero(np.isin(model.geom_bodyid, [model.body(name).id for name in arm]))
-    return chain_of(model, data, indices | sites, geoms)
+    return chain_of(model, data, indices | sites, geoms, shoulder_limits("left"))
 
 
 @lru_cache(maxsize=32)
