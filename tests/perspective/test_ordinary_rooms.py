@@ -250,7 +250,7 @@ LINES = (
     Line("ball of 8 cm six metres ahead", stands(), (), ball(0.08, 6.1, 0.35, 1.56), "<=1", "4", "4"),
     Line("coin on a table two metres off", stands(-1.7), TABLE, tube(0.023, 0.002, 0.45, 0.0, TOP), "<=1", "4", "4"),
     Line("pen on the floor three metres ahead", stands(), (), pen(3.0, 0.2), "<=1", "4", "4"),
-    Line("cup nine metres ahead", stands(), (), a("cup", 9.0, 0.4, 1.0), "<=1", "4 !walk", "4 !walk"),
+    Line("cup nine metres ahead", stands(), (), a("cup", 9.0, 0.4, 1.0), "<=1", "4", "4 !walk"),
     Line("cup behind a pane of glass, sitting", sits(-0.05), (*DINING, PANE), a("cup", 0.65, 0.0, TOP), "<=1", "2..4", "2..4"),
     Line("cup in a case of glass", stands(), (*TABLE, case("case", (0.3, 0.3, 0.3), 0.55, 0.0, TOP + 0.02, rgba=GLASS, thick=0.006)), a("cup", 0.55, 0.0, TOP + 0.02), "<=2", "5", "5"),
     Line("cup behind a glass wall", stands(), (board("glass", (0.01, 4.0, 2.5), 0.4, 0.0, 1.25, GLASS),), a("cup", 0.7, 0.0, 1.2), "<=1", "4", "4"),

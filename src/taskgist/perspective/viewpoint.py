@@ -8,7 +8,7 @@ its own joints:
 level  effort (Fig. 6)                 candidates
 ====== =============================== ==========================================================================
 0, 1   none; head, or arm              the current state
-2      and torso                       turns and leans of the torso
+2      and torso                       turns and leans of the torso, shoulders thrust forward with them
 3      whole body                      other postures, with turns and leans of the torso: standing up or sitting down,
                                        bending at the hips, crouching (``postures``)
 4      displacement                    standing, bent or crouched, on every place of the floor that can be got to, the
@@ -42,7 +42,19 @@ from taskgist.perspective.candidates import (
     torso_poses,
 )
 from taskgist.perspective.constraints import NOTHING, Collisions, Floor, Place, held_by
-from taskgist.perspective.effort import MOVE, SIT, STAND, TURN, Amount, Attained, Miss, Reason, Visibility, stretch
+from taskgist.perspective.effort import (
+    LEAN,
+    MOVE,
+    SIT,
+    STAND,
+    TURN,
+    Amount,
+    Attained,
+    Miss,
+    Reason,
+    Visibility,
+    stretch,
+)
 from taskgist.perspective.image import Sight, look, measured
 from taskgist.perspective.postures import bends, leaving_seat, seat_height_m
 from taskgist.perspective.target import Recorder, Region, Target
@@ -333,7 +345,7 @@ class CandidateSource:
 
     @cached_property
     def _current(self) -> Candidates:
-        return Candidates(self._torso(self.current, [TorsoPose()]))
+        return Candidates(self._torso(self.current, [TorsoPose()], thrusts=False))
 
     @cached_property
     def _with_torso(self) -> Candidates:
@@ -347,11 +359,12 @@ class CandidateSource:
     def _poses(self, actions: frozenset[str]) -> list[TorsoPose]:
         return torso_poses(self._here.agent, self._here.state, self._here.settings.efforts, actions)
 
-    def _torso(self, start: Candidate, poses: Sequence[TorsoPose]) -> TorsoPoses:
+    def _torso(self, start: Candidate, poses: Sequence[TorsoPose], *, thrusts: bool = True) -> TorsoPoses:
         here = self._here
+        thrusts = thrusts and not here.actions.isdisjoint((TURN, LEAN))
         if start not in self._frames:
             self._frames[start] = Frames(here.stage.show(start.state), here.agent)
-        return TorsoPoses.of(here.agent, start, self._frames[start], poses)
+        return TorsoPoses.of(here.agent, start, self._frames[start], poses, thrusts=thrusts)
 
 
 # --- What the judges of the three abilities share: how candidates are screened, and what comes of it.
@@ -362,10 +375,12 @@ class Hit:
     """How the ability holds from a candidate.
 
     Attributes:
-        angles_rad: Angles of the head, by index into qpos, in the attained state; the others are the candidate's.
+        angles_rad: Angles of the head, or of what thrusts shoulders forward, by index into qpos, in the attained
+            state; the others are the candidate's.
         actions: Virtual actions after those of the candidate, in order.
         head_rad: How far the head turned, radians.
         cost: Decides between equal amounts: the least is taken. Less of what is seen, or farther from the shoulder.
+        thrusts: Whether a shoulder is thrust forward.
         find_evidence: Finds what shows it; only asked of the hit that is chosen.
     """
 
@@ -374,11 +389,12 @@ class Hit:
     actions: tuple[str, ...] = ()
     head_rad: float = 0.0
     cost: float = 0.0
+    thrusts: bool = False
 
     @property
-    def order(self) -> tuple[float, bool]:
-        """Least cost first; of equal ones the right hand's, as most people are right-handed."""
-        return self.cost, stretch("left") in self.actions
+    def order(self) -> tuple[bool, float, bool]:
+        """Shoulders at rest first, then the least cost; of equal hands the right one, as with most people."""
+        return self.thrusts, self.cost, stretch("left") in self.actions
 
 
 FindMiss = Callable[[], Miss]

@@ -37,7 +37,7 @@ def completed(model: mujoco.MjModel, agent: str, profile: AgentProfile) -> Agent
     return replace(
         profile,
         **{name: axis and replace(axis, range_rad=range_of(model, agent, axis)) for name, axis in axes.items()},
-        arms=tuple(_with_length(model, agent, arm) for arm in profile.arms),
+        arms=tuple(_completed_arm(model, agent, arm) for arm in profile.arms),
     )
 
 
@@ -50,7 +50,9 @@ def range_of(model: mujoco.MjModel, agent: str, axis: Axis) -> tuple[float, floa
     return max(low, axis.range_rad[0]), min(high, axis.range_rad[1])
 
 
-def _with_length(model: mujoco.MjModel, agent: str, arm: Arm) -> Arm:
+def _completed_arm(model: mujoco.MjModel, agent: str, arm: Arm) -> Arm:
+    if arm.thrust is not None:
+        arm = replace(arm, thrust=replace(arm.thrust, range_rad=range_of(model, agent, arm.thrust)))
     return arm if arm.length_m != DERIVED_M else replace(arm, length_m=stretched_m(model, agent, arm))
 
 
