@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from taskgist.perspective.candidates import THINNED_M, actions_of
 from taskgist.perspective.candidates import Candidate as Posture
+from taskgist.perspective.constraints import rests_on
 from taskgist.perspective.postures import bends, leaving_seat
 from taskgist.settings import Settings
 from taskgist.world import Agent, Stage, State, posture_of, seat_position, with_posture
@@ -39,7 +40,7 @@ class Candidate:
     merit: float = 0.0
     lowered_m: float = 0.0
     bent_rad: float = 0.0
-    aside: str | None = None
+    aside: frozenset[str] = frozenset()
 
     @property
     def key(self) -> Key:
@@ -57,17 +58,19 @@ class States:
         self.solid = self.world.solid_geoms({agent.name, *held})
         self.core = [int(geom) for geom in agent.core_geoms]
         self.usual = self.world.depths(self.core, self.solid)
-        self._free: dict[tuple[bytes, str | None, float], bool] = {}
+        self._free: dict[tuple[bytes, frozenset[str], float], bool] = {}
+        contact = settings.contact
+        self.on_body = frozenset(name for name in stage.scene.objects if rests_on(stage, agent, name, contact))
         self.posture = posture_of(stage, agent, settings.contact)
 
-    def allowed(self, qpos: Array, aside: str | None = None, *, passing: bool = False) -> bool:
+    def allowed(self, qpos: Array, aside: frozenset[str] = frozenset(), *, passing: bool = False) -> bool:
         """Whether head, torso and base are nowhere deeper in anything than now, by more than the tolerance."""
         efforts = self.settings.efforts
         limit = efforts.passing_m if passing else efforts.collision_m
         key = qpos.tobytes(), aside, limit
         if key not in self._free:
             self.world.show(qpos)
-            solid = [geom for geom in self.solid if self.stage.scene.owners[geom] != aside]
+            solid = [geom for geom in self.solid if self.stage.scene.owners[geom] not in aside]
             depths = self.world.depths(self.core, solid)
             self._free[key] = all(depth <= self.usual.get(pair, 0.0) + limit for pair, depth in depths.items())
         return self._free[key]
@@ -98,24 +101,29 @@ class States:
         if "sitting" not in can or "standing" not in can or self.posture is None:
             return None
         if self.posture == "sitting":
-            return Candidate(with_posture(self.stage, self.agent, "standing").qpos, ("Make_Standing",))
+            return Candidate(
+                with_posture(self.stage, self.agent, "standing").qpos, ("Make_Standing",), aside=self.on_body
+            )
         seat = self.seat_m()
         if seat is None:
             return None
         state: State = with_posture(self.stage, self.agent, "sitting", seat_height_m=seat)
         hips = self.agent.base.start + 2
-        return Candidate(state.qpos, ("Make_Sitting",), lowered_m=float(self.now[hips] - state.qpos[hips]))
+        return Candidate(
+            state.qpos, ("Make_Sitting",), lowered_m=float(self.now[hips] - state.qpos[hips]), aside=self.on_body
+        )
 
     @cached_property
     def upright(self) -> Candidate | None:
         """Standing, free of collisions, the seat pushed back if need be."""
         if self.posture == "standing":
-            return Candidate(self.now)
-        if self.other_posture is None or self.allowed(self.other_posture.qpos):
+            return Candidate(self.now, aside=self.on_body)
+        if self.other_posture is None or self.allowed(self.other_posture.qpos, self.on_body):
             return self.other_posture
         actions = frozenset(actions_of(self.agent))
         ways_out = leaving_seat(self.stage.show(self.state), self.agent, self.settings.efforts, actions)
-        return next((each for each in map(_of, ways_out) if self.allowed(each.qpos, each.aside)), None)
+        found = (replace(_of(way), aside=way.aside | self.on_body) for way in ways_out)
+        return next((each for each in found if self.allowed(each.qpos, each.aside)), None)
 
     def crouched(self, start: Candidate) -> list[Candidate]:
         """What the legs do from there."""

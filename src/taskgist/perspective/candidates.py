@@ -87,13 +87,14 @@ class Candidate:
         state: The state.
         actions: What leads there, in order.
         amount: How much of it.
-        aside: The seat that was pushed aside on the way: it is in nobody's way any longer.
+        aside: What is out of its place then, and in nobody's way any longer: the seat that was pushed back, and what
+            lay on the agent's lap, which is taken up first.
     """
 
     state: State
     actions: tuple[str, ...] = ()
     amount: Amount = NO_AMOUNT
-    aside: str | None = None
+    aside: frozenset[str] = frozenset()
 
 
 # --- Turns and leans of the torso (Eq. 4).

@@ -54,6 +54,9 @@ FREE: Mapping[Ability, str] = {"see": "in the gaze cone", "reach": "held", "gras
 
 # --- One effort level.
 
+POSTURES = 3
+"""The level from which an agent takes other postures: what rests on its body is not where it was any longer."""
+
 
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -96,6 +99,8 @@ def least(here: Viewpoint, judge: Judge, level: int, target: Array) -> Solution 
     if level == 0:
         result = judge.without_effort()
         return Solution(here.candidates.current, result) if isinstance(result, Hit) else result
+    if level >= POSTURES and judge.target.name in here.on_body:
+        return partial(Miss, Reason.NO_POSTURE, f"rests on {here.agent.name}, and would not stay there")
     misses: list[FindMiss] = []
     screenings: list[Screening] = []
     for candidates in here.candidates.of_level(level, target):

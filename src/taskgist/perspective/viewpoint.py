@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -41,7 +41,7 @@ from taskgist.perspective.candidates import (
     checked_actions,
     torso_poses,
 )
-from taskgist.perspective.constraints import NOTHING, Collisions, Floor, Place, held_by
+from taskgist.perspective.constraints import NOTHING, Collisions, Floor, Place, held_by, near_body, rests_on
 from taskgist.perspective.effort import (
     LEAN,
     MOVE,
@@ -109,9 +109,11 @@ class Viewpoint:
         self._sights: dict[str, Sight] = {}
         near = objects_near(stage, self.agent, settings.contact)
         self.held: Mapping[str, str] = held_by(stage, self.agent, near, settings.contact)
-        self.recorder = Recorder(self._own_region(near))
+        touching = near_body(stage, self.agent, settings.contact)
+        self.on_body = frozenset(name for name in touching if rests_on(stage, self.agent, name, settings.contact))
+        self.recorder = Recorder(self._own_region((*near, *touching)))
         self.collisions = Collisions(stage, self.agent, settings, self.held, self.recorder)
-        self._without: dict[str, Collisions] = {}
+        self._without: dict[frozenset[str], Collisions] = {}
         self.posture: Posture | None = posture_of(stage, self.agent, settings.contact)
 
     def _own_region(self, near: Iterable[str]) -> Region:
@@ -127,10 +129,10 @@ class Viewpoint:
     def collisions_of(self, candidate: Candidate) -> Collisions:
         """What the agent would push into in states that a candidate leads to."""
         aside = candidate.aside
-        if aside is None:
+        if not aside:
             return self.collisions
         if aside not in self._without:
-            stage, out = self.stage.show(self.state), (*self.held, aside)
+            stage, out = self.stage.show(self.state), {*self.held, *aside}
             self._without[aside] = Collisions(stage, self.agent, self.settings, out, self.recorder)
         return self._without[aside]
 
@@ -250,7 +252,7 @@ class CandidateSource:
         """Why an effort level has no candidates."""
         here = self._here
         if level == 4 and MOVE in here.actions and here.posture == "sitting" and self.other_posture is not None:
-            blocking = here.collisions.blocking(self.other_posture.state)
+            blocking = here.collisions_of(self.other_posture).blocking(self.other_posture.state)
             return Miss(Reason.NO_STANDING, f"{STAND} is blocked: {blocking}", hindrance=blocking)
         return NO_CANDIDATE[level]
 
@@ -265,13 +267,13 @@ class CandidateSource:
         here = self._here
         stage = here.stage.show(here.state)
         if here.posture == "sitting" and STAND in here.actions:
-            return Candidate(with_posture(stage, here.agent, "standing"), (STAND,))
+            return Candidate(with_posture(stage, here.agent, "standing"), (STAND,), aside=here.on_body)
         if here.posture == "standing" and SIT in here.actions:
             seat = seat_height_m(stage, here.agent, here.settings.efforts)
             if seat is not None:
                 state = with_posture(stage, here.agent, "sitting", seat_height_m=seat)
                 lowered_m = float(here.state.qpos[here.agent.base][2] - state.qpos[here.agent.base][2])
-                return Candidate(state, (SIT,), Amount(lowered_m=lowered_m))
+                return Candidate(state, (SIT,), Amount(lowered_m=lowered_m), here.on_body)
         return None
 
     @cached_property
@@ -279,11 +281,17 @@ class CandidateSource:
         """The agent standing, free of collisions, ready to walk; None if it cannot be."""
         here, standing = self._here, self.other_posture
         if here.posture == "standing":
-            return self.current
-        if standing is None or here.collisions.blocking(standing.state) is None:
+            return Candidate(here.state, aside=here.on_body) if here.on_body else self.current
+        if standing is None or here.collisions_of(standing).blocking(standing.state) is None:
             return standing
-        ways_out = leaving_seat(here.stage.show(here.state), here.agent, here.settings.efforts, here.actions)
-        return next((way for way in ways_out if here.collisions_of(way).blocking(way.state) is None), None)
+        return next((way for way in self._ways_out if here.collisions_of(way).blocking(way.state) is None), None)
+
+    @property
+    def _ways_out(self) -> Iterator[Candidate]:
+        """The agent after getting up from where it does not simply stand up, the least way first; they may collide."""
+        here = self._here
+        ways = leaving_seat(here.stage.show(here.state), here.agent, here.settings.efforts, here.actions)
+        return (replace(way, aside=way.aside | here.on_body) for way in ways)
 
     @cached_property
     def _bent(self) -> list[Candidate]:
@@ -416,6 +424,9 @@ class Screening(Protocol):
 
 class Judge(Protocol):
     """Judges one ability towards one object. The stage may show anything before and after each call."""
+
+    target: Target
+    """The object."""
 
     def unknown(self, level: int) -> str | None:
         """Why nothing can be said at an effort level, for want of tracking; None if something can."""
