@@ -11,7 +11,7 @@ import pytest
 
 from taskgist.world.bodies import capability
 from taskgist.world.bodies.arm_chain import LOW, SPAN, STEPS, ArmChain, chain_of
-from taskgist.world.bodies.capability import CapabilityMap, reach_of
+from taskgist.world.bodies.capability import CapabilityMap, reach_of, usual_arm
 from tools.rooms import Person, Room
 
 MORE = 30_000
@@ -103,6 +103,31 @@ def test_a_shoulder_does_not_do_all_that_its_hinges_would_do_together(side: str)
     assert np.degrees(np.arctan2(-x, y))[level].max() == pytest.approx(45, abs=6)
     assert twist_deg[z < 0.95].max() == pytest.approx(90, abs=1)  # straight up, all twists are one
     assert z.max() > 0.98
+
+
+def test_the_map_of_people_comes_with_the_package_and_is_the_one_that_would_be_made() -> None:
+    """To rounding, which other processors may do otherwise; after a change of the arm: python -m tools.arm_maps."""
+    (file,) = capability.SHIPPED.glob("*.npz")
+    shipped = capability._kept(usual_arm(), file)
+    assert shipped is not None
+    assert file.name == capability._file(usual_arm()).name
+    made = CapabilityMap.of(usual_arm(), capability.SAMPLES)
+    assert (shipped.shape, shipped.cell_m) == (made.shape, made.cell_m)
+    bits = np.unpackbits(shipped.eighths ^ made.eighths).sum() / np.unpackbits(made.eighths).sum()
+    assert bits < 1e-3
+    assert len(shipped.palms) == pytest.approx(len(made.palms), rel=1e-3)
+    assert file.stat().st_size < 1_500_000
+
+
+def test_people_are_answered_without_making_a_map(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    capability.capability.cache_clear()
+    with caplog.at_level(logging.INFO, "taskgist.world"):
+        assert len(Room((), (Person("P1", (0.0, 0.0), stature=1.62),)).scene().agent("P1").arm("right").reach.map.palms)
+    assert "first time" not in caplog.text
+    assert not (tmp_path / "taskgist" / "arms").exists()
 
 
 @pytest.fixture
