@@ -65,6 +65,13 @@ WIDE = (table("table", (0.8, 0.0), size_m=(1.0, 3.0, TOP)),)
 BAR = (table("bar", (0.55, 0.0), size_m=(0.5, 1.2, 1.05)),)
 SOFA = (sofa("sofa", (0.0, 0.0)),)
 LOW = (*SOFA, table("low table", (1.0, 0.0), size_m=(0.5, 1.0, 0.42)))
+NARROW = (*SOFA, table("low table", (0.86, 0.0), size_m=(0.5, 1.2, 0.42)))
+HEMMED = (
+    table("table", (0.75, 0.0)),
+    CHAIR,
+    board("carton", (0.22, 0.3, 0.2), 0.5, 0.0, TOP + 0.1),
+    board("screen", (0.05, 1.0, 1.0), -0.46, 0.0, 0.5),
+)
 BENCH = (bench("bench", (0.0, 0.0)),)
 SHELF = (cabinet("shelf", (0.6, 0.0), HALF_TURN, boards_m=(0.4, 0.8, 1.2, 1.6), high_m=2.0),)
 HIGH_SHELF = (cabinet("shelf", (0.6, 0.0), HALF_TURN, low_m=2.3, high_m=2.8),)
@@ -165,6 +172,8 @@ LINES = (
     Line("cup on the bench beside", sits(), BENCH, a("cup", 0.0, 0.4, 0.45), "<=3", "1..2", "1..2"),
     Line("cup a step from the bench", sits(), BENCH, a("cup", 1.2, 0.0), "<=1", "3..4", "3..4"),
     Line("cup on the chair opposite", stands(), (chair("chair", (0.5, 0.0), HALF_TURN),), a("cup", 0.5, 0.0, 0.45), "<=2", "2..3", "2..3"),
+    Line("cup in the corner, a sofa and its table as close as that", sits(0.05), NARROW, a("cup", 2.5, -1.4), "<=2", "4", "4"),
+    Line("cup three metres off, somebody behind the chair, a carton before the chest", sits(), HEMMED, a("cup", 0.5, 3.0), "<=2", "4", "4"),
     # --- Shelves.
     Line("cup on the lowest board", stands(), SHELF, a("cup", 0.6, 0.0, 0.02), "<=3", "3..4", "3..4"),
     Line("cup on the board at 0.4 m", stands(), SHELF, a("cup", 0.55, 0.0, 0.4), "<=3", "2..4", "2..4"),

@@ -89,7 +89,9 @@ class States:
             return [each for start in starts for each in self.bent(start, turns=True)]
         if upright is None or not self.agent.profile.moves:
             return []
-        walked = (self.walked(start, target) for start in (upright, *crouched))
+        start = self.walker
+        crouched = crouched if start is upright else self.crouched(start)
+        walked = (self.walked(each, target) for each in (start, *crouched))
         return list(itertools.chain.from_iterable(itertools.chain.from_iterable(walked)))
 
     # posture -------------------------------------------------------------------------------------------------
@@ -120,10 +122,25 @@ class States:
             return Candidate(self.now, aside=self.on_body)
         if self.other_posture is None or self.allowed(self.other_posture.qpos, self.on_body):
             return self.other_posture
+        return next(self.ways_out(), None)
+
+    def ways_out(self) -> Iterator[Candidate]:
+        """Standing, free of collisions, after leaving the seat."""
         actions = frozenset(actions_of(self.agent))
         ways_out = leaving_seat(self.stage.show(self.state), self.agent, self.settings.efforts, actions)
         found = (replace(_of(way), aside=way.aside | self.on_body) for way in ways_out)
-        return next((each for each in found if self.allowed(each.qpos, each.aside)), None)
+        return (each for each in found if self.allowed(each.qpos, each.aside))
+
+    @cached_property
+    def walker(self) -> Candidate:
+        """Standing where a way leads a metre off, along the seat if need be; else just standing."""
+        assert self.upright is not None
+        starts = [self.upright] if self.posture == "standing" else [self.upright, *self.ways_out()]
+        step_m = self.settings.efforts.move_step_m
+        for start in starts:
+            if self.posture == "standing" or any(math.hypot(*cell) * step_m >= 1.0 for cell in self.ways_from(start)):
+                return start
+        return self.upright
 
     def crouched(self, start: Candidate) -> list[Candidate]:
         """What the legs do from there."""
@@ -200,9 +217,12 @@ class States:
 
     @cached_property
     def ways(self) -> dict[Cell, float]:
+        """Shortest ways to all cells."""
+        return self.ways_from(self.walker)
+
+    def ways_from(self, upright: Candidate) -> dict[Cell, float]:
         """Shortest ways to all cells, by relaxing every step until nothing changes."""
-        efforts, upright = self.settings.efforts, self.upright
-        assert upright is not None
+        efforts = self.settings.efforts
         reach = math.ceil(efforts.move_radius_m / efforts.move_step_m)
         around = range(-reach, reach + 1)
         cells: list[Cell] = list(itertools.product(around, around))

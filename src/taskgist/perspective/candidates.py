@@ -530,6 +530,11 @@ class Walk:
         self._ways: list[Ways] = []
         self._last: tuple[bytes, list[Candidates]] = b"", []
 
+    @property
+    def start(self) -> Candidate:
+        """The agent standing, before it goes."""
+        return self._upright[0].start
+
     def candidates(self, target: Array) -> Iterator[Candidates]:
         """Batches of growing distance: most objects are near to where somebody can stand upright.
 

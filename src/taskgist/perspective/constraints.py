@@ -228,6 +228,11 @@ class Floor:
             if self._batches[index]:
                 yield self._batches[index]
 
+    def leads_to(self, way_m: float) -> bool:
+        """Whether a way leads to some place that is farther than this from the start."""
+        offsets = (place.offset_m for batch in self.batches() for place in batch)
+        return any(math.hypot(*offset_m) >= way_m for offset_m in offsets)
+
     def _up_to(self, limit_m: float) -> list[Place]:
         batch: list[Place] = []
         while self._next is not None and self._next.way_m <= limit_m:

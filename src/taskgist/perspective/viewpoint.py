@@ -205,6 +205,8 @@ class Viewpoint:
         return holding is not None and bool(holding.support or holding.container)
 
 
+CLOSE_M = 1.0
+"""Who gets no farther than this is shut in where he stands up (ours: a sofa and its table are as long, or longer)."""
 AROUND_M = 0.6
 """How far around an agent a seat may be, at most: a thigh behind its feet; and what it might move with its seat."""
 NO_CANDIDATE: Mapping[int, Miss] = {
@@ -296,9 +298,12 @@ class CandidateSource:
     @cached_property
     def _bent(self) -> list[Candidate]:
         """What the agent does standing."""
-        here, upright = self._here, self.upright
-        assert upright is not None
-        return list(bends(here.stage, here.agent, upright, here.settings.efforts, here.actions))
+        assert self.upright is not None
+        return self._bends(self.upright)
+
+    def _bends(self, start: Candidate) -> list[Candidate]:
+        here = self._here
+        return list(bends(here.stage, here.agent, start, here.settings.efforts, here.actions))
 
     @cached_property
     def other_postures(self) -> tuple[Candidate, ...]:
@@ -316,14 +321,26 @@ class CandidateSource:
         here = self._here
         if MOVE not in here.actions or self.upright is None:
             return None
-        agent, state, axis = here.agent, self.upright.state, here.agent.profile.turn
-        poses, standing = self._poses(here.actions - {TURN}), (self.upright, *self._bent)
-        torso = [self._torso(start, poses) for start in standing]
-        collisions = here.collisions_of(self.upright)
-        here.stage.show(state)
-        floor = Floor(state, agent, here.settings.efforts, collisions.footprint(), here.known_floor)
+        start, floor = self.upright, self._floor(self.upright)
+        if here.posture == "sitting" and not floor.leads_to(CLOSE_M):
+            # As between a sofa and its table: people move along the seat to where they get away.
+            ways_out = (way for way in self._ways_out if here.collisions_of(way).blocking(way.state) is None)
+            floors = ((way, self._floor(way)) for way in ways_out)
+            start, floor = next((found for found in floors if found[1].leads_to(CLOSE_M)), (start, floor))
+        agent, state, axis = here.agent, start.state, here.agent.profile.turn
+        bent = self._bent if start is self.upright else self._bends(start)
+        poses = self._poses(here.actions - {TURN})
+        torso = [self._torso(each, poses) for each in (start, *bent)]
         turned_rad = float(here.state.qpos[agent.joints[axis.joint]]) if axis else 0.0
         return Walk(torso, yaw_of(state.qpos[agent.base][3:]) + turned_rad, floor)
+
+    def _floor(self, start: Candidate) -> Floor:
+        """Where the agent can get to, once it stands."""
+        here = self._here
+        here.stage.show(start.state)
+        free = here.collisions_of(start).footprint()
+        known = here.known_floor if start is self.upright else NOTHING
+        return Floor(start.state, here.agent, here.settings.efforts, free, known)
 
     @property
     def untried(self) -> str | None:
@@ -339,9 +356,9 @@ class CandidateSource:
 
     def floor_after(self, moved: Array) -> dict[tuple[float, float], bool]:
         """What is known of the floor and stays so when something moved within boxes, (k, 2, 3)."""
-        if self.__dict__.get("walk") is None or self.upright is None:
+        if self.__dict__.get("walk") is None or self.walk is None or self.walk.start is not self.upright:
             return {}
-        assert self.walk is not None
+        assert self.upright is not None
         return self.walk.floor.known_after(self._here.collisions.filled(self.upright.state).bounds, moved)
 
     def _seat_region(self) -> Region:
