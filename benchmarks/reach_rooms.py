@@ -124,7 +124,7 @@ def main() -> None:
     for seed in range(chosen.rooms):
         stage, rng = Stage(furnished(PEOPLE, THINGS, seed=seed)), np.random.default_rng(seed)
         for _ in range(chosen.pairs):
-            here = Viewpoint(stage, str(rng.choice(stage.scene.agents)), DEFAULT)
+            here = Viewpoint(stage.show(stage.scene.initial), str(rng.choice(stage.scene.agents)), DEFAULT)
             name = str(rng.choice(stage.scene.objects))
             ours = effort_from(here, name, "reach").level
             theirs = Witness(here, name, stances=chosen.stances, starts=chosen.starts).level()
