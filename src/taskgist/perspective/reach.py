@@ -95,7 +95,7 @@ def first_in_reach(
     Args:
         table: The candidates.
         shoulders: Which frame each arm's shoulder is, (a,). Arms may come twice, the second time with their shoulders
-            thrust forward: only those count that do not reach a point otherwise.
+            thrust forward: that is tried where they are too short otherwise, not where something is in the way.
         once: How many arms there are.
         arms: These arms.
         around: What may be in their way.
@@ -117,18 +117,20 @@ def first_in_reach(
         Which it is, and whether any arm reaches.
     """
     pose, gaps = np.empty(POSE), np.empty(len(shoulders))
-    met = np.zeros(len(around.solids), dtype=np.intp)
+    met, within = np.zeros(len(around.solids), dtype=np.intp), np.zeros(len(shoulders), dtype=np.bool_)
     for i in range(start, stop):
         able, pause = False, False
         for arm in range(len(shoulders)):
             nearest[arm], gaps[arm] = NOWHERE, np.inf
-            if once <= arm and nearest[arm - once] != NOWHERE:
+            if once <= arm and within[arm - once]:
                 continue
+            within[arm] = False
             carry(table, i, shoulders[arm], pose)
             ball_m = distance_m(pose, middle) - radius_m
             if ball_m > arms.sectors[arm, 0] + ROUNDING and ball_m > gap_m[arm]:
                 continue
             found, reach_m[arm], gaps[arm] = _nearest(pose, arms, arm, points)
+            within[arm] = found != NOWHERE
             nearest[arm] = _free_point(pose, arms, arm, points, found, around, met)
             if nearest[arm] != NOWHERE:
                 reach_m[arm], able = distance_m(pose, points[nearest[arm]]), True
