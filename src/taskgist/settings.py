@@ -168,6 +168,9 @@ class Timing:
     """Speed above which a static object starts to move."""
     static_m_s: float = 0.05
     """Speed below which a moving object comes to rest."""
+    turning_moves: bool = True
+    """Whether turning in place is motion: then the speed is that of the thing's fastest point, not of its middle (ours:
+    Eq. 22 speaks of position)."""
 
 
 @dataclass(frozen=True)
