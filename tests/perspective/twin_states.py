@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from taskgist.perspective.candidates import THINNED_M, actions_of
 from taskgist.perspective.candidates import Candidate as Posture
-from taskgist.perspective.constraints import rests_on
+from taskgist.perspective.constraints import wears
 from taskgist.perspective.postures import bends, leaving_seat
 from taskgist.settings import Settings
 from taskgist.world import Agent, Stage, State, posture_of, seat_position, with_posture
@@ -60,7 +60,7 @@ class States:
         self.usual = self.world.depths(self.core, self.solid)
         self._free: dict[tuple[bytes, frozenset[str], float], bool] = {}
         contact = settings.contact
-        self.on_body = frozenset(name for name in stage.scene.objects if rests_on(stage, agent, name, contact))
+        self.on_body = frozenset(name for name in stage.scene.objects if wears(stage, agent, name, contact))
         self.posture = posture_of(stage, agent, settings.contact)
 
     def allowed(self, qpos: Array, aside: frozenset[str] = frozenset(), *, passing: bool = False) -> bool:

@@ -26,7 +26,7 @@ from taskgist.perspective.effort import Blocking
 from taskgist.perspective.target import Recorder, Region, touched
 from taskgist.settings import Contact, Efforts, Settings
 from taskgist.world.bodies.agent import Agent
-from taskgist.world.contacts import DOWN, Drop, holding_of
+from taskgist.world.contacts import holding_of, wearer_of
 from taskgist.world.geometry.distances import any_near, ball_around_boxes, near_ball
 from taskgist.world.geometry.solids import solids_of
 from taskgist.world.geometry.transforms import turned_about_z, yaw_of
@@ -147,20 +147,18 @@ def held_by(stage: Stage, agent: Agent, near: Iterable[str], settings: Contact) 
 
 
 def near_body(stage: Stage, agent: Agent, settings: Contact) -> tuple[str, ...]:
-    """Objects that are near enough to an agent's head, torso and legs to rest on them."""
-    pairs = stage.near_pairs(agent.core_geoms, stage.scene.objects_geoms, limit_m=settings.support_m)
+    """Objects that are near enough to an agent's body to lie on it."""
+    pairs = stage.near_pairs(agent.geoms, stage.scene.objects_geoms, limit_m=settings.support_m)
     near = {stage.scene.owners[geom] for _, geom in pairs}
     return tuple(name for name in stage.scene.objects if name in near and stage.state.known([name]))
 
 
-def rests_on(stage: Stage, agent: Agent, name: str, settings: Contact) -> bool:
+def wears(stage: Stage, agent: Agent, name: str, settings: Contact) -> bool:
     """Whether an object that nothing else carries, nor holds, lies on an agent's lap, or elsewhere on its body."""
     holding = holding_of(stage, name, settings)
     if holding is None or holding.support or holding.container or holding.hands:
         return False
-    drop = Drop.of(stage, name, settings)
-    geoms, distances_m, _ = stage.cast_each(agent.core_geoms, drop.starts, np.tile(DOWN, (len(drop.starts), 1)))
-    return bool(((geoms >= 0) & (distances_m - drop.lift_m <= settings.support_m)).any())
+    return wearer_of(stage, name, settings)[0] == agent.name
 
 
 def part_of(stage: Stage, agent: Agent, geom: int) -> str:

@@ -41,7 +41,7 @@ from taskgist.perspective.candidates import (
     checked_actions,
     torso_poses,
 )
-from taskgist.perspective.constraints import NOTHING, Collisions, Floor, Place, held_by, near_body, rests_on
+from taskgist.perspective.constraints import NOTHING, Collisions, Floor, Place, held_by, near_body, wears
 from taskgist.perspective.effort import (
     LEAN,
     MOVE,
@@ -110,7 +110,7 @@ class Viewpoint:
         near = objects_near(stage, self.agent, settings.contact)
         self.held: Mapping[str, str] = held_by(stage, self.agent, near, settings.contact)
         touching = near_body(stage, self.agent, settings.contact)
-        self.on_body = frozenset(name for name in touching if rests_on(stage, self.agent, name, settings.contact))
+        self.on_body = frozenset(name for name in touching if wears(stage, self.agent, name, settings.contact))
         self.recorder = Recorder(self._own_region((*near, *touching)))
         self.collisions = Collisions(stage, self.agent, settings, self.held, self.recorder)
         self._without: dict[frozenset[str], Collisions] = {}
