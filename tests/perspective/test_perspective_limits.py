@@ -150,6 +150,8 @@ def test_of_equal_amounts_the_best_is_taken() -> None:
     class LeftTurns:
         """Every candidate will do, the farther left the better."""
 
+        target = here.target("cup")
+
         def __init__(self, candidates: Candidates | None = None) -> None:
             self.candidates = candidates
 

@@ -8,7 +8,7 @@ its own joints:
 level  effort (Fig. 6)                 candidates
 ====== =============================== ==========================================================================
 0, 1   none; head, or arm              the current state
-2      and torso                       turns and leans of the torso
+2      and torso                       turns and leans of the torso, shoulders thrust forward with them
 3      whole body                      other postures, with turns and leans of the torso: standing up or sitting down,
                                        bending at the hips, crouching (``postures``)
 4      displacement                    standing, bent or crouched, on every place of the floor that can be got to, the
@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -41,8 +41,20 @@ from taskgist.perspective.candidates import (
     checked_actions,
     torso_poses,
 )
-from taskgist.perspective.constraints import NOTHING, Collisions, Floor, Place, held_by
-from taskgist.perspective.effort import MOVE, SIT, STAND, TURN, Amount, Attained, Miss, Reason, Visibility
+from taskgist.perspective.constraints import NOTHING, Collisions, Floor, Place, held_by, near_body, wears
+from taskgist.perspective.effort import (
+    LEAN,
+    MOVE,
+    SIT,
+    STAND,
+    TURN,
+    Amount,
+    Attained,
+    Miss,
+    Reason,
+    Visibility,
+    stretch,
+)
 from taskgist.perspective.image import Sight, look, measured
 from taskgist.perspective.postures import bends, leaving_seat, seat_height_m
 from taskgist.perspective.target import Recorder, Region, Target
@@ -97,9 +109,11 @@ class Viewpoint:
         self._sights: dict[str, Sight] = {}
         near = objects_near(stage, self.agent, settings.contact)
         self.held: Mapping[str, str] = held_by(stage, self.agent, near, settings.contact)
-        self.recorder = Recorder(self._own_region(near))
+        touching = near_body(stage, self.agent, settings.contact)
+        self.on_body = frozenset(name for name in touching if wears(stage, self.agent, name, settings.contact))
+        self.recorder = Recorder(self._own_region((*near, *touching)))
         self.collisions = Collisions(stage, self.agent, settings, self.held, self.recorder)
-        self._without: dict[str, Collisions] = {}
+        self._without: dict[frozenset[str], Collisions] = {}
         self.posture: Posture | None = posture_of(stage, self.agent, settings.contact)
 
     def _own_region(self, near: Iterable[str]) -> Region:
@@ -115,10 +129,10 @@ class Viewpoint:
     def collisions_of(self, candidate: Candidate) -> Collisions:
         """What the agent would push into in states that a candidate leads to."""
         aside = candidate.aside
-        if aside is None:
+        if not aside:
             return self.collisions
         if aside not in self._without:
-            stage, out = self.stage.show(self.state), (*self.held, aside)
+            stage, out = self.stage.show(self.state), {*self.held, *aside}
             self._without[aside] = Collisions(stage, self.agent, self.settings, out, self.recorder)
         return self._without[aside]
 
@@ -191,6 +205,8 @@ class Viewpoint:
         return holding is not None and bool(holding.support or holding.container)
 
 
+CLOSE_M = 1.0
+"""Who gets no farther than this is shut in where he stands up (ours: a sofa and its table are as long, or longer)."""
 AROUND_M = 0.6
 """How far around an agent a seat may be, at most: a thigh behind its feet; and what it might move with its seat."""
 NO_CANDIDATE: Mapping[int, Miss] = {
@@ -238,7 +254,7 @@ class CandidateSource:
         """Why an effort level has no candidates."""
         here = self._here
         if level == 4 and MOVE in here.actions and here.posture == "sitting" and self.other_posture is not None:
-            blocking = here.collisions.blocking(self.other_posture.state)
+            blocking = here.collisions_of(self.other_posture).blocking(self.other_posture.state)
             return Miss(Reason.NO_STANDING, f"{STAND} is blocked: {blocking}", hindrance=blocking)
         return NO_CANDIDATE[level]
 
@@ -253,13 +269,13 @@ class CandidateSource:
         here = self._here
         stage = here.stage.show(here.state)
         if here.posture == "sitting" and STAND in here.actions:
-            return Candidate(with_posture(stage, here.agent, "standing"), (STAND,))
+            return Candidate(with_posture(stage, here.agent, "standing"), (STAND,), aside=here.on_body)
         if here.posture == "standing" and SIT in here.actions:
             seat = seat_height_m(stage, here.agent, here.settings.efforts)
             if seat is not None:
                 state = with_posture(stage, here.agent, "sitting", seat_height_m=seat)
                 lowered_m = float(here.state.qpos[here.agent.base][2] - state.qpos[here.agent.base][2])
-                return Candidate(state, (SIT,), Amount(lowered_m=lowered_m))
+                return Candidate(state, (SIT,), Amount(lowered_m=lowered_m), here.on_body)
         return None
 
     @cached_property
@@ -267,18 +283,27 @@ class CandidateSource:
         """The agent standing, free of collisions, ready to walk; None if it cannot be."""
         here, standing = self._here, self.other_posture
         if here.posture == "standing":
-            return self.current
-        if standing is None or here.collisions.blocking(standing.state) is None:
+            return Candidate(here.state, aside=here.on_body) if here.on_body else self.current
+        if standing is None or here.collisions_of(standing).blocking(standing.state) is None:
             return standing
-        ways_out = leaving_seat(here.stage.show(here.state), here.agent, here.settings.efforts, here.actions)
-        return next((way for way in ways_out if here.collisions_of(way).blocking(way.state) is None), None)
+        return next((way for way in self._ways_out if here.collisions_of(way).blocking(way.state) is None), None)
+
+    @property
+    def _ways_out(self) -> Iterator[Candidate]:
+        """The agent after getting up from where it does not simply stand up, the least way first; they may collide."""
+        here = self._here
+        ways = leaving_seat(here.stage.show(here.state), here.agent, here.settings.efforts, here.actions)
+        return (replace(way, aside=way.aside | here.on_body) for way in ways)
 
     @cached_property
     def _bent(self) -> list[Candidate]:
         """What the agent does standing."""
-        here, upright = self._here, self.upright
-        assert upright is not None
-        return list(bends(here.stage, here.agent, upright, here.settings.efforts, here.actions))
+        assert self.upright is not None
+        return self._bends(self.upright)
+
+    def _bends(self, start: Candidate) -> list[Candidate]:
+        here = self._here
+        return list(bends(here.stage, here.agent, start, here.settings.efforts, here.actions))
 
     @cached_property
     def other_postures(self) -> tuple[Candidate, ...]:
@@ -296,14 +321,26 @@ class CandidateSource:
         here = self._here
         if MOVE not in here.actions or self.upright is None:
             return None
-        agent, state, axis = here.agent, self.upright.state, here.agent.profile.turn
-        poses, standing = self._poses(here.actions - {TURN}), (self.upright, *self._bent)
-        torso = [self._torso(start, poses) for start in standing]
-        collisions = here.collisions_of(self.upright)
-        here.stage.show(state)
-        floor = Floor(state, agent, here.settings.efforts, collisions.footprint(), here.known_floor)
+        start, floor = self.upright, self._floor(self.upright)
+        if here.posture == "sitting" and not floor.leads_to(CLOSE_M):
+            # As between a sofa and its table: people move along the seat to where they get away.
+            ways_out = (way for way in self._ways_out if here.collisions_of(way).blocking(way.state) is None)
+            floors = ((way, self._floor(way)) for way in ways_out)
+            start, floor = next((found for found in floors if found[1].leads_to(CLOSE_M)), (start, floor))
+        agent, state, axis = here.agent, start.state, here.agent.profile.turn
+        bent = self._bent if start is self.upright else self._bends(start)
+        poses = self._poses(here.actions - {TURN})
+        torso = [self._torso(each, poses) for each in (start, *bent)]
         turned_rad = float(here.state.qpos[agent.joints[axis.joint]]) if axis else 0.0
         return Walk(torso, yaw_of(state.qpos[agent.base][3:]) + turned_rad, floor)
+
+    def _floor(self, start: Candidate) -> Floor:
+        """Where the agent can get to, once it stands."""
+        here = self._here
+        here.stage.show(start.state)
+        free = here.collisions_of(start).footprint()
+        known = here.known_floor if start is self.upright else NOTHING
+        return Floor(start.state, here.agent, here.settings.efforts, free, known)
 
     @property
     def untried(self) -> str | None:
@@ -319,9 +356,9 @@ class CandidateSource:
 
     def floor_after(self, moved: Array) -> dict[tuple[float, float], bool]:
         """What is known of the floor and stays so when something moved within boxes, (k, 2, 3)."""
-        if self.__dict__.get("walk") is None or self.upright is None:
+        if self.__dict__.get("walk") is None or self.walk is None or self.walk.start is not self.upright:
             return {}
-        assert self.walk is not None
+        assert self.upright is not None
         return self.walk.floor.known_after(self._here.collisions.filled(self.upright.state).bounds, moved)
 
     def _seat_region(self) -> Region:
@@ -333,7 +370,7 @@ class CandidateSource:
 
     @cached_property
     def _current(self) -> Candidates:
-        return Candidates(self._torso(self.current, [TorsoPose()]))
+        return Candidates(self._torso(self.current, [TorsoPose()], thrusts=False))
 
     @cached_property
     def _with_torso(self) -> Candidates:
@@ -347,11 +384,12 @@ class CandidateSource:
     def _poses(self, actions: frozenset[str]) -> list[TorsoPose]:
         return torso_poses(self._here.agent, self._here.state, self._here.settings.efforts, actions)
 
-    def _torso(self, start: Candidate, poses: Sequence[TorsoPose]) -> TorsoPoses:
+    def _torso(self, start: Candidate, poses: Sequence[TorsoPose], *, thrusts: bool = True) -> TorsoPoses:
         here = self._here
+        thrusts = thrusts and not here.actions.isdisjoint((TURN, LEAN))
         if start not in self._frames:
             self._frames[start] = Frames(here.stage.show(start.state), here.agent)
-        return TorsoPoses.of(here.agent, start, self._frames[start], poses)
+        return TorsoPoses.of(here.agent, start, self._frames[start], poses, thrusts=thrusts)
 
 
 # --- What the judges of the three abilities share: how candidates are screened, and what comes of it.
@@ -362,10 +400,12 @@ class Hit:
     """How the ability holds from a candidate.
 
     Attributes:
-        angles_rad: Angles of the head, by index into qpos, in the attained state; the others are the candidate's.
+        angles_rad: Angles of the head, or of what thrusts shoulders forward, by index into qpos, in the attained
+            state; the others are the candidate's.
         actions: Virtual actions after those of the candidate, in order.
         head_rad: How far the head turned, radians.
         cost: Decides between equal amounts: the least is taken. Less of what is seen, or farther from the shoulder.
+        thrusts: Whether a shoulder is thrust forward.
         find_evidence: Finds what shows it; only asked of the hit that is chosen.
     """
 
@@ -374,6 +414,12 @@ class Hit:
     actions: tuple[str, ...] = ()
     head_rad: float = 0.0
     cost: float = 0.0
+    thrusts: bool = False
+
+    @property
+    def order(self) -> tuple[bool, float, bool]:
+        """Shoulders at rest first, then the least cost; of equal hands the right one, as with most people."""
+        return self.thrusts, self.cost, stretch("left") in self.actions
 
 
 FindMiss = Callable[[], Miss]
@@ -395,6 +441,9 @@ class Screening(Protocol):
 
 class Judge(Protocol):
     """Judges one ability towards one object. The stage may show anything before and after each call."""
+
+    target: Target
+    """The object."""
 
     def unknown(self, level: int) -> str | None:
         """Why nothing can be said at an effort level, for want of tracking; None if something can."""
