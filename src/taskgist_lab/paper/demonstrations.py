@@ -142,13 +142,13 @@ HIDE = (
         ),
         put_behind(Roles("P1", "P2", "cup", "right", "cup"), occluder="white_box"),
     ),
-    Demonstration(  # from under the eyes to behind the screen, of somebody with a table over the thighs
+    Demonstration(  # from under somebody's eyes to behind a screen over which a short person does not see
         Room(
             "hide_b",
-            (left(1.78, CLOSE_M), right(1.66, CLOSE_M)),
+            (left(1.78, CLOSE_M), right(1.58, CLOSE_M)),
             (
                 on_table("wooden_cube", 0.18, -0.34),
-                on_table("screen", 0.06, 0.05),
+                on_table("screen", -0.13, 0.05),
                 on_table("book", -0.15, 0.52, 5),
                 on_table("bottle", 0.25, 0.50),
             ),
@@ -200,7 +200,7 @@ HIDE_AWAY = (
     Demonstration(  # both stand at a high table
         Room(
             "hide_away_b",
-            (left(1.82, STANDING_M, 0.30, posture="standing"), right(1.70, STANDING_M, -0.25, posture="standing")),
+            (left(1.82, STANDING_M, 0.30, posture="standing"), right(1.62, STANDING_M, -0.25, posture="standing")),
             (
                 on_table("wooden_cube", 0.16, -0.03, table=HIGH_TABLE),
                 on_table("screen", -0.08, 0.25, -8, table=HIGH_TABLE),
@@ -268,7 +268,7 @@ ACCESSIBLE = (
             ),
             TABLE,
         ),
-        put_within_reach(Roles("P1", "P2", "bottle", "right"), distance_m=1.15),
+        put_within_reach(Roles("P1", "P2", "bottle", "right"), distance_m=1.05),
     ),
     Demonstration(  # Fig. 2c: to the edge of the table before the other
         Room(
