@@ -32,6 +32,7 @@ from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
+from taskgist.world.steadied import Steadied
 
 Question = tuple[str, str, Ability]
 """Agent, object and ability."""
@@ -68,6 +69,7 @@ class SceneEfforts:
     def __init__(self, stage: Stage, settings: Settings = DEFAULT) -> None:
         self.stage, self.settings, self.state = stage, settings, stage.state
         self.asked_count = 0
+        self._steadied = Steadied(stage, stage.state, settings.following)
         self._viewpoints: dict[Who, Viewpoint] = {}
         self._targets: dict[str, Target] = {}
         self._answers: dict[Who, dict[tuple[str, Ability], Answer]] = {}
@@ -148,6 +150,7 @@ class SceneEfforts:
         Args:
             state: The next state, of the same scene.
         """
+        state = self._steadied.follow(state)
         last, viewpoints, targets, answers = self.state, self._viewpoints, self._targets, self._answers
         # Whatever interrupts this, all is found anew in the next state.
         self.state, self._viewpoints, self._targets, self._answers, self.asked_count = state, {}, {}, {}, 0
