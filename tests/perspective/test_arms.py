@@ -196,7 +196,7 @@ def test_a_configuration_that_is_called_free_is_free_for_mujoco(side: str) -> No
         arm = agent.arm(side)
         arms, geoms = arms_of((arm,), "capability"), stage.scene.geoms_of("block")
         solids = solids_of(stage.scene.model, geoms, *stage.geoms(geoms))
-        around = Around(solids, np.zeros((1, 1), dtype=np.bool_), 0.045, 0.0, True)
+        around = Around(solids, np.zeros((1, 1), dtype=np.bool_), 0.045, 0.0, True, np.zeros((2, 3)))
         pose = row_of(stage, side)
         for point in stage.shoulder(arm).position + rng.uniform(-0.6, 0.6, (20, 3)):
             index = free_configuration(pose, arms, 0, point, around, np.zeros(1, dtype=np.intp))

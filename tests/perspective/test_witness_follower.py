@@ -2,15 +2,20 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from taskgist.perspective import scene_efforts as everyone
 from taskgist.perspective.scene_efforts import SceneEfforts
+from taskgist.settings import Following
 from taskgist.world import Stage, State
 from tests.perspective.random_rooms import Case, random_case
-from tools.rooms import COARSE, Person, Room, Thing
+from tools.rooms import COARSE as SETTINGS
+from tools.rooms import Person, Room, Thing
+
+COARSE = replace(SETTINGS, following=Following(place_m=0.0, turn_rad=0.0))
 
 FRAMES = 5
 

@@ -30,6 +30,10 @@ from taskgist.world.bodies.hands import Hand, Palms
 from taskgist.world.geometry.transforms import Pose
 
 
+SEAT_M = 0.1
+"""How far around an object what it lies on is looked for, at most."""
+
+
 class Impossible:
     """An ability that no candidate can give, for one and the same reason."""
 
@@ -114,6 +118,7 @@ class Grasp(ArmJudge):
     def _pose(self) -> Pose:
         """Where the object is, lying on what carries it."""
         stage, up_m = self.here.stage, self.target.seat_m or 0.0
+        self.here.recorder.target.add_balls(self.target.centers, self.target.radii_m + SEAT_M)
         pose = stage.body(stage.scene.object_body(self.target.name))
         return Pose(pose.position + (0.0, 0.0, up_m), pose.matrix) if abs(up_m) > TOUCH_M else pose
 

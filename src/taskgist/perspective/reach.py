@@ -43,7 +43,7 @@ from taskgist.world.geometry.solids import COLUMNS
 DIGITS = 6
 """Distances that agree to so many digits are equal, wherever the scene stands."""
 NOWHERE = -1
-NOTHING_AROUND = Around(np.empty((0, COLUMNS)), np.empty((0, 0), dtype=np.bool_), 0.0, 0.0, False)
+NOTHING_AROUND = Around(np.empty((0, COLUMNS)), np.empty((0, 0), dtype=np.bool_), 0.0, 0.0, False, np.zeros((2, 3)))
 TRIES = 8
 """Points of an object that are tried where its nearest one is out of the arm's way: spread by their distance (ours)."""
 
@@ -315,7 +315,7 @@ class ArmJudge:
         """Rows of the solid shapes that may be in an arm's way when it reaches the object, (n,)."""
         here, cloud = self._here, self.surface
         far_m = cloud.radius_m + LINK_M + float(self.reaches.sectors[:, 0].max(initial=0.0))  # from palm to shoulder
-        geoms, _ = here.collisions.around(cloud.middle, far_m)
+        geoms = here.collisions.near(cloud.middle, far_m)
         own = here.stage.scene.geoms_of(self.target.name)
         return np.searchsorted(here.collisions.obstacles, geoms[~np.isin(geoms, own)])
 
@@ -325,8 +325,9 @@ class ArmJudge:
         here = self._here
         squeeze_m, touch_m = here.settings.efforts.collision_m, here.settings.reach.touch_m
         solids = here.collisions.solids[self.obstacles]
-        usual = usually_met(self.shoulders, self.reaches, solids, squeeze_m)
-        return Around(solids, usual, touch_m, squeeze_m, True)
+        felt = here.recorder.arms.bounds
+        usual = usually_met(self.shoulders, self.reaches, solids, squeeze_m, felt)
+        return Around(solids, usual, touch_m, squeeze_m, True, felt)
 
     @property
     def shoulders(self) -> Array:
@@ -355,6 +356,7 @@ class ArmJudge:
         eye = self._here.stage.eye(self._here.agent).position
         here = np.concatenate((self.shoulders[:, :3], eye[None]))
         radius_m = min(float(self.reaches.sectors[:, 0].max()), LARGEST_M) + cloud.radius_m
+        self._here.recorder.target.add_balls(cloud.middle[None], np.array([radius_m + LINK_M]))
         if shut_in(starts, cloud.middle, radius_m, here, around.solids, met):
             counts = self.owners(met)
             side = self.arm(self.arms[0]).profile.side

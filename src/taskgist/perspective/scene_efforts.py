@@ -23,11 +23,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from taskgist.common.arrays import Array
-from taskgist.perspective.constraints import NOTHING
+from taskgist.common.arrays import Array, Indices
 from taskgist.perspective.effort import ABILITIES, NO_ACTION, NO_KNOWN_LEVEL, Ability, Effort
 from taskgist.perspective.search import able, effort_from, least_effort
-from taskgist.perspective.target import Target, crossed
+from taskgist.perspective.target import Region, Target, crossed, touched
 from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.stage import Stage
@@ -45,13 +44,15 @@ class Answer(NamedTuple):
 
     Attributes:
         effort: The effort.
-        regions: Where all was looked or felt for, metres, (2 + BODIES, 2, 3).
-        floor: Whether the places mattered that the agent can get to.
+        regions: Where all was looked or felt for, metres, (3 + BODIES, 2, 3).
+        postures: Whether it mattered which postures the agent can take.
+        floor_m: How long the ways are at most over which places mattered that the agent can get to, metres.
     """
 
     effort: Effort
     regions: Array
-    floor: bool
+    postures: bool
+    floor_m: float
 
 
 class SceneEfforts:
@@ -82,13 +83,11 @@ class SceneEfforts:
         """
         return self._viewpoint((agent, None if actions is None else frozenset(actions)))
 
-    def _viewpoint(self, who: Who, known_floor: Mapping[tuple[float, float], bool] = NOTHING) -> Viewpoint:
+    def _viewpoint(self, who: Who) -> Viewpoint:
         if who not in self._viewpoints:
             (agent, actions), targets = who, self._targets
             with self.stage.showing(self.state) as stage:
-                self._viewpoints[who] = Viewpoint(
-                    stage, agent, self.settings, actions=actions, known_floor=known_floor, targets=targets
-                )
+                self._viewpoints[who] = Viewpoint(stage, agent, self.settings, actions=actions, targets=targets)
         return self._viewpoints[who]
 
     def effort(self, agent: str, name: str, ability: Ability, actions: Iterable[str] | None = None) -> Effort:
@@ -102,7 +101,8 @@ class SceneEfforts:
         if (name, ability) not in answers:
             here = self._viewpoint(who)
             effort = effort_from(here, name, ability)
-            answers[name, ability] = Answer(effort, here.recorder.bounds, here.recorder.floor)
+            noted = here.recorder
+            answers[name, ability] = Answer(effort, noted.bounds, noted.postures, noted.floor_m)
             self.asked_count += 1
         return answers[name, ability].effort
 
@@ -145,66 +145,126 @@ class SceneEfforts:
     def update(self, state: State) -> None:
         """Go on to another state of the scene, which the stage shows from now on.
 
-        Efforts that cannot have changed since the last state are kept; the others are found anew when they are asked.
+        What stands still but for a tracker's noise is taken to stand exactly where it stood (``world.steadied``,
+        ``settings.following``). Efforts that cannot have changed since the last state are kept; the others are found
+        anew when they are asked.
 
         Args:
             state: The next state, of the same scene.
         """
-        state = self._steadied.follow(state)
         last, viewpoints, targets, answers = self.state, self._viewpoints, self._targets, self._answers
         # Whatever interrupts this, all is found anew in the next state.
         self.state, self._viewpoints, self._targets, self._answers, self.asked_count = state, {}, {}, {}, 0
+        state = self._steadied.follow(state)
         moved = self._moved(last, state)
         self.state = self.stage.state
         if moved is None:
             return
-        self._targets = {name: each for name, each in targets.items() if name not in moved.owners}
-        kept = {who: self._kept(known, moved) for who, known in answers.items() if who[0] not in moved.owners}
-        for who, known in kept.items():
-            if any(answer.floor for answer in known.values()):
-                before = viewpoints[who].candidates
-                with self.stage.showing(last):
-                    places, floor = before.places, before.floor_after(moved.boxes)
-                if self._viewpoint(who, floor).candidates.places != places:  # the agent can now get elsewhere
-                    kept[who] = {question: answer for question, answer in known.items() if not answer.floor}
+        if not moved.owners:
+            self._viewpoints, self._targets, self._answers = viewpoints, targets, answers
+            return
+        self._targets = {name: each for name, each in targets.items() if not moved.concerns(each)}
+        kept = {}
+        for who, known in answers.items():
+            if who[0] not in moved.owners or who[0] in moved.arms_only:
+                kept[who] = self._kept(who, viewpoints[who], known, moved)
         self.stage.show(self.state)
         self._answers = kept
 
     def _moved(self, last: State, state: State) -> Moved | None:
         """What moved since the last state; None if anything may have. The stage shows the new state afterwards."""
-        scene, every = self.stage.scene, np.arange(self.stage.scene.model.ngeom)
-        before, turned_before = self.stage.show(last).geoms(every)
-        after, turned_after = self.stage.show(state).geoms(every)
-        state = self.stage.state
-        if last.untracked != state.untracked or last.holding != state.holding:
+        scene, stage = self.stage.scene, self.stage
+        every = np.arange(scene.model.ngeom)
+        was = {name: _bearings(stage.show(last), name) for name in scene.agents}
+        before, turned_before = (np.array(each) for each in stage.geoms(every))
+        after, turned_after = stage.show(state).geoms(every)
+        differ = (before != after).any(axis=1) | (turned_before != turned_after).any(axis=1)
+        state, holds = stage.state, (last.holding, stage.state.holding)
+        tracked = last.untracked ^ state.untracked
+        if (holds[0] is None) != (holds[1] is None) or any(map(stage.is_plane, np.flatnonzero(differ).tolist())):
             return None
-        geoms = np.flatnonzero((before != after).any(axis=1) | (turned_before != turned_after).any(axis=1))
-        radii_m = scene.model.geom_rbound[geoms][:, None]
-        places = np.stack((before[geoms], after[geoms]))
-        boxes = np.stack((places.min(axis=0) - radii_m, places.max(axis=0) + radii_m), axis=1)
-        return Moved(frozenset(scene.owners[geom] for geom in geoms.tolist()), boxes)
+        differ[scene.untracked_geoms(tracked)] = True
+        changed = {name.partition("/")[0] for name in tracked}
+        for hold in (holds[0] or frozenset()) ^ (holds[1] or frozenset()):
+            changed |= {hold.agent, hold.object}
+        geoms = np.flatnonzero(differ)
+        owners = frozenset(scene.owners[geom] for geom in geoms.tolist())
+        arms_only = {
+            name
+            for name in owners.intersection(scene.agents) - changed
+            if all(map(np.array_equal, was[name], _bearings(stage, name)))
+        }
+        boxes = stage.bounds_of_each(geoms)
+        earlier = stage.show(last).bounds_of_each(geoms)
+        stage.show(state)
+        together = np.stack((np.minimum(boxes[:, 0], earlier[:, 0]), np.maximum(boxes[:, 1], earlier[:, 1])), axis=1)
+        return Moved(owners | changed, frozenset(arms_only), bool(tracked), geoms, together)
 
-    @staticmethod
-    def _kept(known: Mapping[tuple[str, Ability], Answer], moved: Moved) -> dict[tuple[str, Ability], Answer]:
-        """Answers neither about what moved, nor found where something moved."""
-        asked = {question: answer for question, answer in known.items() if question[0] not in moved.owners}
-        if not asked:
+    def _kept(self, who: Who, before: Viewpoint, known: Answers, moved: Moved) -> Answers:
+        """Answers that stay, of an agent that stays where it is: neither about what moved, nor found where it did."""
+        here = self._viewpoint(who)
+        if here.contacts != before.contacts:
             return {}
-        stale = crossed(np.stack([answer.regions for answer in asked.values()]), moved.boxes).tolist()
-        return {question: answer for (question, answer), gone in zip(asked.items(), stale, strict=True) if not gone}
+        others = moved.boxes[~here.is_own[moved.geoms]]
+        asked = {question: answer for question, answer in known.items() if question[0] not in moved.owners}
+        for seeing, boxes in ((True, moved.boxes), (False, others)):  # own arms hide things, and are in no other way
+            some = [question for question in asked if (question[1] == "see") == seeing]
+            if some:
+                stale = crossed(np.stack([asked[question].regions for question in some]), boxes).tolist()
+                for question, gone in zip(some, stale, strict=True):
+                    if gone:
+                        del asked[question]
+        if "candidates" not in before.__dict__:
+            return asked
+        if not here.candidates.follow(before.candidates, others):
+            return {question: answer for question, answer in asked.items() if not answer.postures}
+        nearest_m = here.candidates.floor_goes_on(others)
+        return {question: answer for question, answer in asked.items() if answer.floor_m < nearest_m}
+
+
+Answers = dict[tuple[str, Ability], Answer]
+
+
+def _bearings(stage: Stage, name: str) -> tuple[Array, ...]:
+    """Where all of an agent is that its arms do not move, and where these begin."""
+    agent, state = stage.scene.agent(name), stage.state
+    own = np.concatenate([np.asarray(agent.parts.get(f"{side}_arm", ()), dtype=np.intp) for side in agent.sides] or [[]])
+    model = stage.scene.model
+    arms = {int(model.jnt_qposadr[joint]) for joint in np.flatnonzero(np.isin(model.jnt_bodyid, own)).tolist()}
+    others = [index for index in agent.joints.values() if index not in arms]
+    shoulders = [stage.shoulder(arm) for arm in agent.arms]
+    return (state.qpos[agent.base], state.qpos[others], *(part for each in shoulders for part in (each.position, each.matrix)))
 
 
 @dataclass(frozen=True, eq=False)
 class Moved:
-    """What moved between two states.
+    """What moved, or of which other parts are tracked or held, between two states.
 
     Attributes:
         owners: Agents and objects.
-        boxes: Boxes that hold each moved shape where it was and where it is, metres, (k, 2, 3).
+        arms_only: Those of the agents of which only the arms moved.
+        tracked: Whether other things are tracked now.
+        geoms: Their shapes, (k,).
+        boxes: Boxes that hold each shape where it was and where it is, metres, (k, 2, 3).
     """
 
     owners: frozenset[str]
+    arms_only: frozenset[str]
+    tracked: bool
+    geoms: Indices
     boxes: Array
+
+    def concerns(self, target: Target) -> bool:
+        """Whether an object may be another, or lie on something else."""
+        if self.tracked or target.name in self.owners:
+            return True
+        region = Region()
+        region.add_balls(target.centers, target.radii_m + BENEATH_M)
+        return bool(touched(region.bounds[None], self.boxes)[0])
+
+
+BENEATH_M = 0.1
+"""How far around an object that is looked for which it lies on, at most."""
 
 
 # --- Queries (Eq. 7 and 8): which objects, if the agent did this; what must it do, for that object.

@@ -7,6 +7,8 @@ noted where things are looked at and collisions are tested, for all abilities al
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from typing import NamedTuple
 
@@ -122,7 +124,7 @@ class Target:
 
 # --- Regions: boxes along the world's axes, in which something was looked at or felt for.
 
-BODIES = 8
+BODIES = 12
 """How many places of an agent are kept apart; further ones are taken together."""
 NOWHERE: Array = np.array(((np.inf,) * 3, (-np.inf,) * 3))
 SLACK = 1e-9
@@ -158,25 +160,35 @@ class Region:
 
 
 class Recorder:
-    """Where all was looked or felt for, to find an answer.
-
-    Args:
-        own: Where the agent is, and what is near to it.
+    """Where all was looked or felt for, to find an answer. What the agent touches and holds now is not noted.
 
     Attributes:
         target: Where the object is, and what is near to it.
         eyes: From where it was looked at: all lines from there to the object were.
-        floor: Whether the places mattered that the agent can get to.
+        arms: Where arms were on their way to it.
+        postures: Whether it mattered which postures the agent can take.
+        floor_m: How long the ways are at most over which places mattered that the agent can get to, metres.
     """
 
-    def __init__(self, own: Region) -> None:
-        self._own = own
+    def __init__(self) -> None:
         self.begin()
 
     def begin(self) -> None:
         """Forget all for a new answer."""
-        self.target, self.eyes, self.floor = Region(), Region(), False
-        self._bodies = [self._own]
+        self.target, self.eyes, self.arms = Region(), Region(), Region()
+        self.postures, self.floor_m = False, 0.0
+        self._bodies: list[Region] = []
+
+    @contextmanager
+    def apart(self) -> Iterator[Region]:
+        """Note bodies in a region of its own, for a while, instead of for the present answer."""
+        before, self._bodies, together = self._bodies, [], Region()
+        try:
+            yield together
+        finally:
+            for region in self._bodies:
+                together.add(region)
+            self._bodies = before
 
     def add_body(self, region: Region) -> None:
         """Note where the agent might have been, and what is near to it there."""
@@ -186,9 +198,9 @@ class Recorder:
 
     @property
     def bounds(self) -> Array:
-        """Lowest and highest corners of object, eyes and bodies, metres, (2 + BODIES, 2, 3); empty ones at last."""
-        regions = [self.target, self.eyes, *self._bodies]
-        return np.stack([region.bounds for region in regions] + [NOWHERE] * (2 + BODIES - len(regions)))
+        """Lowest and highest corners of object, eyes, arms and bodies, metres, (3 + BODIES, 2, 3); empty ones last."""
+        regions = [self.target, self.eyes, self.arms, *self._bodies]
+        return np.stack([region.bounds for region in regions] + [NOWHERE] * (3 + BODIES - len(regions)))
 
 
 @compiled
@@ -211,7 +223,7 @@ def touched(regions: Array, boxes: Array) -> Mask:
 
 @compiled
 def crossed(recorded: Array, boxes: Array) -> Mask:
-    """Whether the regions of each answer, (n, 2 + BODIES, 2, 3), touches any of some boxes, (k, 2, 3); (n,)."""
+    """Whether the regions of each answer, (n, 3 + BODIES, 2, 3), touch any of some boxes, (k, 2, 3); (n,)."""
     found = np.zeros(len(recorded), dtype=np.bool_)
     for i in range(len(recorded)):
         target, eyes, bodies = recorded[i, 0], recorded[i, 1], recorded[i, 2:]
@@ -219,9 +231,9 @@ def crossed(recorded: Array, boxes: Array) -> Mask:
         for k in range(len(boxes)):
             found[i] |= not _empty(target) and _between(start, target, boxes[k])
             for body in range(len(bodies)):
-                if found[i] or _empty(bodies[body]):
-                    break
-                found[i] = not _apart(bodies[body], boxes[k])
+                found[i] |= not (_empty(bodies[body]) or _apart(bodies[body], boxes[k]))
+            if found[i]:
+                break
     return found
 
 

@@ -24,13 +24,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from taskgist.common.arrays import Array, Mask
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.perspective.candidates import (
     Candidate,
     Candidates,
@@ -41,17 +41,17 @@ from taskgist.perspective.candidates import (
     checked_actions,
     torso_poses,
 )
-from taskgist.perspective.constraints import NOTHING, Collisions, Floor, Place, held_by
+from taskgist.perspective.constraints import Collisions, Floor, held_by
 from taskgist.perspective.effort import MOVE, SIT, STAND, TURN, Amount, Attained, Miss, Reason, Visibility
 from taskgist.perspective.image import Sight, look, measured
 from taskgist.perspective.postures import bends, leaving_seat, seat_height_m
-from taskgist.perspective.target import Recorder, Region, Target
+from taskgist.perspective.target import Recorder, Region, Target, touched
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.bodies.profile import Posture
 from taskgist.world.contacts import holding_of, objects_near
 from taskgist.world.geometry.transforms import yaw_of
-from taskgist.world.stage import Stage, posture_of, with_posture
+from taskgist.world.stage import Stage, posture_of, seat_position, with_posture
 from taskgist.world.state import State
 
 
@@ -65,7 +65,6 @@ class Viewpoint:
         agent: Name of the agent.
         settings: All settings.
         actions: The virtual actions that the agent may use; all that it has if left out.
-        known_floor: Where it is known already that the agent could stand, or not, by cell of its ``Floor``.
         targets: Objects as they are now, by name, as far as others of this stage asked for them.
 
     Attributes:
@@ -85,32 +84,25 @@ class Viewpoint:
         settings: Settings = DEFAULT,
         *,
         actions: Iterable[str] | None = None,
-        known_floor: Mapping[tuple[float, float], bool] = NOTHING,
         targets: dict[str, Target] | None = None,
     ) -> None:
         self.stage, self.settings = stage, settings
         self.agent: Agent = stage.scene.agent(agent)
         self.state: State = stage.state
         self.actions = checked_actions(self.agent, actions)
-        self.known_floor = known_floor
         self._targets = {} if targets is None else targets
         self._sights: dict[str, Sight] = {}
         near = objects_near(stage, self.agent, settings.contact)
         self.held: Mapping[str, str] = held_by(stage, self.agent, near, settings.contact)
-        self.recorder = Recorder(self._own_region(near))
+        self.recorder = Recorder()
         self.collisions = Collisions(stage, self.agent, settings, self.held, self.recorder)
         self._without: dict[str, Collisions] = {}
         self.posture: Posture | None = posture_of(stage, self.agent, settings.contact)
 
-    def _own_region(self, near: Iterable[str]) -> Region:
-        """Where the agent is, and what it holds or might hold: with whose contacts others are compared."""
-        region, own, contact = Region(), self.agent.geoms, self.settings.contact
-        region.add_balls(self.stage.geom_centers(own), self.stage.scene.model.geom_rbound[own])
-        region.grow(contact.grip_m)
-        for name in near:
-            thing = self.target(name)
-            region.add_balls(thing.centers, thing.radii_m + contact.container_m)
-        return region
+    @property
+    def contacts(self) -> tuple[Mapping[str, str], Mapping[tuple[int, int], float], Posture | None]:
+        """What the agent holds, what it touches how deep, and its posture: all answers stand on these."""
+        return self.held, self.collisions.usual_m, self.posture
 
     def collisions_of(self, candidate: Candidate) -> Collisions:
         """What the agent would push into in states that a candidate leads to."""
@@ -126,6 +118,11 @@ class Viewpoint:
     def candidates(self) -> CandidateSource:
         """The states that the agent might take."""
         return CandidateSource(self)
+
+    @cached_property
+    def own(self) -> Indices:
+        """Indices into qpos of where the agent is, and of its joints, (n,)."""
+        return np.r_[self.agent.base, np.array(list(self.agent.joints.values()), dtype=np.intp)]
 
     @cached_property
     def is_own(self) -> Mask:
@@ -191,8 +188,10 @@ class Viewpoint:
         return holding is not None and bool(holding.support or holding.container)
 
 
-AROUND_M = 0.6
-"""How far around an agent a seat may be, at most: a thigh behind its feet; and what it might move with its seat."""
+SEAT_M = 0.6
+"""How far around an agent its seat may be, at most."""
+AROUND_M, DEEP_M = 0.05, 100.0
+"""How far around a line, and down to where, a seat is looked for."""
 NO_CANDIDATE: Mapping[int, Miss] = {
     2: Miss(Reason.NO_TORSO, "the torso does not move"),
     3: Miss(Reason.NO_POSTURE, "no other posture to take"),
@@ -211,6 +210,53 @@ class CandidateSource:
     def __init__(self, here: Viewpoint) -> None:
         self._here = here
         self._frames: dict[Candidate, Frames] = {}
+        self.felt = Region()
+        self.floor: Floor | None = None
+
+    def follow(self, before: CandidateSource, moved: Array) -> bool:
+        """Take over what was found in an earlier state, in which the agent was where it is.
+
+        Args:
+            before: The candidates of that state.
+            moved: Boxes in which something else has moved, (k, 2, 3).
+
+        Returns:
+            Whether the agent can take the same postures as then; otherwise nothing is taken over.
+        """
+        known, here = before.__dict__, self._here
+        if touched(before.felt.bounds[None], moved)[0]:
+            for name in ("other_posture", "upright"):
+                if name in known and not _same(known[name], getattr(self, name), here.own):
+                    return False
+            if "upright" in known and self.upright is None:
+                return False  # what keeps it from standing is told
+        else:
+            self.felt = before.felt
+        as_now: dict[int, Candidate] = {id(known.get("current")): self.current}
+
+        def now(each: Candidate) -> Candidate:
+            if id(each) not in as_now:
+                qpos = np.array(here.state.qpos)
+                qpos[here.own] = each.state.qpos[here.own]
+                as_now[id(each)] = replace(each, state=here.state.replace(at=slice(None), to=qpos))
+            return as_now[id(each)]
+
+        if before.floor is not None:
+            self.floor = before.floor
+            self.floor.note = self._note_floor
+        for name in ("other_posture", "upright"):
+            if name in known:
+                self.__dict__[name] = None if known[name] is None else now(known[name])
+        if "_bent" in known:
+            self.__dict__["_bent"] = [now(each) for each in known["_bent"]]
+        if "other_postures" in known:
+            self.__dict__["other_postures"] = tuple(now(each) for each in known["other_postures"])
+        self._frames = {now(start): frames for start, frames in before._frames.items()}
+        return True
+
+    def _note_floor(self, way_m: float) -> None:
+        recorder = self._here.recorder
+        recorder.floor_m = max(recorder.floor_m, way_m)
 
     def of_level(self, level: int, target: Array) -> Iterator[Candidates]:
         """Candidates of an effort level, by increasing amount, in batches.
@@ -224,14 +270,11 @@ class CandidateSource:
         elif level == 2:
             yield self._with_torso
         elif level == 3:
-            self._here.recorder.add_body(self._seat_region())
+            self._here.recorder.postures = True
             yield from self._in_other_postures
         elif level == 4 and MOVE in self._here.actions:
-            if self.other_posture is not None and self._here.posture == "sitting":
-                self._here.recorder.add_body(self._here.collisions.filled(self.other_posture.state))
-                self._here.recorder.add_body(self._seat_region())
+            self._here.recorder.postures = True
             if self.walk is not None:
-                self._here.recorder.floor = True
                 yield from self.walk.candidates(target)
 
     def why_none(self, level: int) -> Miss:
@@ -256,6 +299,8 @@ class CandidateSource:
             return Candidate(with_posture(stage, here.agent, "standing"), (STAND,))
         if here.posture == "standing" and SIT in here.actions:
             seat = seat_height_m(stage, here.agent, here.settings.efforts)
+            x, y = seat_position(stage, here.agent).tolist()
+            self.felt.add_points(np.array([(x, y, here.settings.efforts.seat_height_m[1]), (x, y, -DEEP_M)]), AROUND_M)
             if seat is not None:
                 state = with_posture(stage, here.agent, "sitting", seat_height_m=seat)
                 lowered_m = float(here.state.qpos[here.agent.base][2] - state.qpos[here.agent.base][2])
@@ -268,8 +313,17 @@ class CandidateSource:
         here, standing = self._here, self.other_posture
         if here.posture == "standing":
             return self.current
+        with here.recorder.apart() as tried:
+            found = self._stood_up(standing)
+        self.felt.add(tried)
+        return found
+
+    def _stood_up(self, standing: Candidate | None) -> Candidate | None:
+        """The agent that sits after standing up where it is, or after leaving its seat."""
+        here = self._here
         if standing is None or here.collisions.blocking(standing.state) is None:
             return standing
+        self.felt.add(self._seat_region())
         ways_out = leaving_seat(here.stage.show(here.state), here.agent, here.settings.efforts, here.actions)
         return next((way for way in ways_out if here.collisions_of(way).blocking(way.state) is None), None)
 
@@ -301,9 +355,11 @@ class CandidateSource:
         torso = [self._torso(start, poses) for start in standing]
         collisions = here.collisions_of(self.upright)
         here.stage.show(state)
-        floor = Floor(state, agent, here.settings.efforts, collisions.footprint(), here.known_floor)
+        if self.floor is None:
+            note = self._note_floor
+            self.floor = Floor(state, agent, here.settings.efforts, collisions.footprint(), note)
         turned_rad = float(here.state.qpos[agent.joints[axis.joint]]) if axis else 0.0
-        return Walk(torso, yaw_of(state.qpos[agent.base][3:]) + turned_rad, floor)
+        return Walk(torso, yaw_of(state.qpos[agent.base][3:]) + turned_rad, self.floor)
 
     @property
     def untried(self) -> str | None:
@@ -312,22 +368,24 @@ class CandidateSource:
             return None
         return f"going farther than {self._here.settings.efforts.move_radius_m:g} m"
 
-    @property
-    def places(self) -> tuple[Place, ...]:
-        """All places that the agent can get to; none if it cannot walk."""
-        return () if self.walk is None else self.walk.places
+    def floor_goes_on(self, moved: Array) -> float:
+        """Find out how the floor changed that was taken over when something moved within boxes, (k, 2, 3).
 
-    def floor_after(self, moved: Array) -> dict[tuple[float, float], bool]:
-        """What is known of the floor and stays so when something moved within boxes, (k, 2, 3)."""
-        if self.__dict__.get("walk") is None or self.upright is None:
-            return {}
-        assert self.walk is not None
-        return self.walk.floor.known_after(self._here.collisions.filled(self.upright.state).bounds, moved)
+        Returns:
+            How far the nearest change is, metres; infinite if there is none.
+        """
+        here = self._here
+        if self.floor is None or self.upright is None:
+            return math.inf
+        collisions = here.collisions_of(self.upright)
+        filled = collisions.filled(self.upright.state).bounds
+        here.stage.show(self.upright.state)
+        return self.floor.go_on(collisions.footprint(), filled, moved)
 
     def _seat_region(self) -> Region:
-        """Where a seat is looked for."""
+        """Where it is tried to leave a seat."""
         region, here = Region(), self._here
-        around_m = AROUND_M + (here.settings.efforts.leaving_seat_m if here.posture == "sitting" else 0.0)
+        around_m = SEAT_M + here.settings.efforts.leaving_seat_m
         region.add_points(here.stage.show(here.state).geom_centers(here.agent.geoms), around_m)
         return region
 
@@ -352,6 +410,14 @@ class CandidateSource:
         if start not in self._frames:
             self._frames[start] = Frames(here.stage.show(start.state), here.agent)
         return TorsoPoses.of(here.agent, start, self._frames[start], poses)
+
+
+def _same(one: Candidate | None, other: Candidate | None, own: Indices) -> bool:
+    """Whether two candidates of two states are the same for the agent, whose positions are ``own``."""
+    if one is None or other is None:
+        return one is other
+    told = [(each.actions, each.amount, each.aside) for each in (one, other)]
+    return told[0] == told[1] and np.array_equal(one.state.qpos[own], other.state.qpos[own])
 
 
 # --- What the judges of the three abilities share: how candidates are screened, and what comes of it.
