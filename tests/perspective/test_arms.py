@@ -264,7 +264,7 @@ def test_a_case_shuts_in_until_a_board_is_taken_away(seed: int) -> None:
         geoms = stage.scene.geoms_of("case")
         solids = solids_of(stage.scene.model, geoms, *stage.geoms(geoms))
         met = np.zeros(len(geoms), dtype=np.intp)
-        found = shut_in(np.array([at]), np.array(at), 0.7, np.array([outside]), solids, met)
+        found = shut_in(np.array([at]), np.array(at), 0.7, np.array([outside]), solids, met, np.zeros((2, 3)))
         assert found == (without == "")
         assert without or met.sum() > 0
 

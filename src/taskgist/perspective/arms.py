@@ -339,7 +339,9 @@ SIDES = ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1))
 
 
 @compiled
-def shut_in(points: Array, middle: Array, radius_m: float, inside: Array, solids: Array, met: Indices) -> bool:
+def shut_in(
+    points: Array, middle: Array, radius_m: float, inside: Array, solids: Array, met: Indices, felt: Array
+) -> bool:
     """Whether no way leads from an object to where an arm comes from: a flood of the free space around it ends.
 
     Args:
@@ -349,6 +351,7 @@ def shut_in(points: Array, middle: Array, radius_m: float, inside: Array, solids
         inside: Points to which a way is one as well: shoulders, (s, 3).
         solids: What may be in the way, (n, 17).
         met: Counted up: how many ends of the flood each shape makes, (n,).
+        felt: Lowest and highest corner of a box, made to hold the flood, (2, 3).
     """
     half = math.ceil(radius_m / VOXEL_M) + 1
     across = 2 * half + 1
@@ -356,6 +359,8 @@ def shut_in(points: Array, middle: Array, radius_m: float, inside: Array, solids
     stack, goals = np.empty(across**3, dtype=np.int32), np.empty(len(inside), dtype=np.int64)
     for s in range(len(inside)):
         goals[s] = _voxel(inside[s], middle, half, across)
+    for k in range(len(points)):
+        _feel(felt, points[k, 0], points[k, 1], points[k, 2], VOXEL_M)
     count = begun = _start(points, middle, half, solids, done, stack)
     order = np.empty(6, dtype=np.intp)
     while count:
@@ -374,7 +379,9 @@ def shut_in(points: Array, middle: Array, radius_m: float, inside: Array, solids
             if done[following]:
                 continue
             done[following] = 1
-            row = _ball_met(solids, middle[0] + a * VOXEL_M, middle[1] + b * VOXEL_M, middle[2] + c * VOXEL_M)
+            x, y, z = middle[0] + a * VOXEL_M, middle[1] + b * VOXEL_M, middle[2] + c * VOXEL_M
+            _feel(felt, x, y, z, BALL_M)
+            row = _ball_met(solids, x, y, z)
             if row >= 0:
                 met[row] += 1
                 continue

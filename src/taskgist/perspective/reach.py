@@ -356,8 +356,7 @@ class ArmJudge:
         eye = self._here.stage.eye(self._here.agent).position
         here = np.concatenate((self.shoulders[:, :3], eye[None]))
         radius_m = min(float(self.reaches.sectors[:, 0].max()), LARGEST_M) + cloud.radius_m
-        self._here.recorder.target.add_balls(cloud.middle[None], np.array([radius_m + LINK_M]))
-        if shut_in(starts, cloud.middle, radius_m, here, around.solids, met):
+        if shut_in(starts, cloud.middle, radius_m, here, around.solids, met, around.felt):
             counts = self.owners(met)
             side = self.arm(self.arms[0]).profile.side
             text = f"shut in by {' and '.join(owner for owner, _ in counts[:NAMED])}"

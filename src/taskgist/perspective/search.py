@@ -104,7 +104,9 @@ def least(here: Viewpoint, judge: Judge, level: int, target: Array) -> Solution 
         for group in _hopeful(candidates, screening):
             found = [each for index in group for each in _free(here, screening, index, candidates[index], misses)]
             if found:
-                return min(found, key=lambda each: each.order)
+                best = min(found, key=lambda each: each.order)
+                here.recorder.found_after(best.amount.moved_m)
+                return best
     return partial(_nearest, here, level, misses, screenings)
 
 

@@ -126,6 +126,8 @@ class Target:
 
 BODIES = 12
 """How many places of an agent are kept apart; further ones are taken together."""
+ROUNDED_M = 1e-5
+"""More than ways are rounded by where they are compared."""
 NOWHERE: Array = np.array(((np.inf,) * 3, (-np.inf,) * 3))
 SLACK = 1e-9
 """For rounding: rather asked once too often."""
@@ -167,7 +169,6 @@ class Recorder:
         eyes: From where it was looked at: all lines from there to the object were.
         arms: Where arms were on their way to it.
         postures: Whether it mattered which postures the agent can take.
-        floor_m: How long the ways are at most over which places mattered that the agent can get to, metres.
     """
 
     def __init__(self) -> None:
@@ -176,7 +177,8 @@ class Recorder:
     def begin(self) -> None:
         """Forget all for a new answer."""
         self.target, self.eyes, self.arms = Region(), Region(), Region()
-        self.postures, self.floor_m = False, 0.0
+        self.postures = False
+        self._ways_m: list[float] = []
         self._bodies: list[Region] = []
 
     @contextmanager
@@ -189,6 +191,20 @@ class Recorder:
             for region in self._bodies:
                 together.add(region)
             self._bodies = before
+
+    def add_ways(self, longest_m: float) -> None:
+        """Note that places were tried at the end of ways up to some length, metres."""
+        self._ways_m.append(longest_m)
+
+    def found_after(self, way_m: float) -> None:
+        """Note that of those ways that were added at last none mattered that is longer than that."""
+        if self._ways_m:
+            self._ways_m[-1] = min(self._ways_m[-1], way_m + ROUNDED_M)
+
+    @property
+    def floor_m(self) -> float:
+        """How long the ways are at most over which places mattered that the agent can get to, metres."""
+        return max(self._ways_m, default=0.0)
 
     def add_body(self, region: Region) -> None:
         """Note where the agent might have been, and what is near to it there."""

@@ -243,7 +243,7 @@ class CandidateSource:
 
         if before.floor is not None:
             self.floor = before.floor
-            self.floor.note = self._note_floor
+            self.floor.note = here.recorder.add_ways
         for name in ("other_posture", "upright"):
             if name in known:
                 self.__dict__[name] = None if known[name] is None else now(known[name])
@@ -253,10 +253,6 @@ class CandidateSource:
             self.__dict__["other_postures"] = tuple(now(each) for each in known["other_postures"])
         self._frames = {now(start): frames for start, frames in before._frames.items()}
         return True
-
-    def _note_floor(self, way_m: float) -> None:
-        recorder = self._here.recorder
-        recorder.floor_m = max(recorder.floor_m, way_m)
 
     def of_level(self, level: int, target: Array) -> Iterator[Candidates]:
         """Candidates of an effort level, by increasing amount, in batches.
@@ -356,8 +352,7 @@ class CandidateSource:
         collisions = here.collisions_of(self.upright)
         here.stage.show(state)
         if self.floor is None:
-            note = self._note_floor
-            self.floor = Floor(state, agent, here.settings.efforts, collisions.footprint(), note)
+            self.floor = Floor(state, agent, here.settings.efforts, collisions.footprint(), here.recorder.add_ways)
         turned_rad = float(here.state.qpos[agent.joints[axis.joint]]) if axis else 0.0
         return Walk(torso, yaw_of(state.qpos[agent.base][3:]) + turned_rad, self.floor)
 
