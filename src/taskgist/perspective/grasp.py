@@ -63,7 +63,7 @@ class Grasp(ArmJudge):
 
     def __init__(self, here: Viewpoint, target: Target) -> None:
         super().__init__(here, target)
-        self.here = here
+        self.here, self.failed = here, False
 
     def screen(self, candidates: Candidates) -> Screening:
         """What the arms can grasp from some candidates."""
@@ -90,6 +90,20 @@ class Grasp(ArmJudge):
         if narrowest_m > widest_m:
             return Miss(Reason.TOO_WIDE, f"too wide ({narrowest_m:.2f} m > {widest_m:.2f} m)")
         return Miss(Reason.TOO_NARROW, "too narrow for both fingers to meet it")
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether nothing the agent does helps, as far as is known by now; more is found out where something failed."""
+        if super().hopeless or self.__dict__.get("_impossible") is not None:
+            return True
+        return (self.failed or self.looked) and self._all_blocked
+
+    @cached_property
+    def _all_blocked(self) -> bool:
+        """Whether others are in the way of all grasps, by any way."""
+        ways = (lambda: self.plain, lambda: self.between, lambda: self.tilted, lambda: self.slid, lambda: self.drawn)
+        with self.here.stage.showing(self.here.state):
+            return all(way is None or way.all_blocked() for way in (find() for find in ways))
 
     @property
     def _hand(self) -> Hand:
@@ -187,6 +201,8 @@ class GraspScreening:
 
     def next(self, start: int, stop: int) -> int:
         """The first candidate from which an arm reaches a grasp."""
+        if self._grasp.brief and self._grasp.hopeless:
+            return stop
         first = self._plain.next(start, stop)
         return self._between.next(start, first) if first > start and self._between is not None else first
 
@@ -199,6 +215,7 @@ class GraspScreening:
                 yield from sorted(hits, key=lambda hit: hit.cost)
                 return
             misses += [result for result in results if isinstance(result, Miss)]
+        self._grasp.failed = True
         miss = nearest_miss(misses)
         yield lambda: miss
 

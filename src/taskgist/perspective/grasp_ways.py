@@ -64,6 +64,15 @@ class _Tried:
         index = self.trials.first_free(to_try, ghosts) if len(to_try) else None
         return self._blocked(order) if index is None else index
 
+    def all_blocked(self) -> bool:
+        """Whether others are in the way of all grasps, wherever the agent is."""
+        return not len(self.grasps) or self.trials.all_blocked(self._ghosts)
+
+    @property
+    def _ghosts(self) -> Indices:
+        """Shapes of a hand that is put into grasps."""
+        return self._here.agent.arms[0].ghosts
+
     def _blocked(self, tried: Indices) -> Miss:
         """Why none of the grasps is free that an arm reaches: what was in the way when that first was so."""
         if self._first_blocked is None:
@@ -161,6 +170,10 @@ class TwoHanded(_Tried):
         sides = here.agent.sides
         self._arms = tuple(sides.index(side) for side in SIDES)
 
+    @property
+    def _ghosts(self) -> Indices:
+        return np.array([self._here.agent.arms[index].flat_ghost for index in self._arms])
+
     def results(self, candidate: Candidate, shoulders: Array) -> list[Hit | Miss]:
         """The nearest free grasp that both arms reach; arguments as above."""
         arms = [self._here.agent.arms[index] for index in self._arms]
@@ -178,7 +191,7 @@ class TwoHanded(_Tried):
             np.linalg.norm(points[both] - row[:3], axis=1) for row, points in zip(rows, self._points, strict=True)
         ]
         order = both[np.argsort(np.round(sum(distances_m), DIGITS), kind="stable")]
-        found = self.first_free(candidate, order, np.array([arm.flat_ghost for arm in arms]))
+        found = self.first_free(candidate, order, self._ghosts)
         if isinstance(found, Miss):
             return [found]
         (first, second), (first_m, second_m) = (

@@ -296,6 +296,7 @@ class ArmJudge:
         reaches: The same for compiled functions.
         shut_in: Why no way leads from the object to any arm, where that was found out.
         looked: Whether it was tried to find out.
+        brief: Whether only the level and how it is attained are asked for, not why it is not with less.
     """
 
     def __init__(self, here: Viewpoint, target: Target) -> None:
@@ -303,7 +304,12 @@ class ArmJudge:
         self.arms, self.reaches = usable_arms(here)
         self.model = here.settings.reach.model
         self.shut_in: Miss | None = None
-        self.looked = False
+        self.looked = self.brief = False
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether no candidate gives the ability, as far as is known by now."""
+        return self.shut_in is not None
 
     @cached_property
     def surface(self) -> PointCloud:
@@ -435,7 +441,8 @@ class ReachScreening:
         found, able = first_in_reach(*where, start, stop, not judge.looked, *noted)
         if found < stop and not able:
             judge.look_for_way()
-            found, able = first_in_reach(*where, stop if judge.shut_in else found + 1, stop, False, *noted)
+            over = judge.shut_in is not None or (judge.brief and judge.hopeless)
+            found, able = first_in_reach(*where, stop if over else found + 1, stop, False, *noted)
         return found
 
     def beyond(self, margin_m: float) -> bool:

@@ -455,7 +455,17 @@ class Screening(Protocol):
 
 
 class Judge(Protocol):
-    """Judges one ability towards one object. The stage may show anything before and after each call."""
+    """Judges one ability towards one object. The stage may show anything before and after each call.
+
+    Attributes:
+        brief: Whether only the level and how it is attained are asked for, not why it is not with less.
+    """
+
+    brief: bool
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether no candidate gives the ability, as far as is known by now."""
 
     def unknown(self, level: int) -> str | None:
         """Why nothing can be said at an effort level, for want of tracking; None if something can."""
