@@ -227,13 +227,10 @@ Answers = dict[tuple[str, Ability], Answer]
 
 def _bearings(stage: Stage, name: str) -> tuple[Array, ...]:
     """Where all of an agent is that its arms do not move, and where these begin."""
-    agent, state = stage.scene.agent(name), stage.state
-    own = np.concatenate([np.asarray(agent.parts.get(f"{side}_arm", ()), dtype=np.intp) for side in agent.sides] or [[]])
-    model = stage.scene.model
-    arms = {int(model.jnt_qposadr[joint]) for joint in np.flatnonzero(np.isin(model.jnt_bodyid, own)).tolist()}
-    others = [index for index in agent.joints.values() if index not in arms]
+    agent, qpos = stage.scene.agent(name), stage.state.qpos
+    others = np.setdiff1d(list(agent.joints.values()), agent.arm_positions).astype(np.intp)
     shoulders = [stage.shoulder(arm) for arm in agent.arms]
-    return (state.qpos[agent.base], state.qpos[others], *(part for each in shoulders for part in (each.position, each.matrix)))
+    return (qpos[agent.base], qpos[others], *(part for each in shoulders for part in (each.position, each.matrix)))
 
 
 @dataclass(frozen=True, eq=False)

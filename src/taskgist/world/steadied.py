@@ -10,7 +10,8 @@ keeps answers while nothing moves needs states in which what stands still is equ
 Each body that moves by itself (an agent, an object, a piece of furniture) is taken as a whole: joints that tremble a
 little each move a hand or a head by much more. Its positions are averaged while they stay near to their average, and
 the average begins anew where they leave it: that is motion. The body is held where it was until its average has moved
-by more than a tolerance, measured at all its shapes, frames and turns; then it is put to its average. So what stands
+by more than a tolerance, measured at all its shapes, frames and turns; then it is put to its average. Where moving some
+joints of the arms is enough for that, the rest of the body stays: who handles something stands still. So what stands
 still is as quiet as an average of several frames, and what moves is followed without lag beyond
 ``Following.motion`` tolerances.
 """
@@ -27,6 +28,10 @@ from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.settings import DEFAULT, Following
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
+
+
+JOINT_SHARE = 0.5
+"""Share of the tolerance by which a joint of an arm has moved that is moved alone (ours: above what is left of noise)."""
 
 
 class Steadied:
@@ -47,12 +52,10 @@ class Steadied:
         self._roots: Indices = np.asarray(model.body_rootid, dtype=np.intp)
         self._shape_roots = np.concatenate((self._roots, self._roots[model.geom_bodyid]))
         self._hinges, self._quaternions, self._position_roots = _positions(model, self._roots)
-        self._begin(first)
-
-    def _begin(self, state: State) -> None:
-        self.state = state
-        self._average, self._counts = np.array(state.qpos), np.ones(len(self._roots))
-        self._averaged = self._held = self._places(state)
+        self._in_arms = _positions_of_arms(stage)
+        self.state = first
+        self._average, self._counts = np.array(first.qpos), np.ones(len(self._roots))
+        self._averaged = self._held = self._places(first)
 
     def follow(self, state: State) -> State:
         """What the next state is taken for.
@@ -66,10 +69,25 @@ class Steadied:
         known = self._changed(state)
         self._take_in(state, known)
         moved = known | self._beyond(self._averaged, self._held, 1.0)
-        qpos = np.where(moved[self._position_roots], self._average, self.state.qpos)
-        self._held = self._held.replaced(self._averaged, moved[self._roots], moved[self._shape_roots])
+        if moved.any():
+            self._held, qpos = self._moved(moved, known)
+        else:
+            qpos = self.state.qpos
         self.state = State(qpos, state.time_s, state.untracked, state.holding)
         return self.state
+
+    def _moved(self, moved: Mask, known: Mask) -> tuple[Places, Array]:
+        """Where all is held when some bodies have moved, by the body at their root; some of them are taken as known."""
+        by = np.abs(self._average - self.state.qpos)
+        arms = moved[self._position_roots] & self._in_arms & (by > JOINT_SHARE * self._settings.turn_rad)
+        if arms.any():
+            qpos = np.where(arms, self._average, self.state.qpos)
+            held = self._places(self.state.replace(at=slice(None), to=qpos))
+            moved = known | self._beyond(self._averaged, held, 1.0)
+        else:
+            qpos, held = self.state.qpos, self._held
+        qpos = np.where(moved[self._position_roots], self._average, qpos)
+        return held.replaced(self._averaged, moved[self._roots], moved[self._shape_roots]), qpos
 
     def _take_in(self, state: State, anew: Mask) -> None:
         """Average the positions of each body, from here on where it moves."""
@@ -131,6 +149,14 @@ class Places(NamedTuple):
         return Places(
             np.where(points[:, None], by.points, self.points), np.where(bodies[:, None], by.wxyz, self.wxyz)
         )
+
+
+def _positions_of_arms(stage: Stage) -> Mask:
+    """Whether each of qpos is of an agent's arm, (nq,)."""
+    scene, found = stage.scene, np.zeros(stage.scene.nq, dtype=np.bool_)
+    for name in scene.agents:
+        found[scene.agent(name).arm_positions] = True
+    return found
 
 
 def _positions(model: mujoco.MjModel, roots: Indices) -> tuple[Indices, list[slice], Indices]:
