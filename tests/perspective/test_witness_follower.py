@@ -55,6 +55,53 @@ def test_following_finds_what_a_fresh_look_finds(seed: int) -> None:
         assert follower.asked_count <= len(fresh)
 
 
+def test_noise_is_followed_as_the_states_that_it_was_taken_for() -> None:
+    """With noise on everything, one agent and one object moving: as a fresh look at what the state was taken for."""
+    case = random_case(501, image_px=(48, 36), untracked=False)
+    follower, rng, scene = SceneEfforts(Stage(case.scene, case.state), SETTINGS), np.random.default_rng(1), case.scene
+    follower.all()
+    agent, asked = scene.agent(scene.agents[0]), list[int]()
+    for frame in range(1, 9):
+        qpos = trembling(case, rng)
+        if frame > 4:
+            qpos[agent.base][0] += 0.03 * (frame - 4)
+            qpos[scene.object_slice(scene.objects[0])][2] += 0.03 * (frame - 4)
+        follower.update(State(qpos, time_s=frame / 30))
+        assert follower.all() == SceneEfforts(Stage(scene, follower.state), SETTINGS).all()
+        asked.append(follower.asked_count)
+    assert asked[:4] == [0, 0, 0, 0]
+    assert min(asked[4:]) > 0
+
+
+def trembling(case: Case, rng: np.random.Generator) -> np.ndarray:
+    """The case's positions with a tracker's noise."""
+    qpos = np.array(case.state.qpos)
+    for name in case.scene.agents:
+        qpos[case.scene.joint_indices(name)] += rng.normal(0.0, math.radians(0.2), len(case.scene.joints(name)))
+    bases = [case.scene.base_slice(name) for name in case.scene.agents]
+    for at in (*bases, *map(case.scene.object_slice, case.scene.objects)):
+        qpos[at][:3] += rng.normal(0.0, 0.0005, 3)
+        qpos[at][3:] += rng.normal(0.0, math.radians(0.1), 4)
+        qpos[at][3:] /= np.linalg.norm(qpos[at][3:])
+    return qpos
+
+
+def test_within_a_time_what_changed_is_found_the_oldest_first() -> None:
+    case = random_case(502, image_px=(48, 36), untracked=False)
+    follower, agent = SceneEfforts(Stage(case.scene, case.state), COARSE), case.scene.agent(case.scene.agents[0])
+    first = follower.latest(0.0)
+    assert all(each.time_s == case.state.time_s for each in first.values())
+    base = np.array(case.state.qpos[agent.base]) + (0.03, 0, 0, 0, 0, 0, 0)
+    moved = State(case.state.replace(at=agent.base, to=base).qpos, time_s=1.0)
+    follower.update(moved)
+    late = follower.latest(0.0)
+    assert {late[question].time_s for question in late if question[0] == agent.name} == {case.state.time_s}
+    assert all(late[question].effort is first[question].effort for question in late if question[0] == agent.name)
+    in_time, fresh = follower.latest(60.0), SceneEfforts(Stage(case.scene, moved), COARSE).all()
+    assert {question: each.effort for question, each in in_time.items()} == fresh
+    assert {each.time_s for each in in_time.values()} == {1.0}
+
+
 def test_efforts_stay_what_they_are_whatever_comes_later() -> None:
     case = random_case(502, image_px=(48, 36))
     follower = SceneEfforts(Stage(case.scene, case.state), COARSE)

@@ -57,9 +57,7 @@ class Collisions:
         self.obstacles = _obstacles(stage, agent, held)
         self._tolerance_m, self._passing_m = settings.efforts.collision_m, settings.efforts.passing_m
         self._farthest_m = settings.efforts.move_radius_m + settings.efforts.move_step_m
-        self.usual_m = {
-            (geom, other): depth for geom, other, depth in stage.overlaps(agent.core_geoms, self.obstacles)
-        }
+        self.usual_m = {(geom, other): depth for geom, other, depth in stage.overlaps(agent.core_geoms, self.obstacles)}
 
     @cached_property
     def boxes(self) -> Array:

@@ -29,7 +29,6 @@ from taskgist.perspective.viewpoint import FindMiss, Hit, Screening, Viewpoint
 from taskgist.world.bodies.hands import Hand, Palms
 from taskgist.world.geometry.transforms import Pose
 
-
 SEAT_M = 0.1
 """How far around an object what it lies on is looked for, at most."""
 
@@ -69,11 +68,17 @@ class Grasp(ArmJudge):
         """What the arms can grasp from some candidates."""
         if self.here.agent.profile.hand is not None:
             surface = ReachScreening(self, candidates, self.surface)
-            if surface.beyond(self._hand.opening_m / 2 + self.here.settings.reach.cell_m):
+            if surface.beyond(self.farther_m):
                 return surface  # no grasp is farther from the surface than this: spares sampling them
         if self._impossible is not None:
             return Impossible(self._impossible)
         return GraspScreening(self, candidates)
+
+    @property
+    def farther_m(self) -> float:
+        """How much farther than the object's surface a grasp may be."""
+        hand = self.here.agent.profile.hand
+        return 0.0 if hand is None else hand.opening_m / 2 + self.here.settings.reach.cell_m
 
     @cached_property
     def _impossible(self) -> Miss | None:

@@ -7,7 +7,6 @@ is then unknown, unless the object is farther away than the whole arm.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -30,7 +29,7 @@ from taskgist.perspective.arms import (
 )
 from taskgist.perspective.candidates import Candidates, Table, carry
 from taskgist.perspective.effort import BlockedArm, Held, Miss, OutOfReach, Quantity, Reached, Reason, stretch
-from taskgist.perspective.target import Target, vector
+from taskgist.perspective.target import Target, ball_around, vector
 from taskgist.perspective.viewpoint import FindMiss, Hit, Screening, Viewpoint
 from taskgist.settings import DEFAULT, ReachModel
 from taskgist.world.bodies.agent import ArmIndices
@@ -205,22 +204,6 @@ def _grasps_within(pose: Array, arms: Arms, centers: Array, approaches: Array, f
     return found[:count], distances[:count]
 
 
-@compiled
-def ball_around(points: Array) -> tuple[Array, float]:
-    """Middle of the box around some points, and how far the farthest is from it."""
-    low, high, squared = np.full(3, np.inf), np.full(3, -np.inf), 0.0
-    if not len(points):
-        return np.zeros(3), 0.0
-    for k in range(len(points)):
-        for axis in range(3):
-            low[axis], high[axis] = min(low[axis], points[k, axis]), max(high[axis], points[k, axis])
-    middle = (low + high) / 2
-    for k in range(len(points)):
-        x, y, z = points[k, 0] - middle[0], points[k, 1] - middle[1], points[k, 2] - middle[2]
-        squared = max(squared, x * x + y * y + z * z)
-    return middle, math.sqrt(squared)
-
-
 def out_of_reach(side: str, length_m: float, shoulder: Array, points: Array, model: ReachModel) -> Miss:
     """Why an arm of some length reaches none of some points, (k, 3), from a shoulder, (3,)."""
     gap_m = float(np.linalg.norm(points - shoulder, axis=1).min())
@@ -272,6 +255,8 @@ WHOLE_ARM = 1.25
 """A hand holds nothing farther from its shoulder than this times the arm's length (ours; a human's is 1.1)."""
 PARTS: tuple[tuple[str, ...], ...] = ((), ("torso",), ("torso",), ("torso", "legs"), ("torso", "legs"))
 """Parts that must be tracked to judge each level."""
+MOST_STAYING = 3
+"""The greatest effort level at which an agent stays where it is; it takes other postures there."""
 NO_ARM = Miss(Reason.NO_ARM, "no arm may be stretched out")
 NO_SURFACE = Miss(Reason.NO_SURFACE, "has no surface")
 NOT_HELD = Miss(Reason.NOT_HELD, "not held")
@@ -371,6 +356,20 @@ class ArmJudge:
     def arm(self, index: int) -> ArmIndices:
         """An arm of the agent by its index."""
         return self._here.agent.arms[index]
+
+    def passes_over(self, level: int) -> bool:
+        """Whether the object is out of reach from all candidates of a level that stay where the agent is."""
+        if not 1 <= level <= MOST_STAYING or not len(self.reaches.sectors):
+            return False
+        middle, radius_m = self._here.candidates.shoulders_ball(level)
+        self._here.recorder.postures |= level == MOST_STAYING
+        far_m = radius_m + self.surface.radius_m + float(self.reaches.sectors[:, 0].max()) + self.farther_m
+        return float(np.linalg.norm(self.surface.middle - middle)) > far_m + INSIDE_M
+
+    @property
+    def farther_m(self) -> float:
+        """How much farther than the object's surface a hand may be."""
+        return 0.0
 
     def unknown(self, level: int) -> str | None:
         """The shoulders are where the torso is; legs matter from their level on; hands for holding only."""

@@ -13,10 +13,15 @@ region of an answer holds all that was looked through, felt for or walked over t
     for state in tracker:
         efforts.update(state)
         efforts.effort("P2", "cup", "see").level
+
+Whoever walks looks out from elsewhere in each frame, so that all about him is asked anew. Where that takes too long,
+``latest`` keeps to a time, and tells of each effort which state it is of.
 """
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -55,6 +60,18 @@ class Answer(NamedTuple):
     floor_m: float
 
 
+class Dated(NamedTuple):
+    """An effort, and when it was found or last known to hold.
+
+    Attributes:
+        effort: The effort.
+        time_s: Time of the state that it is of, seconds.
+    """
+
+    effort: Effort
+    time_s: float
+
+
 class SceneEfforts:
     """Every agent's efforts in one state, or in one state after another.
 
@@ -74,6 +91,7 @@ class SceneEfforts:
         self._viewpoints: dict[Who, Viewpoint] = {}
         self._targets: dict[str, Target] = {}
         self._answers: dict[Who, dict[tuple[str, Ability], Answer]] = {}
+        self._latest: dict[Question, Dated] = {}
 
     def viewpoint(self, agent: str, actions: Iterable[str] | None = None) -> Viewpoint:
         """An agent's viewpoint, with all the virtual actions that it has, or only some.
@@ -111,6 +129,27 @@ class SceneEfforts:
         scene, chosen = self.stage.scene, tuple(abilities)
         questions = ((agent, name, ability) for agent in scene.agents for name in scene.objects for ability in chosen)
         return {question: self.effort(*question) for question in questions}
+
+    def latest(self, budget_s: float, abilities: Iterable[Ability] = ABILITIES) -> dict[Question, Dated]:
+        """As ``all``, as far as a time allows: what may have changed is found anew, the oldest first, until it is up.
+
+        Args:
+            budget_s: When no further effort is begun, seconds from now. What was never asked before is asked all the
+                same.
+            abilities: Of those efforts.
+
+        Returns:
+            Each effort with the time of the state that it is of: that of ``state`` where it holds now.
+        """
+        end_s, scene, chosen = time.perf_counter() + budget_s, self.stage.scene, tuple(abilities)
+        questions = [(agent, name, ability) for agent in scene.agents for name in scene.objects for ability in chosen]
+        ages = {question: self._latest[question].time_s for question in questions if question in self._latest}
+        for question in sorted(questions, key=lambda question: ages.get(question, -math.inf)):
+            agent, name, ability = question
+            known = (name, ability) in self._answers.get((agent, None), {})
+            if known or question not in ages or time.perf_counter() < end_s:
+                self._latest[question] = Dated(self.effort(*question), self.state.time_s)
+        return {question: self._latest[question] for question in questions}
 
     def able(self, agent: str, name: str, ability: Ability, *, max_level: int) -> bool | None:
         """Whether an agent is able to with no more than an effort level, 0 to 5; None if that is unknown.

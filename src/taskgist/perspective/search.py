@@ -98,7 +98,7 @@ def least(here: Viewpoint, judge: Judge, level: int, target: Array) -> Solution 
         return Solution(here.candidates.current, result) if isinstance(result, Hit) else result
     misses: list[FindMiss] = []
     screenings: list[Screening] = []
-    if judge.brief and judge.hopeless:
+    if judge.brief and (judge.hopeless or judge.passes_over(level)):
         return lambda: UNTOLD
     for candidates in here.candidates.of_level(level, target):
         if judge.brief and judge.hopeless:

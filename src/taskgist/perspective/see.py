@@ -257,6 +257,10 @@ class See:
         self.lens = lens_of(here.agent.profile.eye)
         self.brief = self.hopeless = False
 
+    def passes_over(self, level: int) -> bool:  # noqa: ARG002 - as all judges
+        """False: things are seen from afar."""
+        return False
+
     def unknown(self, level: int) -> str | None:
         """The eye is where the head is; torso and legs matter from their levels on."""
         return self._here.untracked(PARTS[level])

@@ -122,6 +122,22 @@ class Target:
         return np.flatnonzero(counted)
 
 
+@compiled
+def ball_around(points: Array) -> tuple[Array, float]:
+    """Middle of the box around some points, and how far the farthest is from it."""
+    low, high, squared = np.full(3, np.inf), np.full(3, -np.inf), 0.0
+    if not len(points):
+        return np.zeros(3), 0.0
+    for k in range(len(points)):
+        for axis in range(3):
+            low[axis], high[axis] = min(low[axis], points[k, axis]), max(high[axis], points[k, axis])
+    middle = (low + high) / 2
+    for k in range(len(points)):
+        x, y, z = points[k, 0] - middle[0], points[k, 1] - middle[1], points[k, 2] - middle[2]
+        squared = max(squared, x * x + y * y + z * z)
+    return middle, math.sqrt(squared)
+
+
 # --- Regions: boxes along the world's axes, in which something was looked at or felt for.
 
 BODIES = 12

@@ -41,11 +41,11 @@ from taskgist.perspective.candidates import (
     checked_actions,
     torso_poses,
 )
-from taskgist.perspective.constraints import Collisions, Floor, held_by
+from taskgist.perspective.constraints import Collisions, Floor, Place, held_by
 from taskgist.perspective.effort import MOVE, SIT, STAND, TURN, Amount, Attained, Miss, Reason, Visibility
 from taskgist.perspective.image import Sight, look, measured
 from taskgist.perspective.postures import bends, leaving_seat, seat_height_m
-from taskgist.perspective.target import Recorder, Region, Target, touched
+from taskgist.perspective.target import Recorder, Region, Target, ball_around, touched
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.bodies.profile import Posture
@@ -122,7 +122,8 @@ class Viewpoint:
     @cached_property
     def own(self) -> Indices:
         """Indices into qpos of where the agent is, and of its joints, (n,)."""
-        return np.r_[self.agent.base, np.array(list(self.agent.joints.values()), dtype=np.intp)]
+        joints = np.array(list(self.agent.joints.values()), dtype=np.intp)
+        return np.concatenate((np.arange(self.agent.base.start, self.agent.base.stop), joints))
 
     @cached_property
     def is_own(self) -> Mask:
@@ -210,6 +211,7 @@ class CandidateSource:
     def __init__(self, here: Viewpoint) -> None:
         self._here = here
         self._frames: dict[Candidate, Frames] = {}
+        self._balls: dict[int, tuple[Array, float]] = {}
         self.felt = Region()
         self.floor: Floor | None = None
 
@@ -224,35 +226,40 @@ class CandidateSource:
             Whether the agent can take the same postures as then; otherwise nothing is taken over.
         """
         known, here = before.__dict__, self._here
-        if touched(before.felt.bounds[None], moved)[0]:
-            for name in ("other_posture", "upright"):
-                if name in known and not _same(known[name], getattr(self, name), here.own):
-                    return False
-            if "upright" in known and self.upright is None:
-                return False  # what keeps it from standing is told
-        else:
+        if not touched(before.felt.bounds[None], moved)[0]:
             self.felt = before.felt
-        as_now: dict[int, Candidate] = {id(known.get("current")): self.current}
-
-        def now(each: Candidate) -> Candidate:
-            if id(each) not in as_now:
-                qpos = np.array(here.state.qpos)
-                qpos[here.own] = each.state.qpos[here.own]
-                as_now[id(each)] = replace(each, state=here.state.replace(at=slice(None), to=qpos))
-            return as_now[id(each)]
-
+        elif not self._stands_as(known):
+            return False
         if before.floor is not None:
             self.floor = before.floor
             self.floor.note = here.recorder.add_ways
+        starts = [*known.get("other_postures", ()), *known.get("_bent", ()), *before._frames]
+        starts += [known[name] for name in ("other_posture", "upright") if known.get(name) is not None]
+        as_now = {id(each): self._now(each) for each in starts}
+        as_now[id(known.get("current"))] = self.current
         for name in ("other_posture", "upright"):
             if name in known:
-                self.__dict__[name] = None if known[name] is None else now(known[name])
-        if "_bent" in known:
-            self.__dict__["_bent"] = [now(each) for each in known["_bent"]]
-        if "other_postures" in known:
-            self.__dict__["other_postures"] = tuple(now(each) for each in known["other_postures"])
-        self._frames = {now(start): frames for start, frames in before._frames.items()}
+                self.__dict__[name] = as_now.get(id(known[name])) if known[name] is not None else None
+        for name, kind in (("other_postures", tuple), ("_bent", list)):
+            if name in known:
+                self.__dict__[name] = kind(as_now[id(each)] for each in known[name])
+        self._frames = {as_now[id(start)]: frames for start, frames in before._frames.items()}
         return True
+
+    def _stands_as(self, known: Mapping[str, Candidate | None]) -> bool:
+        """Whether the agent stands up and sits down as in an earlier state, as far as that is known."""
+        own = self._here.own
+        for name in ("other_posture", "upright"):
+            if name in known and not _same(known[name], getattr(self, name), own):
+                return False
+        return "upright" not in known or self.upright is not None  # what keeps it from standing is told
+
+    def _now(self, each: Candidate) -> Candidate:
+        """A candidate of an earlier state in the present one, in which others are elsewhere."""
+        here = self._here
+        qpos = np.array(here.state.qpos)
+        qpos[here.own] = each.state.qpos[here.own]
+        return replace(each, state=here.state.replace(at=slice(None), to=qpos))
 
     def of_level(self, level: int, target: Array) -> Iterator[Candidates]:
         """Candidates of an effort level, by increasing amount, in batches.
@@ -272,6 +279,14 @@ class CandidateSource:
             self._here.recorder.postures = True
             if self.walk is not None:
                 yield from self.walk.candidates(target)
+
+    def shoulders_ball(self, level: int) -> tuple[Array, float]:
+        """A ball that holds the shoulders in all candidates of a level from 1 to 3: middle, (3,), and radius."""
+        if level not in self._balls:
+            batches = ([self._current], [self._with_torso], self._in_other_postures)[level - 1]
+            frames = [each.torso.rows[:, each.torso.frames.first_shoulder :, :3].reshape(-1, 3) for each in batches]
+            self._balls[level] = ball_around(np.concatenate([*frames, np.empty((0, 3))]))
+        return self._balls[level]
 
     def why_none(self, level: int) -> Miss:
         """Why an effort level has no candidates."""
@@ -362,6 +377,11 @@ class CandidateSource:
         if self.__dict__.get("walk") is None or self.walk is None or not self.walk.floor.goes_on:
             return None
         return f"going farther than {self._here.settings.efforts.move_radius_m:g} m"
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """All places that the agent can get to; none if it cannot walk."""
+        return () if self.walk is None else tuple(place for batch in self.walk.floor.batches() for place in batch)
 
     def floor_goes_on(self, moved: Array) -> float:
         """Find out how the floor changed that was taken over when something moved within boxes, (k, 2, 3).
@@ -466,6 +486,9 @@ class Judge(Protocol):
     @property
     def hopeless(self) -> bool:
         """Whether no candidate gives the ability, as far as is known by now."""
+
+    def passes_over(self, level: int) -> bool:
+        """Whether the ability surely holds from no candidate of a level; false where that is not clear at once."""
 
     def unknown(self, level: int) -> str | None:
         """Why nothing can be said at an effort level, for want of tracking; None if something can."""

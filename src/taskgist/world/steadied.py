@@ -1,7 +1,7 @@
 """What a tracker reports, without its noise: bodies that stand still stay exactly where they are.
 
-A tracker's poses tremble, by half a millimetre and some tenths of a degree, also where nothing moves. Who follows it and
-keeps answers while nothing moves needs states in which what stands still is equal, number by number::
+A tracker's poses tremble, by half a millimetre and some tenths of a degree, also where nothing moves. Who follows it
+and keeps answers while nothing moves needs states in which what stands still is equal, number by number::
 
     steadied = Steadied(stage, first)
     for state in tracker:
@@ -29,9 +29,8 @@ from taskgist.settings import DEFAULT, Following
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
-
 JOINT_SHARE = 0.5
-"""Share of the tolerance by which a joint of an arm has moved that is moved alone (ours: above what is left of noise)."""
+"""Share of the tolerance by which a joint of an arm has moved that is moved alone (ours: more than averaged noise)."""
 
 
 class Steadied:
@@ -52,9 +51,9 @@ class Steadied:
         self._roots: Indices = np.asarray(model.body_rootid, dtype=np.intp)
         self._shape_roots = np.concatenate((self._roots, self._roots[model.geom_bodyid]))
         self._hinges, self._quaternions, self._position_roots = _positions(model, self._roots)
-        self._in_arms = _positions_of_arms(stage)
+        self._in_arms, self._arms = _arms(stage, self._roots)
         self.state = first
-        self._average, self._counts = np.array(first.qpos), np.ones(len(self._roots))
+        self._average, self._counts = np.array(first.qpos), np.ones(model.nq)
         self._averaged = self._held = self._places(first)
 
     def follow(self, state: State) -> State:
@@ -96,12 +95,19 @@ class Steadied:
         for at in self._quaternions:
             if state.qpos[at] @ self._average[at] < 0:
                 off[at] = -state.qpos[at] - self._average[at]
-        begins = anew | self._beyond(self._places(state), self._averaged, self._settings.motion)
-        self._counts = np.where(begins, 1.0, np.minimum(self._counts + 1, self._settings.frames))
-        average = self._average + off / self._counts[self._position_roots]
+        apart, turned = self._off(self._places(state), self._averaged, self._settings.motion)
+        begins = anew | self._by_root(apart & ~self._arms, turned & ~self._arms[: len(turned)])
+        handling = self._by_root(apart, turned) & ~begins  # of these some joints of the arms begin, the others tremble
+        joints = handling[self._position_roots] & self._in_arms & (np.abs(off) > self._settings.turn_rad)
+        some = np.zeros(len(self._roots), dtype=np.bool_)
+        some[self._position_roots[joints]] = True
+        begins |= handling & ~some
+        afresh = begins[self._position_roots] | joints
+        self._counts = np.where(afresh, 1.0, np.minimum(self._counts + 1, self._settings.frames))
+        average = self._average + off / self._counts
         for at in self._quaternions:
             average[at] /= np.linalg.norm(average[at])
-        self._average = np.where(begins[self._position_roots], state.qpos, average)
+        self._average = np.where(afresh, state.qpos, average)
         self._averaged = self._places(state.replace(at=slice(None), to=self._average))
 
     def _changed(self, state: State) -> Mask:
@@ -124,12 +130,19 @@ class Steadied:
 
     def _beyond(self, one: Places, other: Places, times: float) -> Mask:
         """Whether anything of each body is farther from where it was than so many tolerances, by root, (bodies,)."""
+        return self._by_root(*self._off(one, other, times))
+
+    def _off(self, one: Places, other: Places, times: float) -> tuple[Mask, Mask]:
+        """Which points, and which bodies' turns, are farther from where they were than so many tolerances."""
         far_m, cosine = times * self._settings.place_m, math.cos(min(times * self._settings.turn_rad, math.pi) / 2)
         apart = ((one.points - other.points) ** 2).sum(axis=1) > far_m * far_m
-        turned = np.abs((one.wxyz * other.wxyz).sum(axis=1)) < cosine
+        return apart, np.abs((one.wxyz * other.wxyz).sum(axis=1)) < cosine
+
+    def _by_root(self, points: Mask, bodies: Mask) -> Mask:
+        """Of which bodies these are, by the body at their root, (bodies,)."""
         found = np.zeros(len(self._roots), dtype=np.bool_)
-        found[self._shape_roots[apart]] = True
-        found[self._roots[turned]] = True
+        found[self._shape_roots[points]] = True
+        found[self._roots[bodies]] = True
         return found
 
 
@@ -146,17 +159,19 @@ class Places(NamedTuple):
 
     def replaced(self, by: Places, bodies: Mask, points: Mask) -> Places:
         """Some of them where others are."""
-        return Places(
-            np.where(points[:, None], by.points, self.points), np.where(bodies[:, None], by.wxyz, self.wxyz)
-        )
+        return Places(np.where(points[:, None], by.points, self.points), np.where(bodies[:, None], by.wxyz, self.wxyz))
 
 
-def _positions_of_arms(stage: Stage) -> Mask:
-    """Whether each of qpos is of an agent's arm, (nq,)."""
-    scene, found = stage.scene, np.zeros(stage.scene.nq, dtype=np.bool_)
+def _arms(stage: Stage, roots: Indices) -> tuple[Mask, Mask]:
+    """Which of qpos are of agents' arms, (nq,); and which frames of bodies and shapes are, (bodies + shapes,)."""
+    scene, model = stage.scene, stage.scene.model
+    positions, bodies = np.zeros(model.nq, dtype=np.bool_), np.zeros(len(roots), dtype=np.bool_)
     for name in scene.agents:
-        found[scene.agent(name).arm_positions] = True
-    return found
+        agent = scene.agent(name)
+        positions[agent.arm_positions] = True
+        for side in agent.sides:
+            bodies[agent.parts.get(f"{side}_arm", np.empty(0, dtype=np.intp))] = True
+    return positions, np.concatenate((bodies, bodies[model.geom_bodyid]))
 
 
 def _positions(model: mujoco.MjModel, roots: Indices) -> tuple[Indices, list[slice], Indices]:
