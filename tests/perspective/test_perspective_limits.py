@@ -157,7 +157,7 @@ def test_of_equal_amounts_the_best_is_taken() -> None:
 
         def unknown(self, level: int) -> str | None: ...
 
-        def passes_over(self, level: int) -> bool:
+        def passes_over(self, level: int) -> bool:  # noqa: ARG002
             return False
 
         def without_effort(self) -> FindMiss:
