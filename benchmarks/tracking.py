@@ -38,7 +38,7 @@ class Size(NamedTuple):
     frames: int
 
 
-SIZES = (Size(3, 20, 30.0, 90), Size(4, 50, 15.0, 45))
+SIZES = (Size(3, 20, 30.0, 60), Size(4, 50, 15.0, 10))
 
 
 def figures() -> Iterator[Figure]:
