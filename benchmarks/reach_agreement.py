@@ -125,7 +125,7 @@ def _scene(body: str) -> Scene:
 
 
 def _torso(agent: Agent) -> dict[str, tuple[float, float]]:
-    axes = (agent.profile.turn, agent.profile.lean)
+    axes = (agent.profile.turn, agent.profile.lean, agent.arms[0].profile.thrust)
     return {axis.joint: axis.range_rad for axis in axes if axis}
 
 

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from benchmarks.ik import ArmIK
 from benchmarks.rooms import furnished
 from taskgist.perspective import Viewpoint, effort_from
+from taskgist.perspective.candidates import thrust_of
 from taskgist.settings import DEFAULT
 from taskgist.world import ArmIndices, Stage, State
 
@@ -56,7 +57,7 @@ class Witness:
         if self._name in self._here.held:
             return 0
         for level in range(1, 5):
-            if any(self._reached(state) for state in self._of(level)):
+            if any(self._reached(state, level) for state in self._of(level)):
                 return level
         return 5
 
@@ -73,21 +74,28 @@ class Witness:
             if level <= 1 or here.collisions.blocking(state) is None:
                 yield state
 
-    def _reached(self, state: State) -> bool:
-        here = self._here
-        scene, agent = here.stage.scene, here.agent
-        for arm in agent.arms:
-            shoulder = here.stage.show(state).shoulder(arm).position
-            away = np.linalg.norm(self._points - shoulder, axis=1)
-            order = np.argsort(away)
-            order = order[away[order] <= FAR_M]
-            if not len(order):
-                continue
-            ik = ArmIK(scene, state, agent, arm, starts=self._starts)
-            for point in self._points[order[np.unique(np.linspace(0, len(order) - 1, POINTS).astype(int))]]:
-                free = partial(self._free, state, arm, point)
-                if ik.gap_m(point, enough_m=NEAR_M) <= NEAR_M and ik.brings(point, enough_m=TOUCH_M, free=free):
-                    return True
+    def _reached(self, state: State, level: int) -> bool:
+        arms = self._here.agent.arms
+        return any(self._brought(state, arm) for arm in arms) or (
+            level > 1 and any(self._brought(state, arm, thrust=True) for arm in arms if arm.profile.thrust)
+        )
+
+    def _brought(self, state: State, arm: ArmIndices, *, thrust: bool = False) -> bool:
+        """Whether an arm gets to the thing, its shoulder at rest or thrust forward."""
+        here, scene, agent = self._here, self._here.stage.scene, self._here.agent
+        if thrust:
+            state = state.replace(thrust_of(agent, arm, state))
+        shoulder = here.stage.show(state).shoulder(arm).position
+        away = np.linalg.norm(self._points - shoulder, axis=1)
+        order = np.argsort(away)
+        order = order[away[order] <= FAR_M]
+        if not len(order):
+            return False
+        ik = ArmIK(scene, state, agent, arm, starts=self._starts)
+        for point in self._points[order[np.unique(np.linspace(0, len(order) - 1, POINTS).astype(int))]]:
+            free = partial(self._free, state, arm, point)
+            if ik.gap_m(point, enough_m=NEAR_M) <= NEAR_M and ik.brings(point, enough_m=TOUCH_M, free=free):
+                return True
         return False
 
     def _free(self, state: State, arm: ArmIndices, point: Array, qpos: Array) -> bool:
@@ -116,7 +124,7 @@ def main() -> None:
     for seed in range(chosen.rooms):
         stage, rng = Stage(furnished(PEOPLE, THINGS, seed=seed)), np.random.default_rng(seed)
         for _ in range(chosen.pairs):
-            here = Viewpoint(stage, str(rng.choice(stage.scene.agents)), DEFAULT)
+            here = Viewpoint(stage.show(stage.scene.initial), str(rng.choice(stage.scene.agents)), DEFAULT)
             name = str(rng.choice(stage.scene.objects))
             ours = effort_from(here, name, "reach").level
             theirs = Witness(here, name, stances=chosen.stances, starts=chosen.starts).level()

@@ -123,8 +123,8 @@ class Efforts:
     """A seat that is no larger than this either way slides (ours: chairs and stools; sofas and benches are longer)."""
     leaving_seat_m: float = 1.2
     """Farthest that a seat is pushed back, or that somebody moves along it, to stand up (ours: two seats)."""
-    leaving_step_m: float = 0.1
-    """Step of that (ours)."""
+    leaving_step_m: float = 0.05
+    """Step of that (ours: who is hemmed in uses what room there is)."""
     state_bin_rad: float = math.radians(15.0)
     """Bin of the joint angles that make the symbol of an attained state S (ours)."""
 
@@ -168,6 +168,9 @@ class Timing:
     """Speed above which a static object starts to move."""
     static_m_s: float = 0.05
     """Speed below which a moving object comes to rest."""
+    turning_moves: bool = True
+    """Whether turning in place is motion: then the speed is that of the thing's fastest point, not of its middle (ours:
+    Eq. 22 speaks of position)."""
 
 
 @dataclass(frozen=True)

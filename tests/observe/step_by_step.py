@@ -15,12 +15,12 @@ from taskgist.facts import vocabulary as v
 from taskgist.observe import HandStatus, Interval, Placement, velocity
 from taskgist.settings import DEFAULT, Contact, Settings, Timing
 from taskgist.world import Hold, Holding, Scene, Stage, State, hand_known, holding_of, posture_of, rests_on
-from taskgist.world.contacts import possible_holds
+from taskgist.world.contacts import POINT_SPACING_M, hook_of, object_points, possible_holds, wearer_of
 from taskgist.world.geometry.transforms import Pose
 
 H = TypeVar("H", bound=Hashable)
 T = TypeVar("T")
-ROUNDING_S = 1e-9
+ROUNDING_S = 1e-6
 
 
 class Confirmation(Generic[H]):
@@ -65,6 +65,34 @@ class Confirmation(Generic[H]):
         latest = bisect.bisect_right(self._changes_s, time_s + ROUNDING_S)
         back = (self._changes[change] for change in range(latest - 1, -1, -1))
         return next(raw for raw in back if self._same(raw, self._values[index]))
+
+
+class InTwoSteps(Generic[H]):
+    """Confirms what kind a value is of, and apart from that the value; where the two agree the value counts."""
+
+    def __init__(self, minimum_s: float, kind: Callable[[H], Hashable]) -> None:
+        self._kind, self._rough, self._whole = kind, Confirmation[H](minimum_s, kind), Confirmation[H](minimum_s)
+
+    def update(self, time_s: float, value: H) -> None:
+        self._rough.update(time_s, value)
+        self._whole.update(time_s, value)
+
+    def at(self, time_s: float) -> H | None:
+        rough, whole = self._rough.at(time_s), self._whole.at(time_s)
+        agree = rough is not None and whole is not None and self._kind(rough) == self._kind(whole)
+        return whole if agree else rough
+
+    @property
+    def intervals(self) -> tuple[Interval[H], ...]:
+        both = [*self._rough.intervals, *self._whole.intervals]
+        changes: list[tuple[float, H]] = []
+        for start_s in sorted({interval.start_s for interval in both}):
+            value = self.at(start_s)
+            if value is not None and value not in [known for _, known in changes[-1:]]:
+                changes.append((start_s, value))
+        starts = [start_s for start_s, _ in changes]
+        ends = [*starts[1:], max((interval.end_s for interval in both), default=0.0)][: len(starts)]
+        return tuple(Interval(value, start_s, end) for (start_s, value), end in zip(changes, ends, strict=True))
 
 
 @dataclass(frozen=True)
@@ -114,21 +142,24 @@ class SlidingWindow(Generic[T]):
 
 
 class MotionWatch:
-    """Follows one object's place; a frame in which it was not tracked is unknown, and all starts anew behind it."""
+    """Follows one object's points; a frame in which it was not tracked is unknown, and all starts anew behind it."""
 
     def __init__(self, settings: Timing) -> None:
         self._settings = settings
         self._window: SlidingWindow[Array] = SlidingWindow(settings.motion_window_s)
         self._moving = False
 
-    def update(self, time_s: float, place: Array | None) -> Iterator[tuple[float, str | None]]:
-        """Gives (time in seconds, ``Moving`` | ``Static`` | None) of the frames that can be answered now."""
-        if place is None:
+    def update(self, time_s: float, points: Array | None) -> Iterator[tuple[float, str | None]]:
+        """Gives (time in seconds, ``Moving`` | ``Static`` | None) of the frames that can be answered now.
+
+        Points are in the world, (n, 3).
+        """
+        if points is None:
             yield from self.finish()
             self._moving = False
             yield time_s, None
         else:
-            yield from map(self._answer, self._window.push(time_s, place))
+            yield from map(self._answer, self._window.push(time_s, points))
 
     def finish(self) -> Iterator[tuple[float, str | None]]:
         yield from map(self._answer, self._window.finish())
@@ -138,7 +169,7 @@ class MotionWatch:
         if fitted is None:
             return around.time_s, None
         limit_m_s = self._settings.static_m_s if self._moving else self._settings.moving_m_s
-        self._moving = float(np.linalg.norm(fitted)) > limit_m_s
+        self._moving = max(float(np.linalg.norm(each)) for each in fitted) > limit_m_s
         return around.time_s, v.MOVING if self._moving else v.STATIC
 
 
@@ -203,14 +234,17 @@ class Watching:
         minimum_s = settings.timing.minimum_s
         self._holding = HoldingWatch(settings.contact)
         self._watches = {name: MotionWatch(settings.timing) for name in scene.objects}
+        at_first = self._stage.show(scene.initial)
+        self._points = {
+            name: at_first.body(scene.object_body(name)).to_local(object_points(at_first, name, POINT_SPACING_M))
+            for name in scene.objects
+        }
         self._motions = {name: Confirmation[str | None](minimum_s) for name in scene.objects}
         self._placements = {
-            name: Confirmation[Placement](minimum_s, key=lambda placement: placement.symbol) for name in scene.objects
+            name: InTwoSteps[Placement](minimum_s, lambda placement: placement.symbol) for name in scene.objects
         }
         self._hands = {
-            (agent, side): Confirmation[HandStatus](
-                minimum_s, key=lambda status: (status.symbol, status.symbol == v.HOLDING_OBJECT and status.thing)
-            )
+            (agent, side): InTwoSteps[HandStatus](minimum_s, held)
             for agent in scene.agents
             for side in scene.agent(agent).sides
         }
@@ -234,24 +268,24 @@ class Watching:
         stage, contact, time_s = self._stage.show(state), self._settings.contact, state.time_s
         held = {name: holding_of(stage, name, contact) for name in self.scene.objects}
         for name, holding in held.items():
-            self._placements[name].update(time_s, placement_by(holding))
+            self._placements[name].update(time_s, placement_by(stage, name, holding, contact))
         for who, side in self._hands:
             self._hands[who, side].update(time_s, hand_status(stage, who, side, held, contact))
         for who, confirmation in self._postures.items():
             posture = posture_of(stage, self.scene.agent(who), contact)
             confirmation.update(time_s, {"standing": v.STANDING, "sitting": v.SITTING}[posture] if posture else None)
         for name, watch in self._watches.items():
-            place = np.array(state.qpos[self.scene.object_slice(name)][:3]) if state.known([name]) else None
-            for at_s, motion in watch.update(time_s, place):
+            points = stage.show(state).body(self.scene.object_body(name)).to_world(self._points[name])
+            for at_s, motion in watch.update(time_s, points if state.known([name]) else None):
                 self._motions[name].update(at_s, motion)
 
-    def placement(self, name: str) -> Confirmation[Placement]:
+    def placement(self, name: str) -> InTwoSteps[Placement]:
         return self._placements[name]
 
     def motion(self, name: str) -> Confirmation[str | None]:
         return self._motions[name]
 
-    def hand(self, agent: str, side: str) -> Confirmation[HandStatus]:
+    def hand(self, agent: str, side: str) -> InTwoSteps[HandStatus]:
         return self._hands[agent, side]
 
     def posture(self, agent: str) -> Confirmation[str | None]:
@@ -269,8 +303,14 @@ class Watching:
         return state.with_holding(self.holds(state.time_s))
 
 
-def placement_by(holding: Holding | None) -> Placement:
-    """Inside_Container before On_Support before In_Hand before In_Air (5.3.1)."""
+def held(status: HandStatus) -> tuple[str | None, bool, str | None]:
+    """Unknown, or what it holds, or that it holds nothing."""
+    holds = status.symbol == "Holding_Object"
+    return status.symbol and "known", holds, status.thing if holds else None
+
+
+def placement_by(stage: Stage, name: str, holding: Holding | None, settings: Contact) -> Placement:
+    """Inside_Container before On_Support before In_Hand (5.3.1), before On_Agent before Hanging before In_Air."""
     if holding is None:
         return Placement(None)
     if holding.container:
@@ -279,7 +319,13 @@ def placement_by(holding: Holding | None) -> Placement:
         return Placement("On_Support", (holding.support,))
     if holding.hands:
         return Placement("In_Hand", tuple(f"{who}'s {side} hand" for who, side in holding.hands))
-    return Placement("In_Air") if holding.complete else Placement(None)
+    wearer, sure = wearer_of(stage, name, settings)
+    hook = hook_of(stage, name, settings)
+    if not holding.complete or not sure:
+        return Placement(None)
+    if wearer:
+        return Placement("On_Agent", (wearer,))
+    return Placement("Hanging", (hook,)) if hook else Placement("In_Air")
 
 
 def hand_status(stage: Stage, who: str, side: str, held: dict[str, Holding | None], settings: Contact) -> HandStatus:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from taskgist.errors import RecordingError
-from taskgist.observe import Confirmed, FrameSequence, Observer
+from taskgist.observe import Confirmed, FrameSequence, Observer, Refined
 from taskgist.world import State
 from tests.observe.states import States, sequence
 from tests.scenes import agent, cylinder, scene
@@ -97,6 +97,38 @@ def test_only_the_key_must_last() -> None:
     times_s = [frame * STEP_S for frame in range(len(values))]
     found = Confirmed(sequence(times_s), values.__getitem__, 0.2, key=lambda value: value[0])
     assert [i.value for i in found.intervals] == [("A", 1), ("B", 1)]
+
+
+def refined(values: Sequence[tuple[str, int]]) -> Refined[tuple[str, int]]:
+    times_s = [frame * STEP_S for frame in range(len(values))]
+    return Refined(sequence(times_s), values.__getitem__, 0.2, kind=lambda value: value[0])
+
+
+def test_particulars_are_told_once_they_last() -> None:
+    """From hand to hand: held all the time, by one, by both for an instant, by the other."""
+    found = refined([("held", 1)] * 4 + [("held", 12)] * 2 + [("held", 2)] * 4)
+    assert [(i.value, round(i.start_s / STEP_S)) for i in found.intervals] == [(("held", 1), 0), (("held", 2), 6)]
+    assert found.at(0.45) == ("held", 1)
+
+
+def test_a_kind_counts_though_its_particulars_never_last() -> None:
+    found = refined([("held", 1)] * 4 + [("free", 1), ("free", 2)] * 3)
+    assert found.at(0.4) == ("free", 1)
+    assert found.at(0.5) == ("free", 2), "as of the last frame of that kind"
+    assert [i.value[0] for i in found.intervals] == ["held", "free"]
+
+
+@given(raw_values, st.sampled_from([1.7e9, 1764373408.123, -3600.0, 86400.5]))
+def test_when_it_was_changes_nothing(values: list[str], since_s: float) -> None:
+    """Times of a clock that counts from 1970 are rounded to a quarter of a microsecond."""
+    found = confirmed(values)
+    times_s = [since_s + frame * STEP_S for frame in range(len(values))]
+    later = Confirmed(sequence(times_s), values.__getitem__, 0.2)
+    assert [i.value for i in later.intervals] == [i.value for i in found.intervals]
+    assert [i.start_s - since_s for i in later.intervals] == pytest.approx(
+        [i.start_s for i in found.intervals], abs=1e-6
+    )
+    assert [later.at(time_s) for time_s in times_s] == [found.at(time_s - since_s) for time_s in times_s]
 
 
 def test_frames_come_in_order_and_only_where_more_were_to_come() -> None:

@@ -74,6 +74,20 @@ def test_holding_is_the_same_for_facts_and_perspective(room: Scene, carried: lis
     assert observer.with_holding(carried[5]).holding == frozenset()
 
 
+def test_what_stands_is_not_held_however_the_hand_trembles_at_it(room: Scene, carried: list[State]) -> None:
+    """Put down again; then the hand is now at the cup, now off it: nothing of what it does there lasts."""
+    lifted, column = carried[: int(2 * RATE_HZ)], room.object_slice("cup")
+    standing, at_it, off_it = lifted[0].qpos[column], lifted[int(1.2 * RATE_HZ)], lifted[0]
+    trembling = [(at_it if frame % 4 < 2 else off_it).replace(at=column, to=standing) for frame in range(20)]
+    states = [
+        State(state.qpos, frame / RATE_HZ) for frame, state in enumerate([*lifted, *reversed(lifted), *trembling])
+    ]
+    observer = Observer(room, States(states))
+    told = [(observer.placement("cup").at(state.time_s), observer.holds(state.time_s)) for state in states]
+    assert any(holds for _, holds in told)
+    assert all(placed is not None and placed.symbol == "In_Hand" for placed, holds in told if holds)
+
+
 def test_a_passing_hand_holds_nothing(room: Scene) -> None:
     """Near, but faster than any grip slips."""
     states = []

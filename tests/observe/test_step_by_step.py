@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 import taskgist.observe.frames as observed_frames
 from taskgist.observe import Confirmed, Hysteresis, Motion
 from taskgist.settings import DEFAULT
+from taskgist.world.geometry.transforms import Pose
 from tests.observe.states import sequence
 from tests.observe.step_by_step import Confirmation, MotionWatch, SlidingWindow
 
@@ -72,8 +73,11 @@ def test_motion_looked_up_is_motion_watched(gaps: list[float], speeds: list[floa
     along = accumulate((speed or 0.0) * step for speed, step in zip(speeds, steps, strict=True))
     places = [None if speed is None else np.array([x, 0.0, 1.0]) for x, speed in zip(along, speeds, strict=True)]
     watch = MotionWatch(TIMING)
-    watched = [answer for time, place in zip(times, places, strict=True) for answer in watch.update(time, place)]
-    motion = Motion(sequence(times), places.__getitem__, TIMING)
+    corner = np.array([[0.1, 0.0, 0.0]])
+    clouds = [None if place is None else place + corner for place in places]
+    watched = [answer for time, cloud in zip(times, clouds, strict=True) for answer in watch.update(time, cloud)]
+    poses = [None if place is None else Pose(place, np.eye(3)) for place in places]
+    motion = Motion(sequence(times), poses.__getitem__, corner, TIMING)
     assert [(times[index], motion.at(index)) for index in reversed(range(len(times)))] == [
         *reversed([*watched, *watch.finish()])
     ]

@@ -44,7 +44,6 @@ WRONG_TODAY = {
     "chair": "pushing the chair back to stand up",
     "walk": "walks end at 8 m",
     "closed": "what is shut in is reached",
-    "behind": "arms get farther back than shoulders let them",
     "wall": "what is behind walls or boards is reached",
     "flat": "thin flat things are not grasped",
     "two hands": "wide things take two hands",
@@ -66,6 +65,13 @@ WIDE = (table("table", (0.8, 0.0), size_m=(1.0, 3.0, TOP)),)
 BAR = (table("bar", (0.55, 0.0), size_m=(0.5, 1.2, 1.05)),)
 SOFA = (sofa("sofa", (0.0, 0.0)),)
 LOW = (*SOFA, table("low table", (1.0, 0.0), size_m=(0.5, 1.0, 0.42)))
+NARROW = (*SOFA, table("low table", (0.86, 0.0), size_m=(0.5, 1.2, 0.42)))
+HEMMED = (
+    table("table", (0.75, 0.0)),
+    CHAIR,
+    board("carton", (0.22, 0.3, 0.2), 0.5, 0.0, TOP + 0.1),
+    board("screen", (0.05, 1.0, 1.0), -0.46, 0.0, 0.5),
+)
 BENCH = (bench("bench", (0.0, 0.0)),)
 SHELF = (cabinet("shelf", (0.6, 0.0), HALF_TURN, boards_m=(0.4, 0.8, 1.2, 1.6), high_m=2.0),)
 HIGH_SHELF = (cabinet("shelf", (0.6, 0.0), HALF_TURN, low_m=2.3, high_m=2.8),)
@@ -120,7 +126,7 @@ LINES = (
     Line("cup at the chest, 85 cm ahead", stands(), (), a("cup", 0.90, -0.2, 1.2), "<=1", "2..3", "2..3"),
     Line("cup at the chest, 1.5 m ahead", stands(), (), a("cup", 1.5, 0.0, 1.2), "<=1", "4", "4"),
     Line("cup at the chest, 5 m ahead", stands(), (), a("cup", 5.0, 0.0, 1.2), "<=1", "4", "4"),
-    Line("cup at the chest, half a metre behind", stands(), (), a("cup", -0.5, -0.2, 1.2), "2..4", "2..4 !behind", "2..4 !behind"),
+    Line("cup at the chest, half a metre behind", stands(), (), a("cup", -0.5, -0.2, 1.2), "2..4", "2..4", "2..4"),
     Line("cup at the knee, 40 cm ahead", stands(), (), a("cup", 0.4, 0.0, 0.45), "<=2", "2..3", "2..3"),
     Line("cup over the head at 1.9 m", stands(), (), a("cup", 0.3, -0.2, 1.85), "<=2", "1", "1"),
     Line("cup at 1.7 m, 1.55 m tall", stands(tall=1.55), (), a("cup", 0.2, -0.15, 1.70), "<=2", "1..2", "1..2"),
@@ -166,6 +172,8 @@ LINES = (
     Line("cup on the bench beside", sits(), BENCH, a("cup", 0.0, 0.4, 0.45), "<=3", "1..2", "1..2"),
     Line("cup a step from the bench", sits(), BENCH, a("cup", 1.2, 0.0), "<=1", "3..4", "3..4"),
     Line("cup on the chair opposite", stands(), (chair("chair", (0.5, 0.0), HALF_TURN),), a("cup", 0.5, 0.0, 0.45), "<=2", "2..3", "2..3"),
+    Line("cup in the corner, a sofa and its table as close as that", sits(0.05), NARROW, a("cup", 2.5, -1.4), "<=2", "4", "4"),
+    Line("cup three metres off, somebody behind the chair, a carton before the chest", sits(), HEMMED, a("cup", 0.5, 3.0), "<=2", "4", "4"),
     # --- Shelves.
     Line("cup on the lowest board", stands(), SHELF, a("cup", 0.6, 0.0, 0.02), "<=3", "3..4", "3..4"),
     Line("cup on the board at 0.4 m", stands(), SHELF, a("cup", 0.55, 0.0, 0.4), "<=3", "2..4", "2..4"),
@@ -251,7 +259,7 @@ LINES = (
     Line("ball of 8 cm six metres ahead", stands(), (), ball(0.08, 6.1, 0.35, 1.56), "<=1", "4", "4"),
     Line("coin on a table two metres off", stands(-1.7), TABLE, tube(0.023, 0.002, 0.45, 0.0, TOP), "<=1", "4", "4"),
     Line("pen on the floor three metres ahead", stands(), (), pen(3.0, 0.2), "<=1", "4", "4"),
-    Line("cup nine metres ahead", stands(), (), a("cup", 9.0, 0.4, 1.0), "<=1", "4 !walk", "4 !walk"),
+    Line("cup nine metres ahead", stands(), (), a("cup", 9.0, 0.4, 1.0), "<=1", "4", "4 !walk"),
     Line("cup behind a pane of glass, sitting", sits(-0.05), (*DINING, PANE), a("cup", 0.65, 0.0, TOP), "<=1", "2..4", "2..4"),
     Line("cup in a case of glass", stands(), (*TABLE, case("case", (0.3, 0.3, 0.3), 0.55, 0.0, TOP + 0.02, rgba=GLASS, thick=0.006)), a("cup", 0.55, 0.0, TOP + 0.02), "<=2", "5", "5"),
     Line("cup behind a glass wall", stands(), (board("glass", (0.01, 4.0, 2.5), 0.4, 0.0, 1.25, GLASS),), a("cup", 0.7, 0.0, 1.2), "<=1", "4", "4"),

@@ -221,7 +221,7 @@ def test_approaches_surround_the_closing_direction_evenly() -> None:
 
 
 def test_leaning_into_a_bar_is_not_possible_so_the_torso_turns_aside() -> None:
-    beyond = replace(CUP, place=(0.95, 0.2, 1.1))
+    beyond = replace(CUP, place=(0.99, 0.2, 1.1))
     bar = Thing("bar", (0.02, 0.15, 0.03), (0.3, 0.0, 1.25), free=False)
     free, beside = effort((beyond,), "reach"), effort((beyond, bar), "reach")
     assert effort((beyond, wall("wall", 0.4, half=(0.02, 1.0, 1.2))), "reach").level == 5

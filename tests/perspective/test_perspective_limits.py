@@ -151,6 +151,7 @@ def test_of_equal_amounts_the_best_is_taken() -> None:
         """Every candidate will do, the farther left the better."""
 
         brief = hopeless = False
+        target = here.target("cup")
 
         def __init__(self, candidates: Candidates | None = None) -> None:
             self.candidates = candidates

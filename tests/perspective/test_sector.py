@@ -77,7 +77,7 @@ def judges(seed: int) -> Iterator[Reach]:
 
 def batches(judge: Reach) -> Iterator[Candidates]:
     for level in range(1, 5):
-        yield from judge._here.candidates.of_level(level, judge.target.middle)
+        yield from judge.here.candidates.of_level(level, judge.target.middle)
 
 
 def clouds(judge: Reach, candidates: Candidates, rng: Generator) -> Iterator[Array]:

@@ -63,6 +63,8 @@ class Twin:
         for level in range(5):
             if self._unknown(name, ability, level):
                 return Answer(None)
+            if level > 2 and name in self.states.on_body:
+                continue
             able = [each for each in self._able(name, ability, level) if self.states.allowed(each.qpos, each.aside)]
             if able:
                 best = min((each.key, each.merit) for each in able)

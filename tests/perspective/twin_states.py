@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from taskgist.perspective.candidates import THINNED_M, actions_of
 from taskgist.perspective.candidates import Candidate as Posture
+from taskgist.perspective.constraints import wears
 from taskgist.perspective.postures import bends, leaving_seat
 from taskgist.settings import Settings
 from taskgist.world import Agent, Stage, State, posture_of, seat_position, with_posture
@@ -39,7 +40,7 @@ class Candidate:
     merit: float = 0.0
     lowered_m: float = 0.0
     bent_rad: float = 0.0
-    aside: str | None = None
+    aside: frozenset[str] = frozenset()
 
     @property
     def key(self) -> Key:
@@ -57,17 +58,19 @@ class States:
         self.solid = self.world.solid_geoms({agent.name, *held})
         self.core = [int(geom) for geom in agent.core_geoms]
         self.usual = self.world.depths(self.core, self.solid)
-        self._free: dict[tuple[bytes, str | None, float], bool] = {}
+        self._free: dict[tuple[bytes, frozenset[str], float], bool] = {}
+        contact = settings.contact
+        self.on_body = frozenset(name for name in stage.scene.objects if wears(stage, agent, name, contact))
         self.posture = posture_of(stage, agent, settings.contact)
 
-    def allowed(self, qpos: Array, aside: str | None = None, *, passing: bool = False) -> bool:
+    def allowed(self, qpos: Array, aside: frozenset[str] = frozenset(), *, passing: bool = False) -> bool:
         """Whether head, torso and base are nowhere deeper in anything than now, by more than the tolerance."""
         efforts = self.settings.efforts
         limit = efforts.passing_m if passing else efforts.collision_m
         key = qpos.tobytes(), aside, limit
         if key not in self._free:
             self.world.show(qpos)
-            solid = [geom for geom in self.solid if self.stage.scene.owners[geom] != aside]
+            solid = [geom for geom in self.solid if self.stage.scene.owners[geom] not in aside]
             depths = self.world.depths(self.core, solid)
             self._free[key] = all(depth <= self.usual.get(pair, 0.0) + limit for pair, depth in depths.items())
         return self._free[key]
@@ -86,7 +89,9 @@ class States:
             return [each for start in starts for each in self.bent(start, turns=True)]
         if upright is None or not self.agent.profile.moves:
             return []
-        walked = (self.walked(start, target) for start in (upright, *crouched))
+        start = self.walker
+        crouched = crouched if start is upright else self.crouched(start)
+        walked = (self.walked(each, target) for each in (start, *crouched))
         return list(itertools.chain.from_iterable(itertools.chain.from_iterable(walked)))
 
     # posture -------------------------------------------------------------------------------------------------
@@ -98,24 +103,44 @@ class States:
         if "sitting" not in can or "standing" not in can or self.posture is None:
             return None
         if self.posture == "sitting":
-            return Candidate(with_posture(self.stage, self.agent, "standing").qpos, ("Make_Standing",))
+            return Candidate(
+                with_posture(self.stage, self.agent, "standing").qpos, ("Make_Standing",), aside=self.on_body
+            )
         seat = self.seat_m()
         if seat is None:
             return None
         state: State = with_posture(self.stage, self.agent, "sitting", seat_height_m=seat)
         hips = self.agent.base.start + 2
-        return Candidate(state.qpos, ("Make_Sitting",), lowered_m=float(self.now[hips] - state.qpos[hips]))
+        return Candidate(
+            state.qpos, ("Make_Sitting",), lowered_m=float(self.now[hips] - state.qpos[hips]), aside=self.on_body
+        )
 
     @cached_property
     def upright(self) -> Candidate | None:
         """Standing, free of collisions, the seat pushed back if need be."""
         if self.posture == "standing":
-            return Candidate(self.now)
-        if self.other_posture is None or self.allowed(self.other_posture.qpos):
+            return Candidate(self.now, aside=self.on_body)
+        if self.other_posture is None or self.allowed(self.other_posture.qpos, self.on_body):
             return self.other_posture
+        return next(self.ways_out(), None)
+
+    def ways_out(self) -> Iterator[Candidate]:
+        """Standing, free of collisions, after leaving the seat."""
         actions = frozenset(actions_of(self.agent))
         ways_out = leaving_seat(self.stage.show(self.state), self.agent, self.settings.efforts, actions)
-        return next((each for each in map(_of, ways_out) if self.allowed(each.qpos, each.aside)), None)
+        found = (replace(_of(way), aside=way.aside | self.on_body) for way in ways_out)
+        return (each for each in found if self.allowed(each.qpos, each.aside))
+
+    @cached_property
+    def walker(self) -> Candidate:
+        """Standing where a way leads a metre off, along the seat if need be; else just standing."""
+        assert self.upright is not None
+        starts = [self.upright] if self.posture == "standing" else [self.upright, *self.ways_out()]
+        step_m = self.settings.efforts.move_step_m
+        for start in starts:
+            if self.posture == "standing" or any(math.hypot(*cell) * step_m >= 1.0 for cell in self.ways_from(start)):
+                return start
+        return self.upright
 
     def crouched(self, start: Candidate) -> list[Candidate]:
         """What the legs do from there."""
@@ -192,9 +217,12 @@ class States:
 
     @cached_property
     def ways(self) -> dict[Cell, float]:
+        """Shortest ways to all cells."""
+        return self.ways_from(self.walker)
+
+    def ways_from(self, upright: Candidate) -> dict[Cell, float]:
         """Shortest ways to all cells, by relaxing every step until nothing changes."""
-        efforts, upright = self.settings.efforts, self.upright
-        assert upright is not None
+        efforts = self.settings.efforts
         reach = math.ceil(efforts.move_radius_m / efforts.move_step_m)
         around = range(-reach, reach + 1)
         cells: list[Cell] = list(itertools.product(around, around))

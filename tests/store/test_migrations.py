@@ -16,7 +16,7 @@ from sqlalchemy.pool import NullPool
 
 from taskgist.errors import KnowledgeError
 from taskgist.facts import Episode, Observation
-from taskgist.learning import Answer, Explanation, Knowledge, Verdict, explain
+from taskgist.learning import Answer, Context, Explanation, Knowledge, Verdict, explain
 from taskgist.store import check, load, save, tables, update
 from taskgist.store.connecting import transact
 
@@ -24,8 +24,8 @@ OLD = Path(__file__).parent / "data" / "knowledge_0_1_0.db"
 """Made by release 0.1.0 from what ``taught`` gives, and the answer below."""
 
 
-SETTINGS = "191e32c110a0"
-"""Digest of the settings of that release."""
+OLD_CONTEXT = Context("191e32c110a0", "1-29b9297d")
+"""Settings and tree of that release."""
 
 
 def taught(index: int, task: str = "show", end_s: float | None = None) -> Explanation:
@@ -33,7 +33,7 @@ def taught(index: int, task: str = "show", end_s: float | None = None) -> Explan
     end = {"posture": Observation("Sitting")}
     source = f"recording{index} 0.0000-{end_s or index:.4f} s"
     found = explain(Episode(task, f"Vorführung {index}", "P1", "P2", "cup", start, end, source=source))
-    return replace(found, context=replace(found.context, settings_digest=SETTINGS))
+    return replace(found, context=OLD_CONTEXT)
 
 
 ANSWER = Answer("show", "see.class", Verdict.RELEVANT, author="ann", time="2024-05-01T12:00:00+00:00", value="x")

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from taskgist.world.bodies import capability
-from taskgist.world.bodies.arm_chain import ArmChain, chain_of
-from taskgist.world.bodies.capability import CapabilityMap, reach_of
+from taskgist.world.bodies.arm_chain import LOW, SPAN, STEPS, ArmChain, chain_of
+from taskgist.world.bodies.capability import CapabilityMap, reach_of, usual_arm
 from tools.rooms import Person, Room
 
 MORE = 30_000
@@ -78,6 +78,56 @@ def test_people_of_usual_proportions_share_one_map(stature: float) -> None:
     other = Room((), (Person("P1", (0.0, 0.0), stature=stature),)).scene().agent("P1").arm("right")
     assert other.reach.map is usual.reach.map
     assert other.reach.scale == pytest.approx(stature / 1.75)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_shoulder_does_not_do_all_that_its_hinges_would_do_together(side: str) -> None:
+    """Upper arms go back as far as shoulders do, and twist by a quarter of a turn from their shortest swing."""
+    stage = Room((), (Person("P1", (0.0, 0.0), stature=1.75),)).stage()
+    agent, model = stage.scene.agent("P1"), stage.scene.model
+    found = agent.arm(side).reach.map
+    upper, torso = int(model.body(f"P1/{side}_upper_arm").id), int(model.body("P1/torso").id)
+    joints = [agent.joints[f"{side}_shoulder_{name}"] for name in ("flexion", "abduction", "rotation")]
+    rows = []
+    for steps in found.configurations[::20, :3]:
+        angles = found.chain.joints[:3, LOW] + found.chain.joints[:3, SPAN] * steps / STEPS
+        stage.show(stage.scene.initial.replace(dict(zip(joints, angles.tolist(), strict=True))))
+        turned = stage.body(torso).matrix.T @ stage.body(upper).matrix
+        quaternion = np.empty(4)
+        mujoco.mju_mat2Quat(quaternion, turned.ravel())
+        twist = 2 * np.arctan2(abs(quaternion[3]), abs(quaternion[0]))
+        rows.append((*-turned[:, 2], twist))
+    x, y, z, twist_deg = np.array(rows).T * ((1.0,), (1.0 if side == "left" else -1.0,), (1.0,), (180 / np.pi,))
+    hanging, level = (z < 0) & (np.abs(y) < 0.1), (np.abs(z) < 0.1) & (y > 0)
+    assert np.degrees(np.arctan2(-x, -z))[hanging].max() == pytest.approx(50, abs=5)
+    assert np.degrees(np.arctan2(-x, y))[level].max() == pytest.approx(45, abs=6)
+    assert twist_deg[z < 0.95].max() == pytest.approx(90, abs=1)  # straight up, all twists are one
+    assert z.max() > 0.98
+
+
+def test_the_map_of_people_comes_with_the_package_and_is_the_one_that_would_be_made() -> None:
+    """To rounding, which other processors may do otherwise; after a change of the arm: python -m tools.arm_maps."""
+    (file,) = capability.SHIPPED.glob("*.npz")
+    shipped = capability._kept(usual_arm(), file)
+    assert shipped is not None
+    assert file.name == capability._file(usual_arm()).name
+    made = CapabilityMap.of(usual_arm(), capability.SAMPLES)
+    assert (shipped.shape, shipped.cell_m) == (made.shape, made.cell_m)
+    bits = np.unpackbits(shipped.eighths ^ made.eighths).sum() / np.unpackbits(made.eighths).sum()
+    assert bits < 1e-3
+    assert len(shipped.palms) == pytest.approx(len(made.palms), rel=1e-3)
+    assert file.stat().st_size < 1_500_000
+
+
+def test_people_are_answered_without_making_a_map(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    capability.capability.cache_clear()
+    with caplog.at_level(logging.INFO, "taskgist.world"):
+        assert len(Room((), (Person("P1", (0.0, 0.0), stature=1.62),)).scene().agent("P1").arm("right").reach.map.palms)
+    assert "first time" not in caplog.text
+    assert not (tmp_path / "taskgist" / "arms").exists()
 
 
 @pytest.fixture

@@ -127,6 +127,19 @@ def test_a_hand_rests_on_a_table_from_above_only() -> None:
     assert rests_on(Stage(room, above.state), arm, CONTACT) is None
 
 
+@pytest.mark.parametrize(("rise_m", "expected"), [(0.0, "pad"), (0.06, None)])
+def test_a_hand_rests_on_a_thing_that_is_all_beneath_it(rise_m: float, expected: str | None) -> None:
+    """Not where its rim rises beside the fingers: such a thing is gripped."""
+    rim = f'<geom type="box" size="0.04 0.005 {0.01 + rise_m / 2}" pos="0 -0.07 {rise_m / 2}"/>'
+    pad = f"""<body name="pad" pos="-0.24 -0.15 {TOP + 0.01}"><freejoint/>
+    <geom type="box" size="0.08 0.08 0.01"/>{rim}</body>"""
+    room = scene(TABLE, pad, agents=agent("P1", -0.75, 0))
+    fitter = Fitter(room, "P1", moving="upper_body", weights={"right_wrist": 10.0})
+    flat = {"right_hand": (1, 0, 0), "right_palm": (0, 0, -1)}
+    on = fitter.fit(room.initial, points={"right_wrist": (-0.3, -0.15, TOP + 0.04)}, directions=flat)
+    assert rests_on(Stage(room, on.state), room.agent("P1").arm("right"), CONTACT) == expected
+
+
 def test_overlaps_name_the_pair_and_depth() -> None:
     room = scene(TABLE, cylinder("cup", 0, 0, TOP + 0.0))
     found = overlaps(Stage(room), deeper_than_m=0.01)

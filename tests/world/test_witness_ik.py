@@ -9,9 +9,6 @@ from taskgist.errors import SceneError
 from taskgist.world import Stage
 from tools.rooms import Person, Room
 
-ELSEWHERE = ("right_girdle", "right_hip", "right_knee", "right_ankle")
-"""Joints of a leg, and of the girdle, which stays at rest."""
-
 
 @pytest.fixture(scope="module")
 def stage() -> Stage:
@@ -27,17 +24,19 @@ def test_the_palm_comes_to_where_it_is(stage: Stage) -> None:
 
 def test_the_palm_comes_to_where_some_configuration_brings_it(stage: Stage) -> None:
     agent, rng = stage.scene.agent("P1"), np.random.default_rng(4)
-    arm = agent.arm("right")
+    arm = agent.arm("left")
     ik = ArmIK(stage.scene, stage.state, agent, arm)
-    for _ in range(5):
-        angles = {
-            index: rng.uniform(*stage.scene.model.joint(f"P1/{name}").range)
-            for name, index in agent.joints.items()
-            if name.startswith("right_") and not name.startswith(ELSEWHERE)
-        }
-        target = stage.show(stage.scene.initial.replace(angles)).site(arm.palm_site).position
-        stage.show(stage.scene.initial)
+    for palm in rng.choice(arm.reach.map.palms, 8) * arm.reach.scale:
+        target = stage.show(stage.scene.initial).shoulder(arm).to_world(palm)
         assert ik.gap_m(target, enough_m=0.01) <= 0.01
+
+
+def test_the_palm_does_not_come_to_where_shoulders_do_not_let_it(stage: Stage) -> None:
+    """Each hinge for itself would: the elbow behind the back at the height of the shoulder."""
+    agent = stage.scene.agent("P1")
+    arm = agent.arm("left")
+    behind = stage.shoulder(arm).to_world(np.array((-0.6, 0.0, 0.1)))
+    assert ArmIK(stage.scene, stage.state, agent, arm).gap_m(behind, enough_m=0.01) > 0.05
 
 
 def test_what_is_too_far_stays_too_far_and_the_body_stays_where_it_is(stage: Stage) -> None:
@@ -57,7 +56,7 @@ def test_the_human_map_agrees_with_the_human_arm(level: int, targets: int, least
     found = agreement("human", level=level, targets=targets)
     assert found.counts.total() == targets
     assert found.counts[True, True] > targets / 4
-    assert found.precision >= 0.98
+    assert found.precision >= 0.97
     assert found.share >= least
 
 

@@ -202,6 +202,7 @@ STANDARD_TREE = HypothesisTree(
         ability_subtree("see", v.SEE_EFFORTS),
         hands_subtree(),
         placement_subtree(),
-    )
+    ),
+    edition="2",
 )
-"""The hypothesis space of Fig. 11."""
+"""The hypothesis space of Fig. 11; in its second edition things may also be on an agent, or hang."""

@@ -67,7 +67,9 @@ HAND_NATURES = (MANIP_DESIRED, MANIP_NOT_DESIRED)
 """Natures of a change of hand status (Eq. 18)."""
 
 INSIDE_CONTAINER, ON_SUPPORT, IN_HAND, IN_AIR = "Inside_Container", "On_Support", "In_Hand", "In_Air"
-PLACEMENTS = (INSIDE_CONTAINER, ON_SUPPORT, IN_HAND, IN_AIR)
+ON_AGENT, HANGING = "On_Agent", "Hanging"
+"""Ours: on a lap or an arm, in a pocket; on a hook or a rail, at a wall. Eq. 19 has these in the air."""
+PLACEMENTS = (INSIDE_CONTAINER, ON_SUPPORT, IN_HAND, ON_AGENT, HANGING, IN_AIR)
 """Object placements (Eq. 19), in the order in which an ambiguity is decided."""
 
 MOVING, STATIC = "Moving", "Static"

@@ -16,6 +16,8 @@ PLACES = {
     v.INSIDE_CONTAINER: "inside a container",
     v.ON_SUPPORT: "on a support",
     v.IN_HAND: "in a hand",
+    v.ON_AGENT: "on somebody's body",
+    v.HANGING: "hanging",
     v.IN_AIR: "in the air",
 }
 

@@ -60,7 +60,8 @@ class Configuration:
         collisions: What the agent would push into.
         state: The configuration.
         frames: Where it brings the agent's frames, (f, 12).
-        shoulders: Where it brings the shoulders of all its arms, (arms, 12).
+        shoulders: Where it brings the shoulders of all its arms, (arms, 12); where they may be thrust forward, that
+            comes after, (2 arms, 12).
         neck: The joints of the head that may be used.
         base: Where it may be brought.
 
@@ -164,7 +165,9 @@ def configurations(here: Viewpoint, level: int) -> Iterator[Configuration]:
                 base = Base(start, ahead / np.linalg.norm(ahead), start[:2] + offsets, turns=True)
             else:
                 continue
-            yield Configuration(here, collisions, state, frames, frames[agent_frames.first_shoulder :], neck, base)
+            shoulders = frames[agent_frames.first_shoulder :]
+            shoulders = shoulders if candidates.torso.thrusts else shoulders[: len(here.agent.arms)]
+            yield Configuration(here, collisions, state, frames, shoulders, neck, base)
 
 
 def _first_of_each_posture(batches: Sequence[Candidates]) -> list[Candidates]:

@@ -29,7 +29,8 @@ def reach_cells(shoulders: Array, arms: Arms, base: Base, cells: Undecided, foun
     """Find out which cells are reached from a configuration, at some of its places; those are undecided no longer.
 
     Args:
-        shoulders: Of the arms that may be stretched out, and the frames of what carries them, (a, 12).
+        shoulders: Of the arms that may be stretched out, and the frames of what carries them, (a, 12); or twice, then
+            thrust forward.
         arms: These arms.
         base: Where the configuration is brought.
         cells: The cells.
@@ -76,11 +77,13 @@ class CellsToReach:
         arms, self._reaches = usable_arms(here)
         self._shut = _shut(here, cells.points)
         self.found = np.full(len(cells.points), HIDDEN, dtype=np.uint8)
-        self._arms = np.array(arms, dtype=np.intp)
+        thrusts = here.settings.reach.model != "sector"
+        self._arms = (*arms, *(arm + len(here.agent.arms) for arm in arms)) if thrusts else arms
 
     def find(self, configuration: Configuration, places: Indices, cells: Undecided) -> None:
         """What a configuration reaches at some of its places: see ``reach_cells``."""
-        shoulders = configuration.shoulders[self._arms]
+        count = len(configuration.shoulders)
+        shoulders = configuration.shoulders[[arm for arm in self._arms if arm < count]]
         base = configuration.at(places)
         on_threads(lambda part: reach_cells(shoulders, self._reaches, base, part, self.found), cells.parts())
         self.found[self._shut] = HIDDEN

@@ -15,6 +15,7 @@ from .frames import Confirmed as Confirmed
 from .frames import FrameSequence as FrameSequence
 from .frames import Hysteresis as Hysteresis
 from .frames import Interval as Interval
+from .frames import Refined as Refined
 from .frames import velocity as velocity
 from .observer import HandStatus as HandStatus
 from .observer import Motion as Motion

@@ -36,7 +36,8 @@ from taskgist.common.arrays import Array
 from taskgist.errors import RecordingError
 from taskgist.world.state import Frames, State
 
-ROUNDING_S = 1e-9
+ROUNDING_S = 1e-6
+"""Unix times have no finer: what is said of them must not hang on when it was."""
 KEPT_STATES = 128
 """As many states at hand as the windows around a frame hold, of the fastest trackers."""
 KEPT_FRAMES = 4096
@@ -109,10 +110,16 @@ class FrameSequence:
 
 
 def velocity(times_s: Sequence[float], places: ArrayLike) -> Array | None:
-    """Velocity in metres per second (3,) of a straight line fitted to places (n, 3); None for a single time."""
-    moments = np.asarray(times_s) - np.mean(times_s)
+    """Velocity of a straight line fitted to places: per second, (…); None for a single time.
+
+    Args:
+        times_s: Times in seconds, (n,).
+        places: What is where at each of them, or turned how, (n, …).
+    """
+    since_s = np.asarray(times_s) - times_s[0]
+    moments = since_s - since_s.mean()
     spread = float(moments @ moments)
-    return None if spread <= 0.0 else np.asarray(moments @ np.asarray(places) / spread)
+    return None if spread <= 0.0 else np.asarray(np.tensordot(moments, np.asarray(places), axes=1) / spread)
 
 
 def speed_m_s(times_s: Sequence[float], places: Sequence[Array]) -> float | None:
@@ -220,9 +227,10 @@ class Confirmed(Generic[V]):
             for each in self._together:
                 each._follow(end)
         times_s = self._frames.times_s
-        starts_s = [times_s[onset] for onset, _ in self._onsets]
-        spans = pairwise([*starts_s, times_s[self._followed - 1]] if starts_s else [])
-        return tuple(Interval(value, *span) for (_, value), span in zip(self._onsets, spans, strict=True))
+        return _spans(
+            [(times_s[onset], value) for onset, value in self._onsets],
+            times_s[self._followed - 1] if self._followed else 0.0,
+        )
 
     def _follow(self, end: int) -> None:
         """Find the onsets in the frames before this one."""
@@ -260,3 +268,55 @@ class Confirmed(Generic[V]):
 
     def _lasts(self, first: int, last: int) -> bool:
         return self._frames.times_s[last] - self._frames.times_s[first] >= self._minimum_s - ROUNDING_S
+
+
+class Refined(Generic[V]):
+    """Confirmed values whose kind counts as soon as it has lasted, and their particulars once these have lasted, too.
+
+    A thing that passes from hand to hand is held all the time; whose hand it is changes. Particulars that do not last
+    long enough are told as of the last frame of that kind.
+
+    Args:
+        frames: The frames; more may be appended.
+        raw: Gives the raw value of a settled frame, by its index.
+        minimum_s: How long each must last to be confirmed, in seconds.
+        kind: What of a value must last first.
+        together: Facts that look at the same things in a frame: their intervals are found together.
+    """
+
+    def __init__(
+        self,
+        frames: FrameSequence,
+        raw: Callable[[int], V],
+        minimum_s: float,
+        kind: Callable[[V], Hashable],
+        together: list[Confirmed[V]] | None = None,
+    ) -> None:
+        self._frames, self._kind_of = frames, kind
+        remembered = lru_cache(KEPT_FRAMES)(raw)
+        self._kind = Confirmed(frames, remembered, minimum_s, kind, together)
+        self._whole = Confirmed(frames, remembered, minimum_s, together=together)
+
+    def at(self, time_s: float) -> V | None:
+        """The confirmed value at a time, as it last was by then; None before anything was confirmed."""
+        kind, whole = self._kind.at(time_s), self._whole.at(time_s)
+        if kind is None or whole is None:
+            return kind
+        return whole if self._kind_of(whole) == self._kind_of(kind) else kind
+
+    @property
+    def intervals(self) -> tuple[Interval[V], ...]:
+        """The confirmed values in order, each as it was at its onset; it ends where the next begins."""
+        spans = (*self._kind.intervals, *self._whole.intervals)
+        found: list[tuple[float, V]] = []
+        for start_s in sorted({span.start_s for span in spans}):
+            value = self.at(start_s)
+            if value is not None and (not found or found[-1][1] != value):
+                found.append((start_s, value))
+        return _spans(found, max((span.end_s for span in spans), default=0.0))
+
+
+def _spans(onsets: Sequence[tuple[float, V]], end_s: float) -> tuple[Interval[V], ...]:
+    """Intervals of values by the times from which on they hold, in order; the last one ends at a time."""
+    times_s = pairwise([*(start_s for start_s, _ in onsets), end_s])
+    return tuple(Interval(value, *span) for (_, value), span in zip(onsets, times_s, strict=True))

@@ -23,9 +23,10 @@ import numpy as np
 from taskgist.common.arrays import Array
 from taskgist.facts import vocabulary as v
 from taskgist.observe.carrying import Carrying
-from taskgist.observe.frames import KEPT_FRAMES, Confirmed, FrameSequence, Hysteresis, speed_m_s
+from taskgist.observe.frames import KEPT_FRAMES, Confirmed, FrameSequence, Hysteresis, Refined, velocity
 from taskgist.settings import DEFAULT, Settings, Timing
-from taskgist.world.contacts import hand_known, rests_on
+from taskgist.world.contacts import POINT_SPACING_M, hand_known, hook_of, object_points, rests_on, wearer_of
+from taskgist.world.geometry.transforms import Pose, matrix_from_wxyz
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage, posture_of
 from taskgist.world.state import Frames, Hold, State
@@ -35,7 +36,7 @@ POSTURES = {"standing": v.STANDING, "sitting": v.SITTING}
 
 @dataclass(frozen=True)
 class Placement:
-    """Where an object is: the symbol (None: unknown), and by what: support, container, or hands."""
+    """Where an object is: the symbol (None: unknown), and by what: support, container, hands, agent or hook."""
 
     symbol: str | None
     by: tuple[str, ...] = ()
@@ -54,35 +55,45 @@ class HandStatus:
     thing: str | None = None
 
 
-def hand_key(status: HandStatus) -> tuple[str | None, str | None]:
-    """What of a hand's status must last: which object it holds matters, on which support it rests does not."""
-    return status.symbol, status.thing if status.symbol == v.HOLDING_OBJECT else None
+def held(status: HandStatus) -> tuple[bool | None, str | None]:
+    """What of a hand's status must last first: which object it holds, or that it holds none; None if that is unknown.
+
+    Whether it rests or is free then matters less. So nothing is both held and on a support for longer than either
+    lasts.
+    """
+    holds = None if status.symbol is None else status.symbol == v.HOLDING_OBJECT
+    return holds, status.thing if holds else None
 
 
 class Motion:
-    """Whether something moves: its speed over a short window, with hysteresis between starting and coming to rest.
+    """Whether a thing moves: its speed over a short window, with hysteresis between starting and coming to rest.
 
-    Only frames between which it was always tracked make a speed (5.3.2 leaves all this open).
+    It is the speed of that of its points which moves fastest: turning in place is motion (Eq. 22 speaks of position),
+    and where the frame of the body lies changes nothing. Only frames between which it was always tracked make a speed
+    (5.3.2 leaves all this open).
 
     Args:
         frames: The frames; more may be appended.
-        place: Gives its place in a frame in metres (3,), by the frame's index; None where it was not tracked.
+        pose: Gives its pose in a frame, by the frame's index; None where it was not tracked.
+        points: Its points in the frame of its pose, metres, (n, 3); of the middle alone, turning is no motion.
         settings: Window in seconds, and the two speeds in metres per second.
     """
 
-    def __init__(self, frames: FrameSequence, place: Callable[[int], Array | None], settings: Timing) -> None:
-        self._frames, self._settings = frames, settings
-        self._place, self._speed_m_s = lru_cache(KEPT_FRAMES)(place), lru_cache(KEPT_FRAMES)(self._speed_in)
+    def __init__(
+        self, frames: FrameSequence, pose: Callable[[int], Pose | None], points: Array, settings: Timing
+    ) -> None:
+        self._frames, self._points, self._settings = frames, points, settings
+        self._pose, self._speed_m_s = lru_cache(KEPT_FRAMES)(pose), lru_cache(KEPT_FRAMES)(self._speed_in)
         self._moving = Hysteresis(self._moves)
 
     def at(self, index: int) -> str | None:
         """``Moving`` or ``Static`` in a frame; None where it was not tracked, or the frame stands alone."""
-        if self._place(index) is None or self._speed_m_s(index) is None:
+        if self._pose(index) is None or self._speed_m_s(index) is None:
             return None
         return v.MOVING if self._moving.at(index) else v.STATIC
 
     def _moves(self, index: int, before: bool) -> bool:
-        if self._place(index) is None:
+        if self._pose(index) is None:
             return False
         speed_m_s, limit = self._speed_m_s(index), self._settings
         return before if speed_m_s is None else speed_m_s > (limit.static_m_s if before else limit.moving_m_s)
@@ -91,15 +102,20 @@ class Motion:
         window = self._frames.window(index, self._settings.motion_window_s)
         before = self._tracked(range(index - 1, window.start - 1, -1))
         tracked = [*before[::-1], *self._tracked(range(index, window.stop))]
-        return speed_m_s([time_s for time_s, _ in tracked], [place for _, place in tracked])
+        times_s = [time_s for time_s, _ in tracked]
+        moving = velocity(times_s, [pose.position for _, pose in tracked])
+        turning = velocity(times_s, [pose.matrix for _, pose in tracked])
+        if moving is None or turning is None:
+            return None
+        return float(np.linalg.norm(self._points @ turning.T + moving, axis=1).max())
 
-    def _tracked(self, indices: range) -> list[tuple[float, Array]]:
-        """Times and places in these frames, until the first in which it was not tracked."""
+    def _tracked(self, indices: range) -> list[tuple[float, Pose]]:
+        """Times and poses in these frames, until the first in which it was not tracked."""
         found = []
         for index in indices:
-            if (place := self._place(index)) is None:
+            if (pose := self._pose(index)) is None:
                 break
-            found.append((self._frames.times_s[index], place))
+            found.append((self._frames.times_s[index], pose))
         return found
 
 
@@ -123,16 +139,15 @@ class Observer:
         self._carrying = Carrying(self._stage, self._frames, self._contact)
         minimum_s = timing.minimum_s
         self._placements = {
-            name: Confirmed(self._frames, partial(self._placement, name), minimum_s, key=lambda placed: placed.symbol)
+            name: Refined(self._frames, partial(self._placement, name), minimum_s, kind=lambda placed: placed.symbol)
             for name in scene.objects
         }
         self._motions = {
-            name: Confirmed(self._frames, Motion(self._frames, partial(self._place, name), timing).at, minimum_s)
-            for name in scene.objects
+            name: Confirmed(self._frames, self._motion_of(name, timing), minimum_s) for name in scene.objects
         }
         hands: list[Confirmed[HandStatus]] = []
         self._hands = {
-            (agent, side): Confirmed(self._frames, partial(self._hand, agent, side), minimum_s, hand_key, hands)
+            (agent, side): Refined(self._frames, partial(self._hand, agent, side), minimum_s, held, hands)
             for agent in scene.agents
             for side in scene.agent(agent).sides
         }
@@ -152,7 +167,7 @@ class Observer:
         """Say that no more frames will come: the last ones count, too."""
         self._frames.finish()
 
-    def placement(self, name: str) -> Confirmed[Placement]:
+    def placement(self, name: str) -> Refined[Placement]:
         """Placement of an object over time.
 
         Raises:
@@ -170,7 +185,7 @@ class Observer:
         self.scene.object_body(name)
         return self._motions[name]
 
-    def hand(self, agent: str, side: str) -> Confirmed[HandStatus]:
+    def hand(self, agent: str, side: str) -> Refined[HandStatus]:
         """Status of a hand over time.
 
         Raises:
@@ -204,7 +219,7 @@ class Observer:
     # What is so in a single frame, before time confirms it:
 
     def _placement(self, name: str, index: int) -> Placement:
-        """The first that applies (5.3.1): Inside_Container, On_Support, In_Hand, In_Air."""
+        """The first that applies (5.3.1; ours: On_Agent, Hanging)."""
         holding = self._carrying.holding(index, name)
         if holding is None:
             return Placement(None)
@@ -214,7 +229,14 @@ class Observer:
             return Placement(v.ON_SUPPORT, (holding.support,))
         if holding.hands:
             return Placement(v.IN_HAND, tuple(f"{agent}'s {side} hand" for agent, side in holding.hands))
-        return Placement(v.IN_AIR if holding.complete else None)
+        if not holding.complete:
+            return Placement(None)
+        stage = self._stage.show(self._frames.state(index))
+        wearer, sure = wearer_of(stage, name, self._contact)
+        if wearer or not sure:
+            return Placement(v.ON_AGENT, (wearer,)) if wearer else Placement(None)
+        hook = hook_of(stage, name, self._contact)
+        return Placement(v.HANGING, (hook,)) if hook else Placement(v.IN_AIR)
 
     def _hand(self, name: str, side: str, index: int) -> HandStatus:
         """What one hand does (Eq. 16); holding comes before resting."""
@@ -222,14 +244,24 @@ class Observer:
         arm = agent.arm(side)
         if not hand_known(stage.show(self._frames.state(index)), agent, arm):
             return HandStatus(None)
-        if held := self._carrying.held(index, name, side):
-            return HandStatus(v.HOLDING_OBJECT, held)
+        if thing := self._carrying.held(index, name, side):
+            return HandStatus(v.HOLDING_OBJECT, thing)
         support = rests_on(stage.show(self._frames.state(index)), arm, self._contact)
         return HandStatus(v.RESTING_ON_SUPPORT, support) if support else HandStatus(v.FREE_OF_OBJECT)
 
-    def _place(self, name: str, index: int) -> Array | None:
+    def _motion_of(self, name: str, timing: Timing) -> Callable[[int], str | None]:
+        stage, body = self._stage.show(self.scene.initial), self.scene.object_body(name)
+        points = stage.body(body).to_local(object_points(stage, name, POINT_SPACING_M))
+        if not timing.turning_moves:
+            points = points.mean(axis=0, keepdims=True)
+        return Motion(self._frames, partial(self._pose, name), points, timing).at
+
+    def _pose(self, name: str, index: int) -> Pose | None:
         state = self._frames.state(index)
-        return np.array(state.qpos[self.scene.object_slice(name)][:3]) if state.known([name]) else None
+        if not state.known([name]):
+            return None
+        pose = state.qpos[self.scene.object_slice(name)]
+        return Pose(np.array(pose[:3]), matrix_from_wxyz(pose[3:]))
 
     def _posture(self, name: str, index: int) -> str | None:
         posture = posture_of(self._stage.show(self._frames.state(index)), self.scene.agent(name), self._contact)

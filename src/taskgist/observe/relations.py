@@ -17,7 +17,7 @@ from taskgist.common.arrays import Array
 from taskgist.observe.attention import check_thing
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
-from taskgist.world.contacts import holding_of
+from taskgist.world.contacts import holding_of, wearer_of
 from taskgist.world.geometry.transforms import wrapped, yaw_of
 from taskgist.world.stage import Stage
 
@@ -146,7 +146,7 @@ def touching(stage: Stage, one: str, other: str, settings: Settings = DEFAULT) -
 
 
 def carried_by(stage: Stage, name: str, settings: Settings = DEFAULT) -> tuple[str, ...] | None:
-    """The agents that carry an object: in their hands, or on or in something that is carried; None is unknown.
+    """The agents that carry an object: in hands, on their bodies, or on or in what is carried; None is unknown.
 
     Raises:
         UnknownNameError: There is no such object.
@@ -160,7 +160,10 @@ def carried_by(stage: Stage, name: str, settings: Settings = DEFAULT) -> tuple[s
         beneath = holding.container or holding.support
         if beneath is None:
             agents = tuple(dict.fromkeys(agent for agent, _ in holding.hands))
-            return agents if agents or holding.complete else None
+            if agents or not holding.complete:
+                return agents or None
+            wearer, sure = wearer_of(stage, name, settings.contact)
+            return (wearer,) if wearer else () if sure else None
         if beneath not in stage.scene.objects or beneath in carriers:
             return ()
         carriers.add(beneath)

@@ -38,10 +38,10 @@ from taskgist.perspective.effort import (
     stretch,
 )
 from taskgist.settings import Efforts
-from taskgist.world.bodies.agent import Agent
+from taskgist.world.bodies.agent import Agent, ArmIndices
 from taskgist.world.bodies.profile import Axis
 from taskgist.world.geometry.linkage import POSE, Linkage, carry_pose
-from taskgist.world.geometry.transforms import Pose
+from taskgist.world.geometry.transforms import Pose, matrix_from_wxyz, wxyz_from_rotation_vector
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
@@ -87,13 +87,14 @@ class Candidate:
         state: The state.
         actions: What leads there, in order.
         amount: How much of it.
-        aside: The seat that was pushed aside on the way: it is in nobody's way any longer.
+        aside: What is out of its place then, and in nobody's way any longer: the seat that was pushed back, and what
+            lay on the agent's lap, which is taken up first.
     """
 
     state: State
     actions: tuple[str, ...] = ()
     amount: Amount = NO_AMOUNT
-    aside: str | None = None
+    aside: frozenset[str] = frozenset()
 
 
 # --- Turns and leans of the torso (Eq. 4).
@@ -149,7 +150,8 @@ def _turned(
 # --- The frames of an agent that abilities depend on: its eye, the joints of its head, and its shoulders.
 #
 # Frames are rows of 12 numbers, position and then orientation, as compiled functions take them: the eye first, then
-# the joints of the head (a point of the axis, and the axis as x), then the shoulders.
+# the joints of the head (a point of the axis, and the axis as x), then the shoulders, and once more the shoulders,
+# thrust forward.
 
 EYE = 0
 """Which of the frames is the eye."""
@@ -236,6 +238,7 @@ class Frames:
         self.head, self.first_shoulder = tuple(head), len(frames)
         self._usable: dict[frozenset[str], UsableHead] = {}
         frames += [(arm.carrier_body, stage.shoulder(arm)) for arm in agent.arms]
+        frames += [(arm.carrier_body, _thrust(stage, agent, arm)) for arm in agent.arms]
         torso = tuple(axis.joint for axis in (profile.turn, profile.lean) if axis is not None)
         self._linkage = Linkage.of(stage, agent, torso, tuple(frames))
         self.base = self._linkage.base
@@ -252,6 +255,28 @@ class Frames:
         now = {index: float(self._qpos[index]) for index in joints}
         moves = [[new.get(index, now[index]) - now[index] for index in joints] for new in angles]
         return self._linkage.moved(np.array(moves).reshape(len(angles), len(joints)))
+
+
+def _thrust(stage: Stage, agent: Agent, arm: ArmIndices) -> Pose:
+    """Where an arm's shoulder would be if the girdle thrust it forward; where it is, if none does."""
+    shoulder = stage.shoulder(arm)
+    changes = thrust_of(agent, arm, stage.state)
+    if not changes:
+        return shoulder
+    assert arm.profile.thrust is not None
+    (index, angle) = next(iter(changes.items()))
+    anchor, axis = stage.screw(int(stage.scene.model.joint(f"{agent.name}/{arm.profile.thrust.joint}").id))
+    turn = matrix_from_wxyz(wxyz_from_rotation_vector((angle - float(stage.state.qpos[index])) * axis))
+    return Pose(anchor + turn @ (shoulder.position - anchor), turn @ shoulder.matrix)
+
+
+def thrust_of(agent: Agent, arm: ArmIndices, state: State) -> dict[int, float]:
+    """The new angle of what thrusts an arm's shoulder forward, radians by index into qpos; none if nothing does."""
+    axis = arm.profile.thrust
+    if axis is None:
+        return {}
+    index = agent.joints[axis.joint]
+    return {index: axis.range_rad[1]} if state.qpos[index] < axis.range_rad[1] - STILL_RAD else {}
 
 
 # --- All candidates of a level in one table.
@@ -274,6 +299,7 @@ class TorsoPoses:
         poses: What the torso may do.
         rows: Where each of these brings the frames, (b, f, 12).
         amounts_rad: How much it is, (b,), rounded for comparing.
+        thrusts: Whether shoulders may be thrust forward as well.
     """
 
     agent: Agent
@@ -282,12 +308,15 @@ class TorsoPoses:
     poses: Sequence[TorsoPose]
     rows: Array
     amounts_rad: Array
+    thrusts: bool
 
     @classmethod
-    def of(cls, agent: Agent, start: Candidate, frames: Frames, poses: Sequence[TorsoPose]) -> TorsoPoses:
+    def of(
+        cls, agent: Agent, start: Candidate, frames: Frames, poses: Sequence[TorsoPose], *, thrusts: bool
+    ) -> TorsoPoses:
         """A posture and some turns and leans of the torso."""
         amounts = np.round([pose.by_rad for pose in poses], DIGITS)
-        return cls(agent, start, frames, poses, frames.moved([pose.changes for pose in poses]), amounts)
+        return cls(agent, start, frames, poses, frames.moved([pose.changes for pose in poses]), amounts, thrusts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -400,7 +429,7 @@ class Candidates:
         return _carried(self.table, index)
 
     def shoulder(self, index: int, arm: int) -> Pose:
-        """Where a candidate brings a shoulder, in the frame of what carries it."""
+        """Where a candidate brings a shoulder, in the frame of what carries it; after all arms, thrust forward."""
         row = self.frames(index)[self.torso.frames.first_shoulder + arm]
         return Pose(row[:3], row[3:].reshape(3, 3))
 
@@ -500,6 +529,11 @@ class Walk:
         self._upright, self._facing_rad, self.floor = upright, facing_rad, floor
         self._ways: list[Ways] = []
         self._last: tuple[bytes, list[Candidates]] = b"", []
+
+    @property
+    def start(self) -> Candidate:
+        """The agent standing, before it goes."""
+        return self._upright[0].start
 
     def candidates(self, target: Array) -> Iterator[Candidates]:
         """Batches of growing distance: most objects are near to where somebody can stand upright.

@@ -25,7 +25,7 @@ from taskgist.perspective.effort import Blocking
 from taskgist.perspective.target import Recorder, Region, touched
 from taskgist.settings import Contact, Efforts, Settings
 from taskgist.world.bodies.agent import Agent
-from taskgist.world.contacts import holding_of
+from taskgist.world.contacts import holding_of, wearer_of
 from taskgist.world.geometry.distances import any_near, ball_around_boxes, near_ball
 from taskgist.world.geometry.solids import solids_of
 from taskgist.world.geometry.transforms import turned_about_z, yaw_of
@@ -151,6 +151,21 @@ def held_by(stage: Stage, agent: Agent, near: Iterable[str], settings: Contact) 
     return held
 
 
+def near_body(stage: Stage, agent: Agent, settings: Contact) -> tuple[str, ...]:
+    """Objects that are near enough to an agent's body to lie on it."""
+    pairs = stage.near_pairs(agent.geoms, stage.scene.objects_geoms, limit_m=settings.support_m)
+    near = {stage.scene.owners[geom] for _, geom in pairs}
+    return tuple(name for name in stage.scene.objects if name in near and stage.state.known([name]))
+
+
+def wears(stage: Stage, agent: Agent, name: str, settings: Contact) -> bool:
+    """Whether an object that nothing else carries, nor holds, lies on an agent's lap, or elsewhere on its body."""
+    holding = holding_of(stage, name, settings)
+    if holding is None or holding.support or holding.container or holding.hands:
+        return False
+    return wearer_of(stage, name, settings)[0] == agent.name
+
+
 def part_of(stage: Stage, agent: Agent, geom: int) -> str:
     """Name of the part of an agent that a shape belongs to."""
     body = int(stage.scene.model.geom_bodyid[geom])
@@ -219,6 +234,11 @@ class Floor:
                 self._batches.append(self._up_to(limit_m))
             if self._batches[index]:
                 yield self._batches[index]
+
+    def first_beyond(self, away_m: float) -> Place | None:
+        """The first place that is farther than this from the start; None if no way leads to one."""
+        places = (place for batch in self.batches() for place in batch)
+        return next((place for place in places if math.hypot(*place.offset_m) >= away_m), None)
 
     def _up_to(self, limit_m: float) -> list[Place]:
         batch: list[Place] = []

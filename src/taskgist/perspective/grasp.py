@@ -24,8 +24,7 @@ from taskgist.perspective.grasp_flat import LyingThing, closes_sideways, is_flat
 from taskgist.perspective.grasp_sampling import SIDES, TOUCH_M, Grasps, grasps_in_object
 from taskgist.perspective.grasp_ways import ONLY_ONE, OneHanded, TwoHanded
 from taskgist.perspective.reach import ArmJudge, ReachScreening
-from taskgist.perspective.target import Target
-from taskgist.perspective.viewpoint import FindMiss, Hit, Screening, Viewpoint
+from taskgist.perspective.viewpoint import FindMiss, Hit, Screening
 from taskgist.world.bodies.hands import Hand, Palms
 from taskgist.world.geometry.transforms import Pose
 
@@ -60,9 +59,8 @@ class Grasp(ArmJudge):
         target: The object.
     """
 
-    def __init__(self, here: Viewpoint, target: Target) -> None:
-        super().__init__(here, target)
-        self.here, self.failed = here, False
+    failed = False
+    """Whether no grasp was free somewhere from where arms get to one."""
 
     def screen(self, candidates: Candidates) -> Screening:
         """What the arms can grasp from some candidates."""
@@ -217,7 +215,7 @@ class GraspScreening:
         for results in self._by_way(index):
             hits = [result for result in results if isinstance(result, Hit)]
             if hits:
-                yield from sorted(hits, key=lambda hit: hit.cost)
+                yield from sorted(hits, key=lambda hit: hit.order)
                 return
             misses += [result for result in results if isinstance(result, Miss)]
         self._grasp.failed = True
@@ -228,7 +226,7 @@ class GraspScreening:
         """How each way succeeds from a candidate, or why not; the way of least trouble first."""
         grasp, candidate = self._grasp, self._candidates[index]
         shoulders = self._candidates.frames(index)[self._candidates.torso.frames.first_shoulder :]
-        able = [grasp.arms[column] for column in self._plain.able(index)]
+        able = [self._plain.arms[column] for column in self._plain.able(index)]
         plain = grasp.plain.results(candidate, shoulders, able)
         yield plain
         # What is done to a thing first helps hands that get to it and find something in the way.
@@ -237,8 +235,8 @@ class GraspScreening:
         if blocked and grasp.tilted is not None:
             yield grasp.tilted.results(candidate, shoulders, blocked)
         if self._between is not None and grasp.between is not None:
-            both = len(self._between.able(index)) == len(SIDES)
-            yield grasp.between.results(candidate, shoulders) if both else [ONLY_ONE]
+            both = [self._between.arms[column] for column in self._between.able(index)]
+            yield grasp.between.results(candidate, shoulders, both) if len(both) == len(SIDES) else [ONLY_ONE]
         if blocked and grasp.slid is not None:
             yield grasp.slid.results(candidate, shoulders, blocked)
         if blocked and grasp.drawn is not None:

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices
-from taskgist.perspective.candidates import Candidate
+from taskgist.perspective.candidates import Candidate, thrust_of
 from taskgist.perspective.effort import (
     BlockedApproaches,
     Grasped,
@@ -27,6 +27,7 @@ from taskgist.perspective.grasp_trials import GraspTrials
 from taskgist.perspective.reach import DIGITS, PointCloud, grasps_in_reach
 from taskgist.perspective.target import Target, vector
 from taskgist.perspective.viewpoint import Hit, Viewpoint
+from taskgist.world.bodies.agent import ArmIndices
 from taskgist.world.bodies.hands import Hand, Palms
 from taskgist.world.geometry.transforms import Pose
 
@@ -55,6 +56,12 @@ class _Tried:
     def trials(self) -> GraspTrials:
         """What is in the way of them."""
         return GraspTrials(*self._trial)
+
+    def _arm(self, index: int) -> tuple[ArmIndices, dict[int, float]]:
+        """An arm, and what thrusts its shoulder forward: after all arms at rest they come again, thrust forward."""
+        agent = self._here.agent
+        arm = agent.arms[index % len(agent.arms)]
+        return arm, thrust_of(agent, arm, self._here.state) if index >= len(agent.arms) else {}
 
     def first_free(self, candidate: Candidate, order: Indices, ghosts: Indices) -> int | Miss:
         """The first of some grasps, at least one, that is free from a candidate; or why none is."""
@@ -118,13 +125,13 @@ class OneHanded(_Tried):
 
         Args:
             candidate: From where.
-            shoulders: Of all arms there, (arms, 12).
-            able: Indices of those arms.
+            shoulders: Of all arms there, at rest and then thrust forward, (2 arms, 12).
+            able: Which of these get there.
         """
         return [self._result(candidate, arm, shoulders[arm]) for arm in able]
 
     def _result(self, candidate: Candidate, index: int, shoulder: Array) -> Hit | Miss:
-        grasps, arm = self.grasps, self._here.agent.arms[index]
+        grasps, (arm, angles_rad) = self.grasps, self._arm(index)
         settings = self._here.settings
         facing, model = settings.grasp.facing, settings.reach.model
         order = grasps_in_reach(shoulder, arm, grasps.centers, grasps.approaches, facing, model=model)
@@ -148,7 +155,8 @@ class OneHanded(_Tried):
                 prepared,
             )
 
-        return Hit(grasped, actions=(stretch(side),), cost=round(distance_m, DIGITS))
+        cost = round(distance_m, DIGITS)
+        return Hit(grasped, angles_rad, (stretch(side),), cost=cost, thrusts=index >= len(self._here.agent.arms))
 
 
 ONLY_ONE = Miss(Reason.ONE_HAND, "it takes both hands, and only one gets there")
@@ -167,17 +175,16 @@ class TwoHanded(_Tried):
         half = self.grasps.closings * (self.grasps.widths_m / 2)[:, None]
         self._points = (self.grasps.centers - half, self.grasps.centers + half)
         self.cloud = PointCloud.of(self._points[0])  # of each pair there is the one with the hands changed over
-        sides = here.agent.sides
-        self._arms = tuple(sides.index(side) for side in SIDES)
 
     @property
     def _ghosts(self) -> Indices:
-        return np.array([self._here.agent.arms[index].flat_ghost for index in self._arms])
+        return np.array([self._here.agent.arm(side).flat_ghost for side in SIDES])
 
-    def results(self, candidate: Candidate, shoulders: Array) -> list[Hit | Miss]:
+    def results(self, candidate: Candidate, shoulders: Array, able: Sequence[int]) -> list[Hit | Miss]:
         """The nearest free grasp that both arms reach; arguments as above."""
-        arms = [self._here.agent.arms[index] for index in self._arms]
-        rows = [shoulders[index] for index in self._arms]
+        pair = sorted(able, key=lambda index: SIDES.index(self._arm(index)[0].profile.side))
+        arms, angles_rad = zip(*map(self._arm, pair), strict=True)
+        rows = [shoulders[index] for index in pair]
         grasps, settings = self.grasps, self._here.settings
         facing, model = settings.grasp.facing, settings.reach.model
         left, right = (
@@ -210,4 +217,6 @@ class TwoHanded(_Tried):
                 vector(grasps.approaches[found]),
             )
 
-        return [Hit(grasped, actions=tuple(map(stretch, SIDES)), cost=round(first_m + second_m, DIGITS))]
+        angles, cost = angles_rad[0] | angles_rad[1], round(first_m + second_m, DIGITS)
+        thrusts = max(able) >= len(self._here.agent.arms)
+        return [Hit(grasped, angles, tuple(map(stretch, SIDES)), cost=cost, thrusts=thrusts)]

@@ -7,7 +7,7 @@ leans. Postures come from the least to the greatest: whoever need not lower the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from dataclasses import replace
 
 import numpy as np
@@ -117,19 +117,19 @@ def leaving_seat(stage: Stage, agent: Agent, settings: Efforts, actions: frozens
     count = round(settings.leaving_seat_m / settings.leaving_step_m)
     for way_m in (settings.leaving_step_m * np.arange(1, count + 1)).tolist():
         if PUSH in actions and seat.goes_back(way_m):
-            yield _stood_up(stage, agent, start, -way_m * heading, (PUSH, STAND), seat.owner)
+            yield _stood_up(stage, agent, start, -way_m * heading, (PUSH, STAND), {seat.owner})
         for side in (1.0, -1.0):
             aside = side * way_m * np.array([-heading[1], heading[0]])
             if SIDLE in actions and seat.goes_on(aside, height_m, settings):
-                yield _stood_up(stage, agent, start, aside, (SIDLE, STAND), None)
+                yield _stood_up(stage, agent, start, aside, (SIDLE, STAND), set())
 
 
 def _stood_up(
-    stage: Stage, agent: Agent, start: State, offset_m: Array, actions: tuple[str, ...], aside: str | None
+    stage: Stage, agent: Agent, start: State, offset_m: Array, actions: tuple[str, ...], aside: Set[str]
 ) -> Candidate:
     there = moved(start, agent, (float(offset_m[0]), float(offset_m[1])))
     state = with_posture(stage.show(there), agent, "standing")
-    return Candidate(state, actions, Amount(moved_m=float(np.hypot(*offset_m))), aside)
+    return Candidate(state, actions, Amount(moved_m=float(np.hypot(*offset_m))), frozenset(aside))
 
 
 class _Seat:

@@ -27,7 +27,7 @@ from taskgist.perspective.arms import (
     shut_in,
     usually_met,
 )
-from taskgist.perspective.candidates import Candidates, Table, carry
+from taskgist.perspective.candidates import Candidates, Table, carry, thrust_of
 from taskgist.perspective.effort import BlockedArm, Held, Miss, OutOfReach, Quantity, Reached, Reason, stretch
 from taskgist.perspective.target import Target, ball_around, vector
 from taskgist.perspective.viewpoint import FindMiss, Hit, Screening, Viewpoint
@@ -74,6 +74,7 @@ def grasps_in_reach(
 def first_in_reach(
     table: Table,
     shoulders: Indices,
+    once: int,
     arms: Arms,
     around: Around,
     points: Array,
@@ -92,7 +93,9 @@ def first_in_reach(
 
     Args:
         table: The candidates.
-        shoulders: Which frame each arm's shoulder is, (a,).
+        shoulders: Which frame each arm's shoulder is, (a,). Arms may come twice, the second time with their shoulders
+            thrust forward: that is tried where they are too short otherwise, not where something is in the way.
+        once: How many arms there are.
         arms: These arms.
         around: What may be in their way.
         points: Metres, (k, 3).
@@ -113,16 +116,20 @@ def first_in_reach(
         Which it is, and whether any arm reaches.
     """
     pose, gaps = np.empty(POSE), np.empty(len(shoulders))
-    met = np.zeros(len(around.solids), dtype=np.intp)
+    met, within = np.zeros(len(around.solids), dtype=np.intp), np.zeros(len(shoulders), dtype=np.bool_)
     for i in range(start, stop):
         able, pause = False, False
         for arm in range(len(shoulders)):
-            carry(table, i, shoulders[arm], pose)
             nearest[arm], gaps[arm] = NOWHERE, np.inf
+            if once <= arm and within[arm - once]:
+                continue
+            within[arm] = False
+            carry(table, i, shoulders[arm], pose)
             ball_m = distance_m(pose, middle) - radius_m
             if ball_m > arms.sectors[arm, 0] + ROUNDING and ball_m > gap_m[arm]:
                 continue
             found, reach_m[arm], gaps[arm] = _nearest(pose, arms, arm, points)
+            within[arm] = found != NOWHERE
             nearest[arm] = _free_point(pose, arms, arm, points, found, around, met)
             if nearest[arm] != NOWHERE:
                 reach_m[arm], able = distance_m(pose, points[nearest[arm]]), True
@@ -263,10 +270,15 @@ NOT_HELD = Miss(Reason.NOT_HELD, "not held")
 
 
 def usable_arms(here: Viewpoint) -> tuple[tuple[int, ...], Arms]:
-    """The arms that an agent may stretch out: their indices, and the same for compiled functions."""
+    """The arms that an agent may stretch out: their indices, and the same, twice, for compiled functions.
+
+    The right one comes first, and is taken where two are equally near: most people are right-handed. The second time,
+    shoulders are thrust forward; none is by the paper's rough reach.
+    """
     arms = here.agent.arms
-    usable = tuple(index for index, arm in enumerate(arms) if stretch(arm.profile.side) in here.actions)
-    return usable, arms_of(tuple(arms[index] for index in usable), here.settings.reach.model)
+    usable = [index for index, arm in enumerate(arms) if stretch(arm.profile.side) in here.actions]
+    usable.sort(key=lambda index: arms[index].profile.side == "left")
+    return tuple(usable), arms_of(tuple(arms[index] for index in (*usable, *usable)), here.settings.reach.model)
 
 
 class ArmJudge:
@@ -277,17 +289,21 @@ class ArmJudge:
         target: The object.
 
     Attributes:
+        here: As given.
+        target: As given.
         arms: Indices of those that may be stretched out.
-        reaches: The same for compiled functions.
+        reaches: The same for compiled functions, twice: see ``usable_arms``.
+        thrusts: Whether any of them may be thrust forward.
         shut_in: Why no way leads from the object to any arm, where that was found out.
         looked: Whether it was tried to find out.
         brief: Whether only the level and how it is attained are asked for, not why it is not with less.
     """
 
     def __init__(self, here: Viewpoint, target: Target) -> None:
-        self._here, self.target = here, target
+        self.here, self.target = here, target
         self.arms, self.reaches = usable_arms(here)
         self.model = here.settings.reach.model
+        self.thrusts = self.model != "sector" and any(here.agent.arms[index].profile.thrust for index in self.arms)
         self.shut_in: Miss | None = None
         self.looked = self.brief = False
 
@@ -304,7 +320,7 @@ class ArmJudge:
     @cached_property
     def obstacles(self) -> Indices:
         """Rows of the solid shapes that may be in an arm's way when it reaches the object, (n,)."""
-        here, cloud = self._here, self.surface
+        here, cloud = self.here, self.surface
         far_m = cloud.radius_m + LINK_M + float(self.reaches.sectors[:, 0].max(initial=0.0))  # from palm to shoulder
         geoms = here.collisions.near(cloud.middle, far_m)
         own = here.stage.scene.geoms_of(self.target.name)
@@ -313,7 +329,7 @@ class ArmJudge:
     @cached_property
     def around(self) -> Around:
         """What may be in the way of the arms when they reach the object."""
-        here = self._here
+        here = self.here
         squeeze_m, touch_m = here.settings.efforts.collision_m, here.settings.reach.touch_m
         solids = here.collisions.solids[self.obstacles]
         felt = here.recorder.arms.bounds
@@ -322,15 +338,15 @@ class ArmJudge:
 
     @property
     def shoulders(self) -> Array:
-        """Where the shoulders of those arms are now, and the frames of what carries them, (a, 12)."""
-        stage, arms = self._here.stage.show(self._here.state), self._here.agent.arms
-        poses = [stage.shoulder(arms[index]) for index in self.arms]
+        """Where the shoulders of those arms are now, twice, and the frames of what carries them, (2 a, 12)."""
+        stage, arms = self.here.stage.show(self.here.state), self.here.agent.arms
+        poses = [stage.shoulder(arms[index]) for index in (*self.arms, *self.arms)]
         return np.array([[*pose.position, *pose.matrix.ravel()] for pose in poses]).reshape(-1, POSE)
 
     def owners(self, met: Indices) -> tuple[tuple[str, int], ...]:
         """Whose shapes were met how often, most first; counts by obstacle, (n,)."""
         counts: Counter[str] = Counter()
-        obstacles, owners = self._here.collisions.obstacles, self._here.stage.scene.owners
+        obstacles, owners = self.here.collisions.obstacles, self.here.stage.scene.owners
         for row in np.flatnonzero(met).tolist():
             counts[owners[int(obstacles[self.obstacles[row]])]] += int(met[row])
         return tuple(sorted(counts.items(), key=lambda each: (-each[1], each[0])))
@@ -344,7 +360,7 @@ class ArmJudge:
         inwards = cloud.middle - cloud.points
         away_m = np.maximum(np.linalg.norm(inwards, axis=1), INSIDE_M)[:, None]
         starts = cloud.points + inwards * (INSIDE_M / away_m)
-        eye = self._here.stage.eye(self._here.agent).position
+        eye = self.here.stage.eye(self.here.agent).position
         here = np.concatenate((self.shoulders[:, :3], eye[None]))
         radius_m = min(float(self.reaches.sectors[:, 0].max()), LARGEST_M) + cloud.radius_m
         if shut_in(starts, cloud.middle, radius_m, here, around.solids, met, around.felt):
@@ -354,15 +370,20 @@ class ArmJudge:
             self.shut_in = Miss(Reason.SHUT_IN, text, hindrance=BlockedArm(side, counts, shut_in=True))
 
     def arm(self, index: int) -> ArmIndices:
-        """An arm of the agent by its index."""
-        return self._here.agent.arms[index]
+        """An arm of the agent by its index; after all of them, they come again with their shoulders thrust forward."""
+        return self.here.agent.arms[index % len(self.here.agent.arms)]
+
+    def thrust(self, index: int) -> dict[int, float]:
+        """New angles of what thrusts forward the shoulder of an arm, by index into qpos."""
+        agent = self.here.agent
+        return thrust_of(agent, self.arm(index), self.here.state) if index >= len(agent.arms) else {}
 
     def passes_over(self, level: int) -> bool:
         """Whether the object is out of reach from all candidates of a level that stay where the agent is."""
         if not 1 <= level <= MOST_STAYING or not len(self.reaches.sectors):
             return False
-        middle, radius_m = self._here.candidates.shoulders_ball(level)
-        self._here.recorder.postures |= level == MOST_STAYING
+        middle, radius_m = self.here.candidates.shoulders_ball(level)
+        self.here.recorder.postures |= level == MOST_STAYING
         far_m = radius_m + self.surface.radius_m + float(self.reaches.sectors[:, 0].max()) + self.farther_m
         return float(np.linalg.norm(self.surface.middle - middle)) > far_m + INSIDE_M
 
@@ -373,11 +394,11 @@ class ArmJudge:
 
     def unknown(self, level: int) -> str | None:
         """The shoulders are where the torso is; legs matter from their level on; hands for holding only."""
-        return self._here.untracked(PARTS[level]) if level else self._hand_unknown()
+        return self.here.untracked(PARTS[level]) if level else self._hand_unknown()
 
     def _hand_unknown(self) -> str | None:
         """Sentence about a hand that was not tracked and might hold the object; None if there is none."""
-        here = self._here
+        here = self.here
         if self.target.name in here.held:
             return None
         stage, agent = here.stage.show(here.state), here.agent
@@ -388,13 +409,13 @@ class ArmJudge:
 
     def _could_hold(self, arm: ArmIndices) -> bool:
         """Whether the object is near enough to the arm's shoulder in the state that the stage shows."""
-        shoulder = self._here.stage.shoulder(arm).position
+        shoulder = self.here.stage.shoulder(arm).position
         nearest = float(np.linalg.norm(self.target.points - shoulder, axis=1).min(initial=np.inf))
         return nearest <= WHOLE_ARM * arm.profile.length_m
 
     def without_effort(self) -> Hit | FindMiss:
         """Level 0: held, or not."""
-        side = self._here.held.get(self.target.name)
+        side = self.here.held.get(self.target.name)
         return (lambda: NOT_HELD) if side is None else Hit(partial(Held, side))
 
 
@@ -413,16 +434,25 @@ class ReachScreening:
         judge: Whose arms.
         candidates: The candidates.
         cloud: The points.
+
+    Attributes:
+        arms: Indices of the arms, in the second half with their shoulders thrust forward: see ``ArmJudge.arm``.
     """
 
     def __init__(self, judge: ArmJudge, candidates: Candidates, cloud: PointCloud) -> None:
         self._judge, self._candidates, self._cloud = judge, candidates, cloud
-        shoulders = candidates.torso.frames.first_shoulder + np.array(judge.arms, dtype=np.intp)
+        thrust = (
+            [index + len(judge.here.agent.arms) for index in judge.arms]
+            if judge.thrusts and candidates.torso.thrusts
+            else []
+        )
+        self.arms = (*judge.arms, *thrust)
+        shoulders = candidates.torso.frames.first_shoulder + np.array(self.arms, dtype=np.intp)
         self._from, self._to = (
-            (candidates.table, shoulders, judge.reaches),
+            (candidates.table, shoulders, len(judge.arms), judge.reaches),
             (cloud.points, cloud.middle, cloud.radius_m),
         )
-        count = len(judge.arms)
+        count = len(self.arms)
         self._nearest, self._reach_m = np.empty(count, dtype=np.intp), np.empty(count)
         self._missed, self._gap_m = np.full(count, NOWHERE), np.full(count, np.inf)
         self._blocked = np.full(count, NOWHERE)
@@ -446,13 +476,18 @@ class ReachScreening:
 
     def beyond(self, margin_m: float) -> bool:
         """Whether all points are farther than this beyond every arm, from every candidate."""
-        return beyond(*self._from, *self._to, margin_m)
+        table, shoulders, _, arms = self._from
+        return beyond(table, shoulders, arms, *self._to, margin_m)
 
     def able(self, index: int) -> list[int]:
-        """Which of the judge's arms reach some point from such a candidate, the nearer shoulder's first."""
+        """Which of the arms reach some point from such a candidate, the nearer shoulder's first.
+
+        Returns:
+            Places in ``arms``, each arm once; those that need not be thrust forward come first.
+        """
         self.next(index, index + 1)
-        columns = np.flatnonzero(self._nearest != NOWHERE).tolist()
-        return sorted(columns, key=lambda column: round(float(self._reach_m[column]), DIGITS))
+        columns, once = np.flatnonzero(self._nearest != NOWHERE).tolist(), len(self._judge.arms)
+        return sorted(columns, key=lambda column: (column >= once, round(float(self._reach_m[column]), DIGITS)))
 
     def results(self, index: int) -> Iterator[Hit | FindMiss]:
         """How those arms reach the object."""
@@ -468,10 +503,10 @@ class ReachScreening:
             return self._judge.shut_in
         if (self._blocked != NOWHERE).any():
             return self._in_the_way(int(np.argmax(self._blocked != NOWHERE)))
-        column = int(np.argmin(self._gap_m))
+        column = int(np.argmin(np.round(self._gap_m, DIGITS)))
         if self._missed[column] == NOWHERE:
             return None
-        arm = self._judge.arms[column]
+        arm = self.arms[column]
         shoulder = self._candidates.shoulder(int(self._missed[column]), arm)
         profile = self._judge.arm(arm).profile
         length_m = profile.length_m if self._judge.model == "sector" else float(self._judge.reaches.sectors[column, 0])
@@ -480,7 +515,7 @@ class ReachScreening:
     def _in_the_way(self, column: int) -> Miss:
         """What keeps an arm from the points, from the first candidate where it would reach them otherwise."""
         judge, index = self._judge, int(self._blocked[column])
-        arm = judge.arms[column]
+        arm = self.arms[column]
         pose = self._candidates.frames(index)[self._candidates.torso.frames.first_shoulder + arm]
         met = np.zeros(len(judge.around.solids), dtype=np.intp)
         for point in self._cloud.points[np.argsort(np.linalg.norm(self._cloud.points - pose[:3], axis=1))[:TRIES]]:
@@ -492,10 +527,13 @@ class ReachScreening:
         return Miss(Reason.ARM_BLOCKED, text, hindrance=BlockedArm(side, counts))
 
     def _stretched(self, column: int) -> Hit:
-        side, distance_m = self._judge.arm(self._judge.arms[column]).profile.side, float(self._reach_m[column])
+        judge, arm = self._judge, self.arms[column]
+        side, distance_m = judge.arm(arm).profile.side, float(self._reach_m[column])
         point = self._cloud.points[self._nearest[column]]
         return Hit(
             lambda: Reached(side, vector(point), distance_m),
-            actions=(stretch(side),),
+            judge.thrust(arm),
+            (stretch(side),),
             cost=round(distance_m, DIGITS),
+            thrusts=column >= len(judge.arms),
         )

@@ -258,6 +258,8 @@ class SceneEfforts:
         if not here.candidates.follow(before.candidates, others):
             return {question: answer for question, answer in asked.items() if not answer.postures}
         nearest_m = here.candidates.floor_goes_on(others)
+        if nearest_m == math.inf:
+            return asked
         return {question: answer for question, answer in asked.items() if answer.floor_m < nearest_m}
 
 

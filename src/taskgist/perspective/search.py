@@ -2,8 +2,8 @@
 
 Within a level, candidates come from the least amount to the greatest. The first amount at which the ability holds
 without a collision is the level's answer; of several states with equal amounts the one of least cost is taken (most
-pixels, nearest shoulder). The levels are nested: what a level gives is not lost at a higher one, for a higher one is
-only asked when all lower ones fail.
+pixels, nearest shoulder), and between two hands that are equally near the right one. The levels are nested: what a
+level gives is not lost at a higher one, for a higher one is only asked when all lower ones fail.
 """
 
 from __future__ import annotations
@@ -54,6 +54,9 @@ FREE: Mapping[Ability, str] = {"see": "in the gaze cone", "reach": "held", "gras
 
 # --- One effort level.
 
+POSTURES = 3
+"""The level from which an agent takes other postures: what rests on its body is not where it was any longer."""
+
 
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -80,8 +83,8 @@ class Solution:
 
     @property
     def order(self) -> tuple[object, ...]:
-        """Least amount first, then least cost."""
-        return (self.amount.key, self.hit.cost)
+        """Least amount first, then least cost, then the right hand."""
+        return (self.amount.key, self.hit.order)
 
 
 def least(here: Viewpoint, judge: Judge, level: int, target: Array) -> Solution | FindMiss:
@@ -96,6 +99,8 @@ def least(here: Viewpoint, judge: Judge, level: int, target: Array) -> Solution 
     if level == 0:
         result = judge.without_effort()
         return Solution(here.candidates.current, result) if isinstance(result, Hit) else result
+    if level >= POSTURES and judge.target.name in here.on_body:
+        return partial(Miss, Reason.NO_POSTURE, f"rests on {here.agent.name}, and would not stay there")
     misses: list[FindMiss] = []
     screenings: list[Screening] = []
     if judge.brief and (judge.hopeless or judge.passes_over(level)):

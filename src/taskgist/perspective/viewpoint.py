@@ -8,7 +8,7 @@ its own joints:
 level  effort (Fig. 6)                 candidates
 ====== =============================== ==========================================================================
 0, 1   none; head, or arm              the current state
-2      and torso                       turns and leans of the torso
+2      and torso                       turns and leans of the torso, shoulders thrust forward with them
 3      whole body                      other postures, with turns and leans of the torso: standing up or sitting down,
                                        bending at the hips, crouching (``postures``)
 4      displacement                    standing, bent or crouched, on every place of the floor that can be got to, the
@@ -41,8 +41,20 @@ from taskgist.perspective.candidates import (
     checked_actions,
     torso_poses,
 )
-from taskgist.perspective.constraints import Collisions, Floor, Place, held_by
-from taskgist.perspective.effort import MOVE, SIT, STAND, TURN, Amount, Attained, Miss, Reason, Visibility
+from taskgist.perspective.constraints import Collisions, Floor, Place, held_by, near_body, wears
+from taskgist.perspective.effort import (
+    LEAN,
+    MOVE,
+    SIT,
+    STAND,
+    TURN,
+    Amount,
+    Attained,
+    Miss,
+    Reason,
+    Visibility,
+    stretch,
+)
 from taskgist.perspective.image import Sight, look, measured
 from taskgist.perspective.postures import bends, leaving_seat, seat_height_m
 from taskgist.perspective.target import Recorder, Region, Target, ball_around, touched
@@ -94,23 +106,25 @@ class Viewpoint:
         self._sights: dict[str, Sight] = {}
         near = objects_near(stage, self.agent, settings.contact)
         self.held: Mapping[str, str] = held_by(stage, self.agent, near, settings.contact)
+        touching = near_body(stage, self.agent, settings.contact)
+        self.on_body = frozenset(name for name in touching if wears(stage, self.agent, name, settings.contact))
         self.recorder = Recorder()
         self.collisions = Collisions(stage, self.agent, settings, self.held, self.recorder)
-        self._without: dict[str, Collisions] = {}
+        self._without: dict[frozenset[str], Collisions] = {}
         self.posture: Posture | None = posture_of(stage, self.agent, settings.contact)
 
     @property
-    def contacts(self) -> tuple[Mapping[str, str], Mapping[tuple[int, int], float], Posture | None]:
-        """What the agent holds, what it touches how deep, and its posture: all answers stand on these."""
-        return self.held, self.collisions.usual_m, self.posture
+    def contacts(self) -> tuple[Mapping[str, str], frozenset[str], Mapping[tuple[int, int], float], Posture | None]:
+        """What the agent holds and wears, what it touches how deep, and its posture: all answers stand on these."""
+        return self.held, self.on_body, self.collisions.usual_m, self.posture
 
     def collisions_of(self, candidate: Candidate) -> Collisions:
         """What the agent would push into in states that a candidate leads to."""
         aside = candidate.aside
-        if aside is None:
+        if not aside:
             return self.collisions
         if aside not in self._without:
-            stage, out = self.stage.show(self.state), (*self.held, aside)
+            stage, out = self.stage.show(self.state), {*self.held, *aside}
             self._without[aside] = Collisions(stage, self.agent, self.settings, out, self.recorder)
         return self._without[aside]
 
@@ -189,8 +203,8 @@ class Viewpoint:
         return holding is not None and bool(holding.support or holding.container)
 
 
-SEAT_M = 0.6
-"""How far around an agent its seat may be, at most."""
+CLOSE_M = 1.0
+"""Who gets no farther than this is shut in where he stands up (ours: a sofa and its table are as long, or longer)."""
 AROUND_M, DEEP_M = 0.05, 100.0
 """How far around a line, and down to where, a seat is looked for."""
 NO_CANDIDATE: Mapping[int, Miss] = {
@@ -206,14 +220,24 @@ class CandidateSource:
 
     Args:
         here: The agent in its current state.
+
+    Attributes:
+        felt: Where was looked and felt for what stands in the way of other postures.
+        shut: Where it was found out that an agent that sits does not get away from where it stands up; empty if it
+            does.
+        start: From where the agent walks, and
+        floor: where it gets from there; None as long as nobody asked.
     """
 
     def __init__(self, here: Viewpoint) -> None:
         self._here = here
         self._frames: dict[Candidate, Frames] = {}
+        self._bent: dict[Candidate, list[Candidate]] = {}
         self._balls: dict[int, tuple[Array, float]] = {}
-        self.felt = Region()
+        self.felt, self.shut = Region(), Region()
+        self.start: Candidate | None = None
         self.floor: Floor | None = None
+        self._gets_away = True
 
     def follow(self, before: CandidateSource, moved: Array) -> bool:
         """Take over what was found in an earlier state, in which the agent was where it is.
@@ -230,19 +254,22 @@ class CandidateSource:
             self.felt = before.felt
         elif not self._stands_as(known):
             return False
-        if before.floor is not None:
-            self.floor = before.floor
-            self.floor.note = here.recorder.add_ways
-        starts = [*known.get("other_postures", ()), *known.get("_bent", ()), *before._frames]
+        starts = [*known.get("other_postures", ()), *before._frames, *before._bent]
+        starts += [each for bent in before._bent.values() for each in bent]
         starts += [known[name] for name in ("other_posture", "upright") if known.get(name) is not None]
+        starts += [before.start] if before.start is not None else []
         as_now = {id(each): self._now(each) for each in starts}
         as_now[id(known.get("current"))] = self.current
         for name in ("other_posture", "upright"):
             if name in known:
                 self.__dict__[name] = as_now.get(id(known[name])) if known[name] is not None else None
-        for name, kind in (("other_postures", tuple), ("_bent", list)):
-            if name in known:
-                self.__dict__[name] = kind(as_now[id(each)] for each in known[name])
+        if "other_postures" in known:
+            self.__dict__["other_postures"] = tuple(as_now[id(each)] for each in known["other_postures"])
+        self._bent = {as_now[id(start)]: [as_now[id(each)] for each in bent] for start, bent in before._bent.items()}
+        if before.floor is not None and not touched(before.shut.bounds[None], moved)[0]:
+            self.start, self.floor = as_now[id(before.start)], before.floor
+            self.shut, self._gets_away = before.shut, before._gets_away
+            self.floor.note = here.recorder.add_ways
         self._frames = {as_now[id(start)]: frames for start, frames in before._frames.items()}
         return True
 
@@ -278,6 +305,7 @@ class CandidateSource:
         elif level == 4 and MOVE in self._here.actions:
             self._here.recorder.postures = True
             if self.walk is not None:
+                self._note_start()
                 yield from self.walk.candidates(target)
 
     def shoulders_ball(self, level: int) -> tuple[Array, float]:
@@ -292,7 +320,7 @@ class CandidateSource:
         """Why an effort level has no candidates."""
         here = self._here
         if level == 4 and MOVE in here.actions and here.posture == "sitting" and self.other_posture is not None:
-            blocking = here.collisions.blocking(self.other_posture.state)
+            blocking = here.collisions_of(self.other_posture).blocking(self.other_posture.state)
             return Miss(Reason.NO_STANDING, f"{STAND} is blocked: {blocking}", hindrance=blocking)
         return NO_CANDIDATE[level]
 
@@ -307,7 +335,7 @@ class CandidateSource:
         here = self._here
         stage = here.stage.show(here.state)
         if here.posture == "sitting" and STAND in here.actions:
-            return Candidate(with_posture(stage, here.agent, "standing"), (STAND,))
+            return Candidate(with_posture(stage, here.agent, "standing"), (STAND,), aside=here.on_body)
         if here.posture == "standing" and SIT in here.actions:
             seat = seat_height_m(stage, here.agent, here.settings.efforts)
             x, y = seat_position(stage, here.agent).tolist()
@@ -315,7 +343,7 @@ class CandidateSource:
             if seat is not None:
                 state = with_posture(stage, here.agent, "sitting", seat_height_m=seat)
                 lowered_m = float(here.state.qpos[here.agent.base][2] - state.qpos[here.agent.base][2])
-                return Candidate(state, (SIT,), Amount(lowered_m=lowered_m))
+                return Candidate(state, (SIT,), Amount(lowered_m=lowered_m), here.on_body)
         return None
 
     @cached_property
@@ -323,27 +351,29 @@ class CandidateSource:
         """The agent standing, free of collisions, ready to walk; None if it cannot be."""
         here, standing = self._here, self.other_posture
         if here.posture == "standing":
-            return self.current
+            return Candidate(here.state, aside=here.on_body) if here.on_body else self.current
         with here.recorder.apart() as tried:
-            found = self._stood_up(standing)
+            found = standing
+            if standing is not None and here.collisions_of(standing).blocking(standing.state) is not None:
+                self.felt.add(self._seat_region())
+                found = next(self._ways_out(), None)
         self.felt.add(tried)
         return found
 
-    def _stood_up(self, standing: Candidate | None) -> Candidate | None:
-        """The agent that sits after standing up where it is, or after leaving its seat."""
+    def _ways_out(self) -> Iterator[Candidate]:
+        """The agent after getting up where it does not simply stand up, if it is free there; the least way first."""
         here = self._here
-        if standing is None or here.collisions.blocking(standing.state) is None:
-            return standing
-        self.felt.add(self._seat_region())
-        ways_out = leaving_seat(here.stage.show(here.state), here.agent, here.settings.efforts, here.actions)
-        return next((way for way in ways_out if here.collisions_of(way).blocking(way.state) is None), None)
+        for way in leaving_seat(here.stage.show(here.state), here.agent, here.settings.efforts, here.actions):
+            there = replace(way, aside=way.aside | here.on_body)
+            if here.collisions_of(there).blocking(there.state) is None:
+                yield there
 
-    @cached_property
-    def _bent(self) -> list[Candidate]:
+    def _bends(self, start: Candidate) -> list[Candidate]:
         """What the agent does standing."""
-        here, upright = self._here, self.upright
-        assert upright is not None
-        return list(bends(here.stage, here.agent, upright, here.settings.efforts, here.actions))
+        if start not in self._bent:
+            here = self._here
+            self._bent[start] = list(bends(here.stage, here.agent, start, here.settings.efforts, here.actions))
+        return self._bent[start]
 
     @cached_property
     def other_postures(self) -> tuple[Candidate, ...]:
@@ -352,7 +382,7 @@ class CandidateSource:
         found = [self.other_posture] if self.other_posture else []
         if upright is not None:
             found += [upright] if here.posture == "sitting" and upright is not self.other_posture else []
-            found += self._bent
+            found += self._bends(upright)
         return tuple(sorted(found, key=lambda posture: posture.amount.key))
 
     @cached_property
@@ -361,15 +391,66 @@ class CandidateSource:
         here = self._here
         if MOVE not in here.actions or self.upright is None:
             return None
-        agent, state, axis = here.agent, self.upright.state, here.agent.profile.turn
-        poses, standing = self._poses(here.actions - {TURN}), (self.upright, *self._bent)
-        torso = [self._torso(start, poses) for start in standing]
-        collisions = here.collisions_of(self.upright)
-        here.stage.show(state)
-        if self.floor is None:
-            self.floor = Floor(state, agent, here.settings.efforts, collisions.footprint(), here.recorder.add_ways)
+        if self.floor is None or self._leads_on(self.floor) != self._gets_away:
+            self._choose_start(self.upright)
+        assert self.start is not None
+        assert self.floor is not None
+        agent, start, axis = here.agent, self.start, here.agent.profile.turn
+        poses = self._poses(here.actions - {TURN})
+        torso = [self._torso(each, poses) for each in (start, *self._bends(start))]
         turned_rad = float(here.state.qpos[agent.joints[axis.joint]]) if axis else 0.0
-        return Walk(torso, yaw_of(state.qpos[agent.base][3:]) + turned_rad, self.floor)
+        return Walk(torso, yaw_of(start.state.qpos[agent.base][3:]) + turned_rad, self.floor)
+
+    def _choose_start(self, upright: Candidate) -> None:
+        """Find out from where the agent walks: from where it stands up, unless it is shut in there.
+
+        As between a sofa and its table: people move along the seat to where they get away.
+        """
+        here, self.shut = self._here, Region()
+        start, floor = upright, self._floor(upright)
+        self._gets_away = self._leads_on(floor)
+        if not self._gets_away:
+            self.shut.add(self._seat_region())
+            self.shut.add(self._tried_over(start, floor))
+            with here.recorder.apart() as tried:
+                for way in self._ways_out():
+                    beside = self._floor(way)
+                    if self._leads_on(beside):
+                        start, floor, self._gets_away = way, beside, True
+                        break
+                    self.shut.add(self._tried_over(way, beside))
+            self.shut.add(tried)
+        self.start, self.floor = start, floor
+        self.floor.note = here.recorder.add_ways
+
+    def _leads_on(self, floor: Floor) -> bool:
+        """Whether an agent gets away over a floor; who stands stays there."""
+        return self._here.posture != "sitting" or floor.first_beyond(CLOSE_M) is not None
+
+    def _note_start(self) -> None:
+        """Note what it depends on from where the agent walks."""
+        here = self._here
+        if here.posture == "sitting" and self.floor is not None:
+            shut = Region()
+            shut.add(self.shut)
+            here.recorder.add_body(shut)
+            beyond = self.floor.first_beyond(CLOSE_M)
+            if beyond is not None:
+                here.recorder.found_after(beyond.way_m)
+
+    def _floor(self, start: Candidate) -> Floor:
+        """Where the agent can get to, once it stands."""
+        here = self._here
+        here.stage.show(start.state)
+        return Floor(start.state, here.agent, here.settings.efforts, here.collisions_of(start).footprint())
+
+    def _tried_over(self, start: Candidate, floor: Floor) -> Region:
+        """Where it was felt for what stands in the way over a floor."""
+        region = self._here.collisions_of(start).filled(start.state)
+        offsets = np.array([floor.offset_m(*cell) for cell in floor.free_at]).reshape(-1, 2)
+        region.bounds[0, :2] += offsets.min(axis=0, initial=0.0)
+        region.bounds[1, :2] += offsets.max(axis=0, initial=0.0)
+        return region
 
     @property
     def untried(self) -> str | None:
@@ -390,23 +471,24 @@ class CandidateSource:
             How far the nearest change is, metres; infinite if there is none.
         """
         here = self._here
-        if self.floor is None or self.upright is None:
+        if self.floor is None or self.start is None:
             return math.inf
-        collisions = here.collisions_of(self.upright)
-        filled = collisions.filled(self.upright.state).bounds
-        here.stage.show(self.upright.state)
+        collisions = here.collisions_of(self.start)
+        filled = collisions.filled(self.start.state).bounds
+        here.stage.show(self.start.state)
         return self.floor.go_on(collisions.footprint(), filled, moved)
 
     def _seat_region(self) -> Region:
         """Where it is tried to leave a seat."""
         region, here = Region(), self._here
-        around_m = SEAT_M + here.settings.efforts.leaving_seat_m
+        efforts = here.settings.efforts
+        around_m = efforts.sliding_seat_m + efforts.leaving_seat_m
         region.add_points(here.stage.show(here.state).geom_centers(here.agent.geoms), around_m)
         return region
 
     @cached_property
     def _current(self) -> Candidates:
-        return Candidates(self._torso(self.current, [TorsoPose()]))
+        return Candidates(self._torso(self.current, [TorsoPose()], thrusts=False))
 
     @cached_property
     def _with_torso(self) -> Candidates:
@@ -420,11 +502,12 @@ class CandidateSource:
     def _poses(self, actions: frozenset[str]) -> list[TorsoPose]:
         return torso_poses(self._here.agent, self._here.state, self._here.settings.efforts, actions)
 
-    def _torso(self, start: Candidate, poses: Sequence[TorsoPose]) -> TorsoPoses:
+    def _torso(self, start: Candidate, poses: Sequence[TorsoPose], *, thrusts: bool = True) -> TorsoPoses:
         here = self._here
+        thrusts = thrusts and not here.actions.isdisjoint((TURN, LEAN))
         if start not in self._frames:
             self._frames[start] = Frames(here.stage.show(start.state), here.agent)
-        return TorsoPoses.of(here.agent, start, self._frames[start], poses)
+        return TorsoPoses.of(here.agent, start, self._frames[start], poses, thrusts=thrusts)
 
 
 def _same(one: Candidate | None, other: Candidate | None, own: Indices) -> bool:
@@ -443,10 +526,12 @@ class Hit:
     """How the ability holds from a candidate.
 
     Attributes:
-        angles_rad: Angles of the head, by index into qpos, in the attained state; the others are the candidate's.
+        angles_rad: Angles of the head, or of what thrusts shoulders forward, by index into qpos, in the attained
+            state; the others are the candidate's.
         actions: Virtual actions after those of the candidate, in order.
         head_rad: How far the head turned, radians.
         cost: Decides between equal amounts: the least is taken. Less of what is seen, or farther from the shoulder.
+        thrusts: Whether a shoulder is thrust forward.
         find_evidence: Finds what shows it; only asked of the hit that is chosen.
     """
 
@@ -455,6 +540,12 @@ class Hit:
     actions: tuple[str, ...] = ()
     head_rad: float = 0.0
     cost: float = 0.0
+    thrusts: bool = False
+
+    @property
+    def order(self) -> tuple[bool, float, bool]:
+        """Shoulders at rest first, then the least cost; of equal hands the right one, as with most people."""
+        return self.thrusts, self.cost, stretch("left") in self.actions
 
 
 FindMiss = Callable[[], Miss]
@@ -489,6 +580,9 @@ class Judge(Protocol):
 
     def passes_over(self, level: int) -> bool:
         """Whether the ability surely holds from no candidate of a level; false where that is not clear at once."""
+
+    target: Target
+    """The object."""
 
     def unknown(self, level: int) -> str | None:
         """Why nothing can be said at an effort level, for want of tracking; None if something can."""

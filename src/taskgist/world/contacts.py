@@ -1,4 +1,7 @@
-"""What an object rests on, and what it lies in: geometry of one state (5.3.1), remembered while nothing changes."""
+"""What carries an object: geometry of one state (5.3.1), remembered while nothing changes.
+
+It rests on something, lies in it, is held by hands, touches somebody's body, or hangs.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +20,8 @@ from taskgist.world.stage import Stage
 from taskgist.world.state import Hold
 
 DOWN = np.array([0.0, 0.0, -1.0])
+UP = -DOWN
+ROUNDING = 1e-6
 POINT_SPACING_M = 0.03
 """Spacing of the points of an object's surface under which a support is searched."""
 WALL_DIRECTIONS = 36
@@ -51,17 +56,17 @@ def rest_of(stage: Stage, name: str, settings: Contact) -> Rest:
 
 @dataclass(frozen=True, eq=False)
 class Drop:
-    """Points of an object's surface, lifted a little and dropped: what they meet carries it.
+    """Points of an object's surface, lifted to one height and dropped: what they meet carries it.
 
     Attributes:
         name: The object.
         starts: The lifted points, lowest first, metres, (n, 3).
-        lift_m: By how much they were lifted.
+        lifts_m: By how much each was lifted, metres, (n,).
     """
 
     name: str
     starts: Array
-    lift_m: float
+    lifts_m: Array
 
     @classmethod
     def of(cls, stage: Stage, name: str, settings: Contact) -> Drop:
@@ -69,20 +74,23 @@ class Drop:
         samples = object_points(stage, name, POINT_SPACING_M)
         points = _low_points(stage, name, samples)
         if not len(points):
-            return cls(name, points, 0.0)
-        # The lift stays inside the object, so that what stands above it is not taken for its support: unless its
-        # middle is in something, into whose upper face it was tracked.
-        lift = min(settings.lift_m, float(np.ptp(samples[:, 2])) / 2)
-        if lift < settings.support_m:
-            lift = max(lift, _sunk_m(stage, name, float(points[0, 2]), settings))
-        return cls(name, points + (0.0, 0.0, lift), lift)
+            return cls(name, points, np.empty(0))
+        # No higher than its middle, so that what is above the object is not taken for its support: unless its middle
+        # is in something, into whose upper face it was tracked.
+        lowest_m = float(points[0, 2])
+        lift_m = min(settings.lift_m, float(np.ptp(samples[:, 2])) / 2)
+        if lift_m < settings.support_m:
+            lift_m = max(lift_m, _sunk_m(stage, name, lowest_m, settings))
+        low = points[points[:, 2] <= lowest_m + lift_m + ROUNDING]
+        lifts_m = lowest_m + lift_m - low[:, 2]
+        return cls(name, low + lifts_m[:, None] * UP, lifts_m)
 
     def around(self, stage: Stage, settings: Contact) -> Indices:
         """Seen shapes that the points may meet, but those of the object's own body, (n,)."""
         if not len(self.starts):
             return np.empty(0, dtype=np.intp)
         middle = self.starts.mean(axis=0)
-        radius_m = float(np.linalg.norm(self.starts - middle, axis=1).max()) + self.lift_m + settings.support_m
+        radius_m = float(np.linalg.norm(self.starts - middle, axis=1).max() + self.lifts_m.max()) + settings.support_m
         body = stage.scene.object_body(self.name)
         return stage.between(middle, middle[None], np.array([radius_m]), but_body=body)
 
@@ -105,26 +113,25 @@ class Drop:
         geoms, distances, normals = stage.cast_each(around, self.starts, np.tile(DOWN, (len(self.starts), 1)))
         scene = stage.scene
         counts = (geoms >= 0) & (normals[:, 2] >= math.cos(settings.support_slope_rad))
-        counts &= distances - self.lift_m <= settings.support_m
+        counts &= distances - self.lifts_m <= settings.support_m
         for geom in np.unique(geoms[counts]).tolist():
             counts[geoms == geom] &= scene.owners[geom] != self.name and scene.owners[geom] not in scene.agents
         rows = np.flatnonzero(counts)
-        return geoms[rows], distances[rows] - self.lift_m
+        return geoms[rows], (distances - self.lifts_m)[rows]
 
 
 def support_of(stage: Stage, name: str, settings: Contact) -> str | None:
     """What an object rests on: the owner of the surface beneath it, or None.
 
-    Points of the object's surface are lifted a little and dropped: where one meets a nearly level surface within
-    ``support_m`` beneath the object, that surface carries it. The lift makes the answer robust to interpenetration.
+    Points of the object's surface are lifted, no higher than its middle, and dropped: where one meets a nearly level
+    surface within ``support_m`` beneath it, that surface carries the object. The lift makes the answer robust to
+    interpenetration.
     Agents are never supports (5.3.1).
     """
     drop = Drop.of(stage, name, settings)
     return drop.meets(stage, drop.around(stage, settings), settings)
 
 
-UP = -DOWN
-ROUNDING = 1e-6
 SUNK_M = 1e-3
 """How far above a surface a point is dropped that was beneath it."""
 
@@ -407,4 +414,54 @@ def rests_on(stage: Stage, arm: ArmIndices, settings: Contact) -> str | None:
     above = stage.geom_centers([hand_geom])[0]
     hits, _ = stage.cast(above, [(0.0, 0.0, -1.0)], exclude_body=arm.hand_body)
     owner = scene.owners[other]
-    return owner if hits[0] >= 0 and scene.owners[hits[0]] == owner else None
+    if hits[0] < 0 or scene.owners[hits[0]] != owner:
+        return None
+    if owner not in scene.objects:
+        return owner
+    # What fingers are around is gripped; a hand rests on a thing that is all beneath it.
+    top_m = stage.bounds(scene.solid_geoms_of(owner))[1, 2]
+    return owner if stage.bounds(arm.hand_geoms)[0, 2] >= top_m - settings.support_m else None
+
+
+# --- What carries an object that rests on nothing, and that no hand holds.
+
+
+def wearer_of(stage: Stage, name: str, settings: Contact) -> tuple[str | None, bool]:
+    """The agent on whose body an object is: on a lap or an arm, in a pocket; or nobody.
+
+    Returns:
+        The agent or None; and whether that is sure: a part that was not tracked might carry it.
+    """
+    scene, thing = stage.scene, stage.scene.solid_geoms_of(name)
+    lost = scene.untracked_geoms(stage.state.untracked)
+    bodies = {agent: _but_hands(scene, agent) for agent in scene.agents}
+
+    def touches(geoms: Indices) -> bool:
+        return bool(len(geoms)) and stage.closest(geoms, thing, limit_m=settings.support_m)[0] < settings.support_m
+
+    wearer = next((agent for agent, geoms in bodies.items() if touches(np.setdiff1d(geoms, lost))), None)
+    return wearer, wearer is not None or not any(touches(np.intersect1d(geoms, lost)) for geoms in bodies.values())
+
+
+def _but_hands(scene: Scene, agent: str) -> Indices:
+    hands = [arm.hand_geoms for arm in scene.agent(agent).arms]
+    return np.setdiff1d(scene.solid_geoms_of(agent), np.concatenate([*hands, np.empty(0, dtype=np.intp)]))
+
+
+def hook_of(stage: Stage, name: str, settings: Contact) -> str | None:
+    """What an object hangs on: a hook or a rail, a wall, whatever touches it and is not wholly above it; or None."""
+    scene, thing = stage.scene, stage.scene.solid_geoms_of(name)
+    top_m = stage.bounds(thing)[1, 2]
+    others = [geom for geom in stage.solid_geoms().tolist() if scene.owners[geom] not in (name, *scene.agents)]
+    touching = {other for _, other in stage.near_pairs(thing, others, limit_m=settings.support_m)}
+    beside = [geom for geom in sorted(touching) if _lowest_m(stage, geom) < top_m]
+    gap_m, _, hook = stage.closest(thing, beside, limit_m=settings.support_m)
+    return scene.owners[hook] if hook >= 0 and gap_m < settings.support_m else None
+
+
+def _lowest_m(stage: Stage, geom: int) -> float:
+    pose = stage.geom(geom)
+    lowest = lowest_point(stage.scene.model, geom, pose.matrix)
+    if lowest is not None:
+        return float(pose.to_world(lowest)[2])
+    return -math.inf if pose.matrix[2, 2] > -math.cos(math.pi / 4) else float(pose.position[2])

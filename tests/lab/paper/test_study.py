@@ -9,8 +9,10 @@ from pathlib import Path
 import pytest
 
 from taskgist.errors import InputError
+from taskgist.facts.vocabulary import EFFORT_LEVELS
 from taskgist.pipeline import shipped_study
 from taskgist_lab.paper import Goal, Judged, Verdict, judge_study, report, shipped_displacements
+from taskgist_lab.paper.published import CLAUSES
 from tools.markdown import filled
 from tools.paper_page import parts
 
@@ -70,3 +72,32 @@ def test_every_row_of_the_page_has_as_many_cells_as_its_head() -> None:
     assert len(tables) > 10
     for table in tables:
         assert len({row.count("|") for row in table.splitlines()}) == 1, table
+
+
+def levels(each: Judged, ability: str) -> tuple[int, int]:
+    """Effort levels at the start and the end of a demonstration."""
+    nodes = each.explanation.nodes
+    start, end = (str(nodes[f"{ability}.effort.{instant}"].value) for instant in (1, 2))
+    return EFFORT_LEVELS[start], EFFORT_LEVELS[end]
+
+
+@pytest.mark.parametrize(
+    ("task", "ability"),
+    [
+        (task, node.removesuffix(".class"))
+        for task, clause in CLAUSES.items()
+        for node in (predicate.node for predicate in clause.predicates)
+        if node in ("see.class", "reach.class", "grasp.class")
+    ],
+)
+def test_where_a_class_is_printed_demonstrations_end_at_several_levels(task: str, ability: str) -> None:
+    """Else the more special value, one level, would be learned."""
+    assert len({levels(each, ability)[1] for each in judged()[task]}) >= 2
+
+
+def test_the_page_of_the_recordings_tells_what_they_show() -> None:
+    page = Path("docs/research/recordings.md").read_text(encoding="utf-8")
+    for each in (each for of_task in judged().values() for each in of_task):
+        name = each.explanation.demonstration
+        reach, see = (" → ".join(map(str, levels(each, ability))) for ability in ("reach", "see"))
+        assert re.search(rf"^\| {name} \| {reach} \| {see} \|", page, re.MULTILINE), (name, reach, see)

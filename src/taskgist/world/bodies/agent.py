@@ -12,9 +12,10 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
-from taskgist.world.bodies.arm_chain import ArmChain, chain_of
+from taskgist.world.bodies.arm_chain import NO_LIMITS, ArmChain, chain_of
 from taskgist.world.bodies.capability import ArmReach, reach_of
 from taskgist.world.bodies.hands import GHOST_GROUP, ghosts_of
+from taskgist.world.bodies.human import shoulder_limits
 from taskgist.world.bodies.profile import DERIVED_M, AgentProfile, Arm, Axis
 from taskgist.world.geometry.shapes import lowest_point
 
@@ -36,7 +37,7 @@ def completed(model: mujoco.MjModel, agent: str, profile: AgentProfile) -> Agent
     return replace(
         profile,
         **{name: axis and replace(axis, range_rad=range_of(model, agent, axis)) for name, axis in axes.items()},
-        arms=tuple(_with_length(model, agent, arm) for arm in profile.arms),
+        arms=tuple(_completed_arm(model, agent, arm) for arm in profile.arms),
     )
 
 
@@ -49,7 +50,9 @@ def range_of(model: mujoco.MjModel, agent: str, axis: Axis) -> tuple[float, floa
     return max(low, axis.range_rad[0]), min(high, axis.range_rad[1])
 
 
-def _with_length(model: mujoco.MjModel, agent: str, arm: Arm) -> Arm:
+def _completed_arm(model: mujoco.MjModel, agent: str, arm: Arm) -> Arm:
+    if arm.thrust is not None:
+        arm = replace(arm, thrust=replace(arm.thrust, range_rad=range_of(model, agent, arm.thrust)))
     return arm if arm.length_m != DERIVED_M else replace(arm, length_m=stretched_m(model, agent, arm))
 
 
@@ -285,7 +288,7 @@ def _resolve_arm(
         hand_geoms=solid(model, hand_geoms) if len(solid(model, hand_geoms)) else hand_geoms,
         ghosts=np.array(ghosts, dtype=np.intp),
         flat_ghost=flat_ghost,
-        chain=chain_of(model, data, indices, geoms),
+        chain=chain_of(model, data, indices, geoms, shoulder_limits(arm.side) if human_stature_m else NO_LIMITS),
         human_stature_m=human_stature_m,
     )
 

@@ -23,9 +23,12 @@ GIRDLE_M = 0.01
 """A joint moves the shoulder itself if its axis passes it farther away than this."""
 STEPS = 65_535
 """Steps of a joint's range in which configurations are kept."""
-JOINT_COLUMNS, CAPSULE_COLUMNS = 9, 9
+JOINT_COLUMNS, CAPSULE_COLUMNS, LIMIT_COLUMNS = 9, 9, 9
 ALONG, SLIDES, LOW, SPAN = 3, 6, 7, 8
 END, THICK, CARRIED, HAND = 3, 6, 7, 8
+BARRED, NEAR, TWIST = 4, 7, 8
+NO_LIMITS = np.empty((0, LIMIT_COLUMNS))
+SLACK = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +43,9 @@ class ArmChain:
         palm: Where the palm is, metres, (3,).
         wrist: Where the hand begins, (3,).
         carrier: Solid shapes of the carrier, (s, 17); see ``geometry.solids``.
+        limits: Of ball-and-socket joints that several hinges stand for: how many of the joints carry the limb, where
+            it points (3), the middle of a cone of directions that it does not take (3), the cosine of the cone's
+            half-angle, and how far the limb twists about itself, radians, (l, 9).
     """
 
     joints: Array
@@ -47,6 +53,7 @@ class ArmChain:
     palm: Array
     wrist: Array
     carrier: Array
+    limits: Array
 
     @cached_property
     def inside(self) -> Array:
@@ -69,7 +76,9 @@ class ArmChain:
         carrier[:, AT + 1] *= -1
         carrier[:, TURNED + 3 : TURNED + 6] *= -1
         flip = np.array((1.0, -1.0, 1.0))
-        return ArmChain(joints, capsules, self.palm * flip, self.wrist * flip, carrier)
+        limits = self.limits.copy()
+        limits[:, [2, BARRED + 1]] *= -1
+        return ArmChain(joints, capsules, self.palm * flip, self.wrist * flip, carrier, limits)
 
     def scaled(self, factor: float) -> ArmChain:
         """The arm of a body that is so many times as large."""
@@ -79,11 +88,13 @@ class ArmChain:
         capsules[:, : THICK + 1] *= factor
         carrier[:, 1:TURNED] *= factor
         carrier[:, COLUMNS - 1] *= factor
-        return ArmChain(joints, capsules, self.palm * factor, self.wrist * factor, carrier)
+        return ArmChain(joints, capsules, self.palm * factor, self.wrist * factor, carrier, self.limits)
 
     def is_about(self, other: ArmChain, within_m: float) -> bool:
         """Whether another arm is the same but for so much."""
         if self.joints.shape != other.joints.shape or self.capsules.shape != other.capsules.shape:
+            return False
+        if not np.array_equal(self.limits, other.limits):
             return False
         pairs = (self.joints, other.joints), (self.capsules, other.capsules), (self.palm, other.palm)
         return all(np.allclose(one, two, rtol=0.0, atol=within_m) for one, two in pairs)
@@ -97,14 +108,21 @@ class ArmChain:
     @cached_property
     def digest(self) -> str:
         """Digest of its numbers, to a hundredth of a millimetre."""
-        arrays = (self.joints, self.capsules, self.palm, self.wrist, self.carrier)
+        arrays = [self.joints, self.capsules, self.palm, self.wrist, self.carrier]
+        arrays += [self.limits] if len(self.limits) else []
         shapes = repr([array.shape for array in arrays])
         finite = (np.nan_to_num(array, posinf=1e6, neginf=-1e6) for array in arrays)
         content = b"".join((np.round(array * 1e5) + 0.0).astype("<i8").tobytes() for array in finite)
         return hashlib.sha256(shapes.encode() + content).hexdigest()[:16]
 
 
-def chain_of(model: mujoco.MjModel, data: mujoco.MjData, indices: Mapping[str, int], geoms: Indices) -> ArmChain:
+def chain_of(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    indices: Mapping[str, int],
+    geoms: Indices,
+    limits: Array = NO_LIMITS,
+) -> ArmChain:
     """An arm as numbers.
 
     Args:
@@ -112,6 +130,7 @@ def chain_of(model: mujoco.MjModel, data: mujoco.MjData, indices: Mapping[str, i
         data: Where its bodies are, at the configuration ``qpos0``.
         indices: Of the bodies ``root``, ``hand`` and ``carrier``, and of the sites ``shoulder`` and ``palm``.
         geoms: The arm's shapes; those of them that collide are what it bumps into things with.
+        limits: Of ball-and-socket joints, as in the chain, (l, 9).
     """
     carrier, shoulder, hand = indices["carrier"], indices["shoulder"], indices["hand"]
     turn, origin = data.xmat[carrier].reshape(3, 3), data.site_xpos[shoulder]
@@ -136,7 +155,7 @@ def chain_of(model: mujoco.MjModel, data: mujoco.MjData, indices: Mapping[str, i
     matrices = np.einsum("ji,njk->nik", turn, data.geom_xmat[own].reshape(-1, 3, 3)).reshape(-1, 9)
     shapes = solids_of(model, own, place(data.geom_xpos[own]), matrices)
     palm, wrist = place(data.site_xpos[indices["palm"]]), place(data.xpos[hand])
-    return ArmChain(joints, capsules, palm, wrist, shapes)
+    return ArmChain(joints, capsules, palm, wrist, shapes, limits)
 
 
 def _formed(model: mujoco.MjModel, geoms: Indices) -> Mask:
@@ -256,6 +275,29 @@ def put(frame: Array, x: float, y: float, z: float) -> tuple[float, float, float
         frame[1] + frame[6] * x + frame[7] * y + frame[8] * z,
         frame[2] + frame[9] * x + frame[10] * y + frame[11] * z,
     )
+
+
+@compiled_part
+def within_limits(frames: Array, limits: Array) -> bool:
+    """Whether the limbs of ball-and-socket joints point, and are twisted, as such joints let them.
+
+    The twist is what is left of a rotation after the shortest swing to where the limb points (swing-twist
+    decomposition of a unit quaternion).
+    """
+    for row in range(len(limits)):
+        m, (x, y, z) = frames[int(limits[row, 0])], (limits[row, 1], limits[row, 2], limits[row, 3])
+        px, py, pz = (
+            m[3] * x + m[4] * y + m[5] * z,
+            m[6] * x + m[7] * y + m[8] * z,
+            m[9] * x + m[10] * y + m[11] * z,
+        )
+        if px * limits[row, BARRED] + py * limits[row, BARRED + 1] + pz * limits[row, BARRED + 2] > limits[row, NEAR]:
+            return False
+        scalar = max(0.0, 1.0 + m[3] + m[7] + m[11]) / 4  # of the quaternion, squared
+        along = max(0.0, (1.0 + px * x + py * y + pz * z) / 2 - scalar)  # its vector along the limb, squared
+        if along + scalar > SLACK and 2 * math.atan2(math.sqrt(along), math.sqrt(scalar)) > limits[row, TWIST] + SLACK:
+            return False
+    return True
 
 
 @compiled_part

@@ -9,9 +9,11 @@ grid of cells that is fixed to what carries the arm, with its shoulder as origin
   brings the palm nearest to the cell's middle (how it is reached).
 
 The shoulder girdle stays at rest: joints that move the shoulder itself are a body's thrust, no part of its arm. What a
-configuration pushes into the carrier itself, an upper body mostly, is no configuration.
+configuration pushes into the carrier itself, an upper body mostly, is no configuration; nor is one that a
+ball-and-socket joint does not take, though each of the hinges that stand for it does.
 
-Maps are made once, in seconds, and kept in the user's cache by a digest of the arm. Left and right arms that mirror
+Maps are made once, in seconds, and kept in the user's cache by a digest of the arm; that of people comes with the
+package (``tools/arm_maps.py``). Left and right arms that mirror
 each other have one map, and all people of the same proportions: lengths scale with the stature.
 """
 
@@ -36,6 +38,7 @@ from taskgist.common.compiled import compiled, compiled_part
 from taskgist.common.files import writing
 from taskgist.errors import InputError
 from taskgist.world.bodies.arm_chain import (
+    ALONG,
     CARRIED,
     END,
     LOW,
@@ -47,8 +50,9 @@ from taskgist.world.bodies.arm_chain import (
     chain_of,
     put,
     put_frames,
+    within_limits,
 )
-from taskgist.world.bodies.human import HumanSize, human_mjcf
+from taskgist.world.bodies.human import HumanSize, human_mjcf, shoulder_limits
 from taskgist.world.geometry.convex import cache_folder
 from taskgist.world.geometry.solids import AT, TURNED, outside_m
 
@@ -69,7 +73,7 @@ SPREAD = 0.4
 """Least part of a direction along an axis that counts as pointing that way: about the sine of 22.5°."""
 SUNK_M = 0.01
 """How deep an arm may push into what carries it: shapes of bodies are rough."""
-VERSION = "7"
+VERSION = "8"
 
 
 # --- Sampling. Compiled.
@@ -96,6 +100,7 @@ def _sampled(
     palm: Array,
     wrist: Array,
     carrier: Array,
+    limits: Array,
     count: int,
     cells: int,
     cell_m: float,
@@ -117,7 +122,9 @@ def _sampled(
         put_frames(joints, steps, frames)
         x, y, z = put(frames[size], palm[0], palm[1], palm[2])
         i, j, k = int((x + half_m) / cell_m), int((y + half_m) / cell_m), int((z + half_m) / cell_m)
-        if min(i, j, k) < 1 or max(i, j, k) >= cells - 1 or _pushes(frames, capsules, carrier):
+        if min(i, j, k) < 1 or max(i, j, k) >= cells - 1 or not within_limits(frames, limits):
+            continue
+        if _pushes(frames, capsules, carrier):
             continue
         wx, wy, wz = put(frames[size], wrist[0], wrist[1], wrist[2])
         direction = pointing(x - wx, y - wy, z - wz)
@@ -145,16 +152,6 @@ def _mark(eighths: NDArray[np.uint8], cells: int, fine_m: float, x: float, y: fl
                 if dx * dx + dy * dy + dz * dz <= fine_m * fine_m:
                     bit = 4 * (a % 2) + 2 * (b % 2) + c % 2
                     eighths[((a // 2) * cells + b // 2) * cells + c // 2] |= np.uint8(1 << bit)
-
-
-@compiled
-def _palms(joints: Array, palm: Array, configurations: NDArray[np.uint16]) -> NDArray[np.float32]:
-    """Where configurations, (n, j), bring the palm, metres, (n, 3)."""
-    found, frames = np.empty((len(configurations), 3), dtype=np.float32), np.empty((len(joints) + 1, 12))
-    for row in range(len(configurations)):
-        put_frames(joints, configurations[row], frames)
-        found[row, 0], found[row, 1], found[row, 2] = put(frames[len(joints)], palm[0], palm[1], palm[2])
-    return found
 
 
 @compiled_part
@@ -243,7 +240,8 @@ class CapabilityMap:
         most = int((MOST_SAMPLED_BYTES / (2 * DIRECTIONS * max(len(chain.joints), 1))) ** (1 / 3))
         cell_m = max(CELL_M, 2 * stretched_m / (most - 6))
         cells = 2 * math.ceil(stretched_m / cell_m) + 4
-        found = _sampled(chain.joints, chain.capsules, chain.palm, chain.wrist, chain.carrier, count, cells, cell_m)
+        arrays = (chain.joints, chain.capsules, chain.palm, chain.wrist, chain.carrier, chain.limits)
+        found = _sampled(*arrays, count, cells, cell_m)
         kept = np.isfinite(found.off)
         grid = (found.eighths > 0) | kept.any(axis=1)
         index = np.stack(np.unravel_index(np.flatnonzero(grid), (cells,) * 3), axis=1)
@@ -263,8 +261,22 @@ class CapabilityMap:
             eighths=eighths,
             starts=np.concatenate(((0,), np.cumsum(flat.sum(axis=1)))).astype(np.intp),
             configurations=chosen,
-            palms=_palms(chain.joints, chain.palm, chosen),
+            palms=_palms(chain, chosen),
         )
+
+
+def _palms(chain: ArmChain, configurations: NDArray[np.uint16]) -> NDArray[np.float32]:
+    """Where configurations, (n, j), bring the palm, metres, (n, 3): the outermost joint moves it first."""
+    found = np.tile(chain.palm, (len(configurations), 1))
+    for row, steps in zip(chain.joints[::-1], configurations.T[::-1], strict=True):
+        anchor, axis, by = row[:3], row[ALONG : ALONG + 3], (row[LOW] + row[SPAN] * steps / STEPS)[:, None]
+        if row[SLIDES] == 1:
+            found += by * axis
+        else:
+            arm = found - anchor
+            along = (arm @ axis)[:, None] * axis  # Rodrigues' formula
+            found = anchor + along + np.cos(by) * (arm - along) + np.sin(by) * np.cross(axis, arm)
+    return found.astype(np.float32)
 
 
 def _longest_m(chain: ArmChain) -> float:
@@ -311,13 +323,13 @@ def reach_of(chain: ArmChain, side: str, human_stature_m: float | None = None) -
     left = chain.mirrored() if mirrored else chain
     if human_stature_m is not None:
         scale = human_stature_m / USUAL_M
-        if left.scaled(1.0 / scale).is_about(_usual(), ALIKE_M):
-            return ArmReach(capability(_usual()), mirrored, scale)
+        if left.scaled(1.0 / scale).is_about(usual_arm(), ALIKE_M):
+            return ArmReach(capability(usual_arm()), mirrored, scale)
     return ArmReach(capability(left), mirrored, 1.0)
 
 
 @lru_cache(maxsize=1)
-def _usual() -> ArmChain:
+def usual_arm() -> ArmChain:
     """The left arm of the usual human body."""
     model = mujoco.MjModel.from_xml_string(human_mjcf(HumanSize.from_stature(USUAL_M)))
     data = mujoco.MjData(model)
@@ -327,16 +339,18 @@ def _usual() -> ArmChain:
     sites = {"shoulder": int(model.site("left_shoulder").id), "palm": int(model.site("left_palm").id)}
     arm = ("left_clavicle", "left_upper_arm", "left_forearm", "left_hand")
     geoms = np.flatnonzero(np.isin(model.geom_bodyid, [model.body(name).id for name in arm]))
-    return chain_of(model, data, indices | sites, geoms)
+    return chain_of(model, data, indices | sites, geoms, shoulder_limits("left"))
 
 
 @lru_cache(maxsize=32)
 def capability(chain: ArmChain) -> CapabilityMap:
-    """The map of an arm: known, kept from an earlier run, or made now and kept."""
-    return _kept(chain) or _made(chain)
+    """The map of an arm: known, shipped, kept from an earlier run, or made now and kept."""
+    return _kept(chain, SHIPPED / _file(chain).name) or _kept(chain, _file(chain)) or _made(chain)
 
 
-NAMES = ("grid", "shape", "eighths", "starts", "configurations", "palms")
+SHIPPED = Path(__file__).parent.parent / "arms"
+"""Folder of the maps that come with the package."""
+NAMES = ("grid", "shape", "eighths", "starts", "configurations")
 MOST_BYTES = 2**28
 
 
@@ -348,32 +362,36 @@ def _file(chain: ArmChain) -> Path:
 def _made(chain: ArmChain) -> CapabilityMap:
     log.info("an arm is met for the first time: finding out where it gets to, once")
     found = CapabilityMap.of(chain, SAMPLES)
-    file = _file(chain)
     try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with writing(file, replace=True) as stream:
-            np.savez(
-                stream,
-                grid=np.array((*found.corner, found.cell_m)),
-                shape=np.array(found.shape),
-                eighths=found.eighths,
-                starts=found.starts.astype(np.int64),
-                configurations=found.configurations,
-                palms=found.palms,
-            )
+        keep(found, _file(chain).parent)
     except (OSError, InputError) as error:
         log.info("where an arm gets to is not kept for the next time: %s", error)
     return found
 
 
-def _kept(chain: ArmChain) -> CapabilityMap | None:
-    """The map that an earlier run left; None where there is none, or none of use."""
-    file = _file(chain)
+def keep(found: CapabilityMap, folder: Path) -> Path:
+    """Write a map into a folder, under the name by which it is found again."""
+    file = folder / _file(found.chain).name
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with writing(file, replace=True) as stream:
+        np.savez_compressed(
+            stream,
+            grid=np.array((*found.corner, found.cell_m)),
+            shape=np.array(found.shape),
+            eighths=found.eighths,
+            starts=found.starts.astype(np.int32),
+            configurations=found.configurations,
+        )
+    return file
+
+
+def _kept(chain: ArmChain, file: Path) -> CapabilityMap | None:
+    """The map in a file; None where there is none, or none of use."""
     if not file.is_file():
         return None
     with suppress(InputError, OSError, ValueError, KeyError):
         arrays = ArrayFile(file, most_bytes=MOST_BYTES)
-        grid, shape, eighths, starts, configurations, palms = (arrays.array(name) for name in NAMES)
+        grid, shape, eighths, starts, configurations = (arrays.array(name) for name in NAMES)
         size = (int(shape[0]), int(shape[1]), int(shape[2]))
         whole = (
             grid.shape == (4,)
@@ -382,7 +400,6 @@ def _kept(chain: ArmChain) -> CapabilityMap | None:
             and starts[0] == 0
             and bool((np.diff(starts) >= 0).all())
             and configurations.shape == (starts[-1], len(chain.joints))
-            and palms.shape == (starts[-1], 3)
         )
         if whole and min(size) > 0:
             return CapabilityMap(
@@ -393,6 +410,6 @@ def _kept(chain: ArmChain) -> CapabilityMap | None:
                 eighths.astype(np.uint8),
                 starts.astype(np.intp),
                 configurations.astype(np.uint16),
-                palms.astype(np.float32),
+                _palms(chain, configurations),
             )
     return None

@@ -13,10 +13,14 @@ the shapes are ours, read off [Winter 2009] and clothed bodies.
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 
+import numpy as np
+
+from taskgist.common.arrays import Array
 from taskgist.errors import SceneError
 
 # --- Sizes of a human body: stature scales every segment, and a measured segment may replace its share.
@@ -38,6 +42,9 @@ SHARES: Mapping[str, float] = {
     "foot": 0.152,
     "hip_breadth": 0.100,  # between the joint centres (ours)
 }
+SIDES = (("left", 1), ("right", -1))
+SHOULDER_JOINTS = 3
+"""Flexion, abduction and rotation, the first of the arm's chain."""
 STATURE_RANGE_M = (0.6, 2.5)
 SEGMENT_TOLERANCE = 2.5
 
@@ -98,11 +105,37 @@ def _check(name: str, value: float, allowed: tuple[float, float]) -> None:
         )
 
 
+# --- The shoulder: a ball-and-socket joint, for which three hinges stand.
+#
+# Each alone keeps within its norm, but together they would bring the elbow high up behind the back, and twist a hanging
+# arm by half a turn (Codman's paradox).
+
+EXTENSION_RAD, HORIZONTAL_EXTENSION_RAD = math.radians(50), math.radians(45)
+"""How far an upper arm goes back: hanging, with the shoulder girdle at rest [Kapandji 1982: 45 to 50°], and level and
+out to the side [AAOS 1965]."""
+ROTATION_RAD = math.radians(90)
+"""How far it turns about itself, from the shortest way to where it points [AAOS 1965]."""
+
+
+def shoulder_limits(side: str) -> Array:
+    """What the shoulder does not do, as a row of an arm's chain, (1, 9); see ``arm_chain.ArmChain.limits``.
+
+    The directions that an upper arm does not take lie in the cone through three that it just takes: hanging and drawn
+    back, level and drawn back, and straight up.
+    """
+    hanging = (-math.sin(EXTENSION_RAD), 0.0, -math.cos(EXTENSION_RAD))
+    level = (-math.sin(HORIZONTAL_EXTENSION_RAD), math.cos(HORIZONTAL_EXTENSION_RAD), 0.0)
+    up = np.array((0.0, 0.0, 1.0))
+    behind = np.cross(up - level, up - hanging)
+    behind /= np.linalg.norm(behind)
+    mirror = np.array((1.0, dict(SIDES)[side], 1.0))
+    return np.array([[SHOULDER_JOINTS, 0.0, 0.0, -1.0, *(behind * mirror), behind @ up, ROTATION_RAD]])
+
+
 SKIN, CLOTH, TROUSERS, SHOE = "0.87 0.68 0.55 1", "0.35 0.45 0.62 1", "0.25 0.27 0.32 1", "0.15 0.13 0.12 1"
 WAIST_SHARE = 0.22  # of the trunk: the lumbar joint above the mid-hip (ours)
 PALM_SHARE = 0.53  # of the hand: wrist to knuckles
 GROUP = 1
-SIDES = (("left", 1), ("right", -1))
 Vector = tuple[float, float, float]
 
 

@@ -158,6 +158,8 @@ class Arm:
 
     ``azimuth_rad`` is (across the body, outward) about the vertical of the shoulder's frame, ``elevation_rad`` (down,
     up). ``carrier`` is the body whose frame that is, x forward and z up: by default what the arm's root hangs on.
+    ``thrust`` is the joint of the shoulder girdle that brings the shoulder forward, as far as its range goes; None if
+    there is none.
     """
 
     side: str
@@ -169,6 +171,7 @@ class Arm:
     azimuth_rad: tuple[float, float]
     elevation_rad: tuple[float, float]
     carrier: str | None = None
+    thrust: Axis | None = None
 
 
 @dataclass(frozen=True)
@@ -211,6 +214,7 @@ class AgentProfile:
     def axes(self) -> tuple[tuple[str, Axis], ...]:
         """The joints of virtual actions, each by its field."""
         named = {"head.pan": self.pan, "head.tilt": self.tilt, "torso.turn": self.turn, "torso.lean": self.lean}
+        named |= {f"arms.{arm.side}.thrust": arm.thrust for arm in self.arms}
         return tuple((field, axis) for field, axis in named.items() if axis)
 
 
@@ -338,7 +342,7 @@ def read_posture(name: str, *, where: str | Path) -> Posture:
 def read_arm(table: TomlTable, stature_m: float | None, attempt: Attempts) -> Arm:
     """One ``[[arms]]`` table; the stature is for lengths given as a share of it."""
     sectors = {"azimuth_deg", "elevation_deg"}
-    known = {"side", "shoulder", "hand", "palm", "root", "carrier", "length_m", "length_share", *sectors}
+    known = {"side", "shoulder", "hand", "palm", "root", "carrier", "thrust", "length_m", "length_share", *sectors}
     attempt(lambda: table.only(known), table)
 
     def named(key: str) -> str:
@@ -354,6 +358,7 @@ def read_arm(table: TomlTable, stature_m: float | None, attempt: Attempts) -> Ar
         azimuth_rad=attempt(lambda: _range(table, "azimuth_deg"), AS_THE_JOINT),
         elevation_rad=attempt(lambda: _range(table, "elevation_deg"), AS_THE_JOINT),
         carrier=named("carrier") if "carrier" in table else None,
+        thrust=attempt(lambda: read_axis(table, "thrust", attempt), None),
     )
 
 
