@@ -34,6 +34,7 @@ from taskgist.perspective.search import able, effort_from, least_effort
 from taskgist.perspective.target import Region, Target, crossed, touched
 from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.settings import DEFAULT, Settings
+from taskgist.world.bodies.hands import GHOST_GROUP
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 from taskgist.world.steadied import Steadied
@@ -213,11 +214,12 @@ class SceneEfforts:
     def _moved(self, last: State, state: State) -> Moved | None:
         """What moved since the last state; None if anything may have. The stage shows the new state afterwards."""
         scene, stage = self.stage.scene, self.stage
-        every = np.arange(scene.model.ngeom)
+        every = np.flatnonzero(scene.model.geom_group != GHOST_GROUP)  # ghosts are in nobody's way
         was = {name: _bearings(stage.show(last), name) for name in scene.agents}
         before, turned_before = (np.array(each) for each in stage.geoms(every))
         after, turned_after = stage.show(state).geoms(every)
-        differ = (before != after).any(axis=1) | (turned_before != turned_after).any(axis=1)
+        differ = np.zeros(scene.model.ngeom, dtype=np.bool_)
+        differ[every] = (before != after).any(axis=1) | (turned_before != turned_after).any(axis=1)
         state, holds = stage.state, (last.holding, stage.state.holding)
         tracked = last.untracked ^ state.untracked
         if (holds[0] is None) != (holds[1] is None) or any(map(stage.is_plane, np.flatnonzero(differ).tolist())):
@@ -244,15 +246,15 @@ class SceneEfforts:
         here = self._viewpoint(who)
         if here.contacts != before.contacts:
             return {}
-        others = moved.boxes[~here.is_own[moved.geoms]]
+        is_own = here.is_own[moved.geoms]
+        others, own = moved.boxes[~is_own], moved.boxes[is_own]
         asked = {question: answer for question, answer in known.items() if question[0] not in moved.owners}
-        for seeing, boxes in ((True, moved.boxes), (False, others)):  # own arms hide things, and are in no other way
-            some = [question for question in asked if (question[1] == "see") == seeing]
-            if some:
-                stale = crossed(np.stack([asked[question].regions for question in some]), boxes).tolist()
-                for question, gone in zip(some, stale, strict=True):
-                    if gone:
-                        del asked[question]
+        if asked:
+            regions = np.stack([answer.regions for answer in asked.values()])
+            stale = crossed(regions, others)
+            if len(own):  # own arms hide things, and are in no other way
+                stale |= [ability == "see" for _, ability in asked] & crossed(regions[:, :2].copy(), own)
+            asked = {each: asked[each] for each, gone in zip(asked, stale.tolist(), strict=True) if not gone}
         if "candidates" not in before.__dict__:
             return asked
         if not here.candidates.follow(before.candidates, others):
