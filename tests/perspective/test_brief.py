@@ -3,6 +3,8 @@
 import pytest
 
 from taskgist.perspective import ABILITIES, Viewpoint, effort_from
+from taskgist.perspective.grasp import Grasp
+from taskgist.perspective.target import Target
 from taskgist.world import Stage
 from tests.perspective.random_rooms import random_case
 from tools.rooms import COARSE, Person, Room, Thing, chair
@@ -42,3 +44,17 @@ def test_what_others_leave_no_room_to_grasp_is_level_5_both_ways(gap_m: float) -
     told = levels(stage, "P1", "cup", explained=False)
     assert told == levels(stage, "P1", "cup", explained=True)
     assert (told[ABILITIES.index("grasp")][0] == 5) == (gap_m < 0.02)
+
+
+@pytest.mark.parametrize("off_m", [0.0, 0.02, 0.05, 0.08])
+def test_what_is_buried_in_another_thing_is_level_5_both_ways(off_m: float) -> None:
+    """A ball in a box: where its middle is within, no hand closes on it, but palms reach what of it is outside."""
+    ball = Thing("ball", (0.045,), (0.45 + off_m, 0.0, 1.0), "sphere")
+    block = Thing("block", (0.035, 0.035, 0.035), (0.45, 0.0, 1.0), free=False)
+    stage = Room((ball, block, chair(3.0, 3.0)), (Person("P1", (0.0, 0.0)),), (48, 36)).stage()
+    judge = Grasp(Viewpoint(stage, "P1", COARSE), Target(stage, "ball", COARSE))
+    told = levels(stage, "P1", "ball", explained=False)
+    assert told == levels(stage, "P1", "ball", explained=True)
+    assert judge.buried(judge.plain.cloud) == (off_m < 0.04)
+    assert (told[ABILITIES.index("grasp")][0] == 5) or off_m >= 0.04
+    assert told[ABILITIES.index("reach")][0] != 5

@@ -306,6 +306,20 @@ def first_met(solids: Array, ax: float, ay: float, az: float, bx: float, by: flo
     return NOTHING
 
 
+WITHIN_M = 1e-6
+"""More than what is within a shape may seem outside by rounding."""
+
+
+@compiled
+def all_within(points: Array, solids: Array) -> bool:
+    """Whether all of some points, (k, 3), are within solid shapes, (n, 17): no straight way ends there."""
+    for k in range(len(points)):
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        if first_met(solids, x, y, z, x, y, z, -WITHIN_M) < 0:
+            return False
+    return True
+
+
 @compiled
 def usually_met(shoulders: Array, arms: Arms, solids: Array, squeeze_m: float, felt: Array) -> Mask:
     """Whether what hangs on each arm's carrier itself touches each shape; shoulders are (a, 12), ``felt`` as above.

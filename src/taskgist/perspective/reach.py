@@ -20,6 +20,7 @@ from taskgist.perspective.arms import (
     ROUNDING,
     Arms,
     Around,
+    all_within,
     arms_of,
     distance_m,
     free_configuration,
@@ -305,6 +306,7 @@ class ArmJudge:
         self.model = here.settings.reach.model
         self.thrusts = self.model != "sector" and any(here.agent.arms[index].profile.thrust for index in self.arms)
         self.shut_in: Miss | None = None
+        self._buried: dict[PointCloud, bool] = {}
         self.looked = self.brief = False
 
     @property
@@ -368,6 +370,13 @@ class ArmJudge:
             side = self.arm(self.arms[0]).profile.side
             text = f"shut in by {' and '.join(owner for owner, _ in counts[:NAMED])}"
             self.shut_in = Miss(Reason.SHUT_IN, text, hindrance=BlockedArm(side, counts, shut_in=True))
+
+    def buried(self, cloud: PointCloud) -> bool:
+        """Whether all of some points of the object are within other things, so that nobody gets there from anywhere."""
+        if cloud not in self._buried:
+            self._buried[cloud] = all_within(cloud.points, self.around.solids)
+            self.here.recorder.arms.add_points(cloud.points)
+        return self._buried[cloud]
 
     def arm(self, index: int) -> ArmIndices:
         """An arm of the agent by its index; after all of them, they come again with their shoulders thrust forward."""
@@ -466,6 +475,8 @@ class ReachScreening:
         start, able = first_in_reach(*self._from, NOTHING_AROUND, *self._to, start, stop, False, *noted)
         if not able or judge.model == "sector":
             return start
+        if judge.brief and judge.buried(self._cloud):
+            return stop
         where = (*self._from, judge.around, *self._to)
         found, able = first_in_reach(*where, start, stop, not judge.looked, *noted)
         if found < stop and not able:
