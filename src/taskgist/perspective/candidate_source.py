@@ -135,6 +135,7 @@ class CandidateSource:
             self.shut, self._gets_away = before.shut, before._gets_away
             self.floor.note = here.recorder.add_ways
         self._frames = {as_now[id(start)]: frames for start, frames in before._frames.items()}
+        self._balls = before._balls
         return True
 
     def _stands_as(self, known: Mapping[str, Candidate | None]) -> bool:
