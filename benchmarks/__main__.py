@@ -27,6 +27,7 @@ from benchmarks import (
     sight,
     start,
     store,
+    tracking,
 )
 from benchmarks.figure import Figure, seconds_text
 from benchmarks.machine import machine
@@ -39,6 +40,7 @@ TOPICS: Mapping[str, Callable[[], Iterator[Figure]]] = {
     "sight": sight.figures,
     "demonstrations": demonstrations.figures,
     "scenes": scenes.figures,
+    "tracking": tracking.figures,
     "maps": maps.figures,
     "learning": learning.figures,
     "judging": judging.figures,

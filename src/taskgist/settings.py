@@ -210,6 +210,30 @@ class Relations:
 
 
 @dataclass(frozen=True)
+class Following:
+    """What counts as standing still where a tracker is followed (``world.steadied``).
+
+    It shapes no facts of recordings, and stays out of the digest: explanations ask exact states.
+    """
+
+    place_m: float = 0.01
+    """How far a body may move before it is taken for moved, at any of its shapes (ours: people who stand sway by as
+    much, and trackers tremble by less)."""
+    turn_rad: float = math.radians(1.0)
+    """How far any part of it may turn (ours)."""
+    frames: int = 12
+    """Over how many frames at most its positions are averaged (ours: noise of 0.2° in each joint turns a hand by 1.7°
+    from one frame to the next now and then; averaged so, by a third of that)."""
+    motion: float = 3.0
+    """So many tolerances away from the average is motion, not noise: averaging begins anew (ours)."""
+
+    @property
+    def exact(self) -> bool:
+        """Whether every state is taken as it is."""
+        return self.place_m == 0.0 and self.turn_rad == 0.0
+
+
+@dataclass(frozen=True)
 class Maps:
     """The grid of ability maps. It shapes no facts and stays out of the digest."""
 
@@ -293,7 +317,7 @@ class Checks:
     """An object whose shapes are all smaller was mostly shrunk a thousandfold (ours: nobody grasps a smaller)."""
 
 
-UNSHAPING = ("relations", "maps", "learning", "limits", "checks")
+UNSHAPING = ("relations", "following", "maps", "learning", "limits", "checks")
 """Stages whose settings shape no facts: they stay out of the digest."""
 
 BANDS: dict[str, tuple[tuple[int, int], tuple[int, int]]] = {
@@ -317,6 +341,7 @@ class Settings:
     contact: Contact = field(default_factory=Contact)
     timing: Timing = field(default_factory=Timing)
     relations: Relations = field(default_factory=Relations)
+    following: Following = field(default_factory=Following)
     maps: Maps = field(default_factory=Maps)
     learning: Learning = field(default_factory=Learning)
     limits: Limits = field(default_factory=Limits)

@@ -150,12 +150,16 @@ def test_of_equal_amounts_the_best_is_taken() -> None:
     class LeftTurns:
         """Every candidate will do, the farther left the better."""
 
+        brief = hopeless = False
         target = here.target("cup")
 
         def __init__(self, candidates: Candidates | None = None) -> None:
             self.candidates = candidates
 
         def unknown(self, level: int) -> str | None: ...
+
+        def passes_over(self, level: int) -> bool:  # noqa: ARG002
+            return False
 
         def without_effort(self) -> FindMiss:
             return self.miss

@@ -23,8 +23,8 @@ def recorded(target: np.ndarray, eyes: np.ndarray | None, bodies: int = 1) -> Re
         region = Region()
         region.add_points(np.array([(50.0 + 2.0 * number, 50.0, 50.0)]), 0.5)
         regions.append(region)
-    found = Recorder(regions[0])
-    for region in regions[1:]:
+    found = Recorder()
+    for region in regions:
         found.add_body(region)
     found.target.add_points(target)
     if eyes is not None:

@@ -21,7 +21,7 @@ from taskgist.perspective.candidates import Neck
 from taskgist.perspective.gaze import TURN_COLUMNS, aim, off_gaze
 from taskgist.perspective.lens import Lens, in_view, lens_of
 from taskgist.perspective.occlusion import CLEAR, HIDDEN, from_eye, hidden_point
-from taskgist.perspective.reach import ball_around
+from taskgist.perspective.target import ball_around
 from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.world.geometry.linkage import POSE, carry_pose
 from taskgist.world.geometry.rays import Shapes, stand_between

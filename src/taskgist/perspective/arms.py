@@ -168,6 +168,7 @@ class Around(NamedTuple):
         touch_m: How far a palm may be from what it is to touch.
         squeeze_m: How deep an arm may push into things.
         asked: Whether anything is in the way at all: not by the sector's model.
+        felt: Lowest and highest corner of a box, made to hold all arms that are held against the shapes, (2, 3).
     """
 
     solids: Array
@@ -175,6 +176,14 @@ class Around(NamedTuple):
     touch_m: float
     squeeze_m: float
     asked: bool
+    felt: Array
+
+
+@compiled_part
+def _feel(felt: Array, x: float, y: float, z: float, radius_m: float) -> None:
+    felt[0, 0], felt[1, 0] = min(felt[0, 0], x - radius_m), max(felt[1, 0], x + radius_m)
+    felt[0, 1], felt[1, 1] = min(felt[0, 1], y - radius_m), max(felt[1, 1], y + radius_m)
+    felt[0, 2], felt[1, 2] = min(felt[0, 2], z - radius_m), max(felt[1, 2], z + radius_m)
 
 
 @compiled
@@ -225,6 +234,9 @@ def free_configuration(pose: Array, arms: Arms, arm: int, point: Array, around: 
                 hx, hy, hz = put(frames[len(joints)], arms.insides[arm, 0], arms.insides[arm, 1], arms.insides[arm, 2])
                 hx, hy, hz = in_world(pose, arms, arm, hx, hy, hz)
                 wx, wy, wz = in_world(pose, arms, arm, px, py, pz)
+                _feel(around.felt, hx, hy, hz, 0.0)
+                _feel(around.felt, wx, wy, wz, 0.0)
+                _feel(around.felt, point[0], point[1], point[2], 0.0)
                 row = first_met(around.solids, hx, hy, hz, wx, wy, wz, 0.0)
                 if row < 0:
                     row = first_met(around.solids, wx, wy, wz, point[0], point[1], point[2], 0.0)
@@ -271,6 +283,8 @@ def links_meet(
             lines[count, 0], lines[count, 1], lines[count, 2] = in_world(pose, arms, arm, ax, ay, az)
             lines[count, 3], lines[count, 4], lines[count, 5] = in_world(pose, arms, arm, bx, by, bz)
             lines[count, 6] = squeezed_m(c[THICK] * scale, around.squeeze_m)
+            for end in range(0, 6, 3):
+                _feel(around.felt, lines[count, end], lines[count, end + 1], lines[count, end + 2], lines[count, 6])
             count += 1
     for k in range(-1, len(around.solids)):
         row = first if k < 0 else k
@@ -292,9 +306,27 @@ def first_met(solids: Array, ax: float, ay: float, az: float, bx: float, by: flo
     return NOTHING
 
 
+WITHIN_M = 1e-6
+"""More than what is within a shape may seem outside by rounding."""
+
+
 @compiled
-def usually_met(shoulders: Array, arms: Arms, solids: Array, squeeze_m: float) -> Mask:
-    """Whether what hangs on each arm's carrier itself touches each shape; shoulders are (a, 12); (a, n)."""
+def all_within(points: Array, solids: Array) -> bool:
+    """Whether all of some points, (k, 3), are within solid shapes, (n, 17): no straight way ends there."""
+    for k in range(len(points)):
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        if first_met(solids, x, y, z, x, y, z, -WITHIN_M) < 0:
+            return False
+    return True
+
+
+@compiled
+def usually_met(shoulders: Array, arms: Arms, solids: Array, squeeze_m: float, felt: Array) -> Mask:
+    """Whether what hangs on each arm's carrier itself touches each shape; shoulders are (a, 12), ``felt`` as above.
+
+    Returns:
+        By arm and shape, (a, n).
+    """
     found = np.zeros((len(shoulders), len(solids)), dtype=np.bool_)
     for arm in range(len(shoulders)):
         for link in range(arms.places[arm, 7], arms.places[arm, 7] + arms.places[arm, 8]):
@@ -304,6 +336,8 @@ def usually_met(shoulders: Array, arms: Arms, solids: Array, squeeze_m: float) -
             radius_m = squeezed_m(c[THICK] * arms.grids[arm, 4], squeeze_m)
             ax, ay, az = in_world(shoulders[arm], arms, arm, c[0], c[1], c[2])
             bx, by, bz = in_world(shoulders[arm], arms, arm, c[END], c[END + 1], c[END + 2])
+            _feel(felt, ax, ay, az, radius_m)
+            _feel(felt, bx, by, bz, radius_m)
             for row in range(len(solids)):
                 found[arm, row] |= line_meets(solids, row, ax, ay, az, bx, by, bz, radius_m)
     return found
@@ -319,7 +353,9 @@ SIDES = ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1))
 
 
 @compiled
-def shut_in(points: Array, middle: Array, radius_m: float, inside: Array, solids: Array, met: Indices) -> bool:
+def shut_in(
+    points: Array, middle: Array, radius_m: float, inside: Array, solids: Array, met: Indices, felt: Array
+) -> bool:
     """Whether no way leads from an object to where an arm comes from: a flood of the free space around it ends.
 
     Args:
@@ -329,6 +365,7 @@ def shut_in(points: Array, middle: Array, radius_m: float, inside: Array, solids
         inside: Points to which a way is one as well: shoulders, (s, 3).
         solids: What may be in the way, (n, 17).
         met: Counted up: how many ends of the flood each shape makes, (n,).
+        felt: Lowest and highest corner of a box, made to hold the flood, (2, 3).
     """
     half = math.ceil(radius_m / VOXEL_M) + 1
     across = 2 * half + 1
@@ -336,6 +373,8 @@ def shut_in(points: Array, middle: Array, radius_m: float, inside: Array, solids
     stack, goals = np.empty(across**3, dtype=np.int32), np.empty(len(inside), dtype=np.int64)
     for s in range(len(inside)):
         goals[s] = _voxel(inside[s], middle, half, across)
+    for k in range(len(points)):
+        _feel(felt, points[k, 0], points[k, 1], points[k, 2], VOXEL_M)
     count = begun = _start(points, middle, half, solids, done, stack)
     order = np.empty(6, dtype=np.intp)
     while count:
@@ -354,7 +393,9 @@ def shut_in(points: Array, middle: Array, radius_m: float, inside: Array, solids
             if done[following]:
                 continue
             done[following] = 1
-            row = _ball_met(solids, middle[0] + a * VOXEL_M, middle[1] + b * VOXEL_M, middle[2] + c * VOXEL_M)
+            x, y, z = middle[0] + a * VOXEL_M, middle[1] + b * VOXEL_M, middle[2] + c * VOXEL_M
+            _feel(felt, x, y, z, BALL_M)
+            row = _ball_met(solids, x, y, z)
             if row >= 0:
                 met[row] += 1
                 continue

@@ -559,8 +559,3 @@ class Walk:
             if index == len(self._ways):
                 self._ways.append(Ways.to(places))
             yield self._ways[index]
-
-    @property
-    def places(self) -> tuple[Place, ...]:
-        """All places that the agent can get to."""
-        return tuple(place for batch in self.floor.batches() for place in batch)

@@ -14,10 +14,9 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from types import MappingProxyType
 
 import numpy as np
 
@@ -48,6 +47,7 @@ class Collisions:
 
     Attributes:
         obstacles: The shapes that are in the way, (n,); they stay where they are, whatever the agent does.
+        usual_m: How deep pairs of shapes, one of the agent, overlap in the current state, metres.
     """
 
     def __init__(
@@ -57,9 +57,7 @@ class Collisions:
         self.obstacles = _obstacles(stage, agent, held)
         self._tolerance_m, self._passing_m = settings.efforts.collision_m, settings.efforts.passing_m
         self._farthest_m = settings.efforts.move_radius_m + settings.efforts.move_step_m
-        self._usual_m = {
-            (geom, other): depth for geom, other, depth in stage.overlaps(agent.core_geoms, self.obstacles)
-        }
+        self.usual_m = {(geom, other): depth for geom, other, depth in stage.overlaps(agent.core_geoms, self.obstacles)}
 
     @cached_property
     def boxes(self) -> Array:
@@ -79,16 +77,23 @@ class Collisions:
     def filled(self, state: State) -> Region:
         """The box that the agent's head, torso and base fill in a state; the stage shows that state afterwards."""
         core, region = self._agent.core_geoms, Region()
-        stage = self._stage.show(state)
-        region.add_balls(stage.geom_centers(core), stage.scene.model.geom_rbound[core])
+        if len(core):
+            region.add_points(self._stage.show(state).bounds(core))
         return region
 
     def around(self, middle: Array, radius_m: float) -> tuple[Indices, Array]:
         """Obstacles that may reach into a ball about a point, (3,), and boxes around them, (k,) and (k, 18)."""
         self._recorder.target.add_balls(middle[None], np.array([radius_m]))
-        x, y, z = middle.tolist()
-        near = near_ball(self.boxes, x, y, z, radius_m)
+        near = self._near(middle, radius_m)
         return self.obstacles[near], self.boxes[near]
+
+    def near(self, middle: Array, radius_m: float) -> Indices:
+        """The same obstacles; whoever asks notes where he feels for them."""
+        return self.obstacles[self._near(middle, radius_m)]
+
+    def _near(self, middle: Array, radius_m: float) -> Indices:
+        x, y, z = middle.tolist()
+        return near_ball(self.boxes, x, y, z, radius_m)
 
     def find(self) -> Blocking | None:
         """The first contact that blocks in the state that the stage shows; None where it is free."""
@@ -100,7 +105,7 @@ class Collisions:
 
     def _first(self, tolerance_m: float) -> tuple[int, int, float] | None:
         """The two shapes of the first contact that is deeper than usual by more than that, and how deep they are."""
-        usual_m = self._usual_m
+        usual_m = self.usual_m
         contacts = self._stage.overlaps(self._agent.core_geoms, self.obstacles, deeper_than_m=tolerance_m)
         return next((each for each in contacts if each[2] > usual_m.get(each[:2], 0.0) + tolerance_m), None)
 
@@ -174,7 +179,6 @@ STEPS: tuple[Cell, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-
 
 BATCHES_M = (0.6, 2.0, 4.0, math.inf)
 """Lengths of the way up to which places are looked at together."""
-NOTHING: Mapping[tuple[float, float], bool] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -194,10 +198,11 @@ class Floor:
         agent: The agent.
         settings: Step and radius.
         free: Whether the agent collides with nothing when moved by an offset in metres along the world's axes.
-        known: What is known of that already, by cell; half cells lie between.
+        note: Told how long the ways are over which places are asked for.
 
     Attributes:
-        free_at: What is known by now.
+        note: As given.
+        free_at: What is known of that by now, by cell; half cells lie between.
         goes_on: Whether the floor goes on where the radius ends, as far as is known by now.
     """
 
@@ -207,12 +212,15 @@ class Floor:
         agent: Agent,
         settings: Efforts,
         free: Callable[[tuple[float, float]], bool],
-        known: Mapping[tuple[float, float], bool] = NOTHING,
+        note: Callable[[float], None] = lambda _: None,
     ) -> None:
-        self._settings, self._free = settings, free
+        self._settings, self._free, self.note = settings, free, note
         yaw, step_m = yaw_of(start.qpos[agent.base][3:]), settings.move_step_m
         self._forward = (step_m * math.cos(yaw), step_m * math.sin(yaw))
-        self.free_at: dict[tuple[float, float], bool] = dict(known)
+        self.free_at: dict[tuple[float, float], bool] = {}
+        self._begin()
+
+    def _begin(self) -> None:
         self.goes_on = False
         self._batches: list[list[Place]] = []
         self._flood = self._flooded()
@@ -221,15 +229,16 @@ class Floor:
     def batches(self) -> Iterator[list[Place]]:
         """Places in order of the way, in batches up to a growing length; what was flooded once is kept."""
         for index, limit_m in enumerate(BATCHES_M):
+            self.note(limit_m)
             if index == len(self._batches):
                 self._batches.append(self._up_to(limit_m))
             if self._batches[index]:
                 yield self._batches[index]
 
-    def leads_to(self, way_m: float) -> bool:
-        """Whether a way leads to some place that is farther than this from the start."""
-        offsets = (place.offset_m for batch in self.batches() for place in batch)
-        return any(math.hypot(*offset_m) >= way_m for offset_m in offsets)
+    def first_beyond(self, away_m: float) -> Place | None:
+        """The first place that is farther than this from the start; None if no way leads to one."""
+        places = (place for batch in self.batches() for place in batch)
+        return next((place for place in places if math.hypot(*place.offset_m) >= away_m), None)
 
     def _up_to(self, limit_m: float) -> list[Place]:
         batch: list[Place] = []
@@ -271,17 +280,26 @@ class Floor:
             self.free_at[at] = self._free(self.offset_m(*at))
         return self.free_at[at]
 
-    def known_after(self, filled: Array, moved: Array) -> dict[tuple[float, float], bool]:
-        """What is known of the floor and stays so when something moved.
+    def go_on(self, free: Callable[[tuple[float, float]], bool], filled: Array, moved: Array) -> float:
+        """Go on to another state, in which the agent stands where it stood and something else has moved.
 
         Args:
+            free: As at first, in that state.
             filled: Lowest and highest corner of the box that the agent fills at the start, metres, (2, 3).
             moved: Boxes in which something moved, (k, 2, 3).
+
+        Returns:
+            How far the nearest cell is, metres, of which something else is true now; infinite if there is none. Ways
+            that are shorter are as they were.
         """
-        cells = list(self.free_at)
+        self._free, cells = free, list(self.free_at)
         offsets = np.array([(*self.offset_m(*cell), 0.0) for cell in cells]).reshape(-1, 1, 3)
-        lost = touched(filled + offsets, moved).tolist()
-        return {cell: self.free_at[cell] for cell, gone in zip(cells, lost, strict=True) if not gone}
+        touching = touched(filled + offsets, moved).tolist()
+        before = {cell: self.free_at.pop(cell) for cell, moves in zip(cells, touching, strict=True) if moves}
+        changed = [cell for cell, was_free in before.items() if self._stands(cell) != was_free]
+        if changed:
+            self._begin()
+        return min((math.hypot(*cell) * self._settings.move_step_m for cell in changed), default=math.inf)
 
     def offset_m(self, ahead: float, aside: float) -> tuple[float, float]:
         """Where a cell is, from the start, metres along the world's axes."""

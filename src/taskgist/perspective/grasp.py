@@ -28,6 +28,9 @@ from taskgist.perspective.viewpoint import FindMiss, Hit, Screening
 from taskgist.world.bodies.hands import Hand, Palms
 from taskgist.world.geometry.transforms import Pose
 
+SEAT_M = 0.1
+"""How far around an object what it lies on is looked for, at most."""
+
 
 class Impossible:
     """An ability that no candidate can give, for one and the same reason."""
@@ -56,15 +59,24 @@ class Grasp(ArmJudge):
         target: The object.
     """
 
+    failed = False
+    """Whether no grasp was free somewhere from where arms get to one."""
+
     def screen(self, candidates: Candidates) -> Screening:
         """What the arms can grasp from some candidates."""
         if self.here.agent.profile.hand is not None:
             surface = ReachScreening(self, candidates, self.surface)
-            if surface.beyond(self._hand.opening_m / 2 + self.here.settings.reach.cell_m):
+            if surface.beyond(self.farther_m):
                 return surface  # no grasp is farther from the surface than this: spares sampling them
         if self._impossible is not None:
             return Impossible(self._impossible)
         return GraspScreening(self, candidates)
+
+    @property
+    def farther_m(self) -> float:
+        """How much farther than the object's surface a grasp may be."""
+        hand = self.here.agent.profile.hand
+        return 0.0 if hand is None else hand.opening_m / 2 + self.here.settings.reach.cell_m
 
     @cached_property
     def _impossible(self) -> Miss | None:
@@ -81,6 +93,20 @@ class Grasp(ArmJudge):
         if narrowest_m > widest_m:
             return Miss(Reason.TOO_WIDE, f"too wide ({narrowest_m:.2f} m > {widest_m:.2f} m)")
         return Miss(Reason.TOO_NARROW, "too narrow for both fingers to meet it")
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether nothing the agent does helps, as far as is known by now; more is found out where something failed."""
+        if super().hopeless or self.__dict__.get("_impossible") is not None:
+            return True
+        return (self.failed or self.looked) and self._all_blocked
+
+    @cached_property
+    def _all_blocked(self) -> bool:
+        """Whether others are in the way of all grasps, by any way."""
+        ways = (lambda: self.plain, lambda: self.between, lambda: self.tilted, lambda: self.slid, lambda: self.drawn)
+        with self.here.stage.showing(self.here.state):
+            return all(way is None or way.all_blocked() for way in (find() for find in ways))
 
     @property
     def _hand(self) -> Hand:
@@ -109,6 +135,7 @@ class Grasp(ArmJudge):
     def _pose(self) -> Pose:
         """Where the object is, lying on what carries it."""
         stage, up_m = self.here.stage, self.target.seat_m or 0.0
+        self.here.recorder.target.add_balls(self.target.centers, self.target.radii_m + SEAT_M)
         pose = stage.body(stage.scene.object_body(self.target.name))
         return Pose(pose.position + (0.0, 0.0, up_m), pose.matrix) if abs(up_m) > TOUCH_M else pose
 
@@ -177,6 +204,8 @@ class GraspScreening:
 
     def next(self, start: int, stop: int) -> int:
         """The first candidate from which an arm reaches a grasp."""
+        if self._grasp.brief and self._grasp.hopeless:
+            return stop
         first = self._plain.next(start, stop)
         return self._between.next(start, first) if first > start and self._between is not None else first
 
@@ -189,6 +218,7 @@ class GraspScreening:
                 yield from sorted(hits, key=lambda hit: hit.order)
                 return
             misses += [result for result in results if isinstance(result, Miss)]
+        self._grasp.failed = True
         miss = nearest_miss(misses)
         yield lambda: miss
 

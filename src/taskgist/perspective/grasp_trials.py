@@ -106,6 +106,7 @@ class GraspTrials:
         self.others: Indices = geoms[foreign]
         self._boxes = seen_from(boxes[foreign], object_in_world.position, object_in_world.matrix)
         self.met: Indices = np.where(grasps.in_itself, len(self.others), UNTRIED)
+        self._not_blocked = 0
 
     def first_free(self, order: Indices, ghosts: Indices) -> int | None:
         """The first of some grasps that meets nothing, the agent being as the stage shows it; None if all do.
@@ -125,16 +126,35 @@ class GraspTrials:
                 return index
             at += 1
 
+    def all_blocked(self, ghosts: Indices) -> bool:
+        """Whether others are in the way of all grasps, wherever the agent is; arguments as above."""
+        hands, nobody = self._hands, np.empty((0, COLUMNS))
+        while self._not_blocked < len(self.met):
+            order = np.arange(self._not_blocked, len(self.met))
+            at, _ = _next(order, 0, self.met, hands.frames, hands.centers, hands.boxes, self._boxes, nobody)
+            self._not_blocked += at
+            if at < len(order):
+                index = int(order[at])
+                if (self.met[index] == FREE or self._free_of_others(index, ghosts)) and self._closes(index):
+                    return False
+        return True
+
     def _free(self, index: int, ghosts: Indices) -> bool:
         """Whether MuJoCo finds a grasp free."""
+        if not self._free_of_others(index, ghosts):
+            return False
+        own = self._agent.core_geoms
+        return not any(self._stage.overlaps(ghosts, own, deeper_than_m=TOUCH_M))
+
+    def _free_of_others(self, index: int, ghosts: Indices) -> bool:
+        """Whether MuJoCo finds it free of others; the hand is put there."""
         centers, matrix = self._pose.to_world(self._hands.centers[index]), self._hands.frames[index].reshape(3, 3)
         self._stage.place(ghosts, centers, (self._pose.matrix @ matrix).reshape(9))
         if self.met[index] == DOUBTFUL:
             overlaps = self._stage.overlaps(ghosts, self.others, deeper_than_m=TOUCH_M)
             met = next((other for _, other, _ in overlaps), None)
             self.met[index] = FREE if met is None else np.flatnonzero(self.others == met)[0]
-        own = self._agent.core_geoms
-        return bool(self.met[index] == FREE) and not any(self._stage.overlaps(ghosts, own, deeper_than_m=TOUCH_M))
+        return bool(self.met[index] == FREE)
 
     def _closes(self, index: int) -> bool:
         """Whether nothing lies between the pads and the points that they close on: a sleeve, another's fist."""

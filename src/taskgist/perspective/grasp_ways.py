@@ -71,6 +71,15 @@ class _Tried:
         index = self.trials.first_free(to_try, ghosts) if len(to_try) else None
         return self._blocked(order) if index is None else index
 
+    def all_blocked(self) -> bool:
+        """Whether others are in the way of all grasps, wherever the agent is."""
+        return not len(self.grasps) or self.trials.all_blocked(self._ghosts)
+
+    @property
+    def _ghosts(self) -> Indices:
+        """Shapes of a hand that is put into grasps."""
+        return self._here.agent.arms[0].ghosts
+
     def _blocked(self, tried: Indices) -> Miss:
         """Why none of the grasps is free that an arm reaches: what was in the way when that first was so."""
         if self._first_blocked is None:
@@ -167,6 +176,10 @@ class TwoHanded(_Tried):
         self._points = (self.grasps.centers - half, self.grasps.centers + half)
         self.cloud = PointCloud.of(self._points[0])  # of each pair there is the one with the hands changed over
 
+    @property
+    def _ghosts(self) -> Indices:
+        return np.array([self._here.agent.arm(side).flat_ghost for side in SIDES])
+
     def results(self, candidate: Candidate, shoulders: Array, able: Sequence[int]) -> list[Hit | Miss]:
         """The nearest free grasp that both arms reach; arguments as above."""
         pair = sorted(able, key=lambda index: SIDES.index(self._arm(index)[0].profile.side))
@@ -185,7 +198,7 @@ class TwoHanded(_Tried):
             np.linalg.norm(points[both] - row[:3], axis=1) for row, points in zip(rows, self._points, strict=True)
         ]
         order = both[np.argsort(np.round(sum(distances_m), DIGITS), kind="stable")]
-        found = self.first_free(candidate, order, np.array([arm.flat_ghost for arm in arms]))
+        found = self.first_free(candidate, order, self._ghosts)
         if isinstance(found, Miss):
             return [found]
         (first, second), (first_m, second_m) = (

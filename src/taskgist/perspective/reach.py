@@ -7,7 +7,6 @@ is then unknown, unless the object is farther away than the whole arm.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from taskgist.perspective.arms import (
     ROUNDING,
     Arms,
     Around,
+    all_within,
     arms_of,
     distance_m,
     free_configuration,
@@ -30,7 +30,7 @@ from taskgist.perspective.arms import (
 )
 from taskgist.perspective.candidates import Candidates, Table, carry, thrust_of
 from taskgist.perspective.effort import BlockedArm, Held, Miss, OutOfReach, Quantity, Reached, Reason, stretch
-from taskgist.perspective.target import Target, vector
+from taskgist.perspective.target import Target, ball_around, vector
 from taskgist.perspective.viewpoint import FindMiss, Hit, Screening, Viewpoint
 from taskgist.settings import DEFAULT, ReachModel
 from taskgist.world.bodies.agent import ArmIndices
@@ -43,7 +43,7 @@ from taskgist.world.geometry.solids import COLUMNS
 DIGITS = 6
 """Distances that agree to so many digits are equal, wherever the scene stands."""
 NOWHERE = -1
-NOTHING_AROUND = Around(np.empty((0, COLUMNS)), np.empty((0, 0), dtype=np.bool_), 0.0, 0.0, False)
+NOTHING_AROUND = Around(np.empty((0, COLUMNS)), np.empty((0, 0), dtype=np.bool_), 0.0, 0.0, False, np.zeros((2, 3)))
 TRIES = 8
 """Points of an object that are tried where its nearest one is out of the arm's way: spread by their distance (ours)."""
 
@@ -212,22 +212,6 @@ def _grasps_within(pose: Array, arms: Arms, centers: Array, approaches: Array, f
     return found[:count], distances[:count]
 
 
-@compiled
-def ball_around(points: Array) -> tuple[Array, float]:
-    """Middle of the box around some points, and how far the farthest is from it."""
-    low, high, squared = np.full(3, np.inf), np.full(3, -np.inf), 0.0
-    if not len(points):
-        return np.zeros(3), 0.0
-    for k in range(len(points)):
-        for axis in range(3):
-            low[axis], high[axis] = min(low[axis], points[k, axis]), max(high[axis], points[k, axis])
-    middle = (low + high) / 2
-    for k in range(len(points)):
-        x, y, z = points[k, 0] - middle[0], points[k, 1] - middle[1], points[k, 2] - middle[2]
-        squared = max(squared, x * x + y * y + z * z)
-    return middle, math.sqrt(squared)
-
-
 def out_of_reach(side: str, length_m: float, shoulder: Array, points: Array, model: ReachModel) -> Miss:
     """Why an arm of some length reaches none of some points, (k, 3), from a shoulder, (3,)."""
     gap_m = float(np.linalg.norm(points - shoulder, axis=1).min())
@@ -279,6 +263,8 @@ WHOLE_ARM = 1.25
 """A hand holds nothing farther from its shoulder than this times the arm's length (ours; a human's is 1.1)."""
 PARTS: tuple[tuple[str, ...], ...] = ((), ("torso",), ("torso",), ("torso", "legs"), ("torso", "legs"))
 """Parts that must be tracked to judge each level."""
+MOST_STAYING = 3
+"""The greatest effort level at which an agent stays where it is; it takes other postures there."""
 NO_ARM = Miss(Reason.NO_ARM, "no arm may be stretched out")
 NO_SURFACE = Miss(Reason.NO_SURFACE, "has no surface")
 NOT_HELD = Miss(Reason.NOT_HELD, "not held")
@@ -311,6 +297,7 @@ class ArmJudge:
         thrusts: Whether any of them may be thrust forward.
         shut_in: Why no way leads from the object to any arm, where that was found out.
         looked: Whether it was tried to find out.
+        brief: Whether only the level and how it is attained are asked for, not why it is not with less.
     """
 
     def __init__(self, here: Viewpoint, target: Target) -> None:
@@ -319,7 +306,13 @@ class ArmJudge:
         self.model = here.settings.reach.model
         self.thrusts = self.model != "sector" and any(here.agent.arms[index].profile.thrust for index in self.arms)
         self.shut_in: Miss | None = None
-        self.looked = False
+        self._buried: dict[PointCloud, bool] = {}
+        self.looked = self.brief = False
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether no candidate gives the ability, as far as is known by now."""
+        return self.shut_in is not None
 
     @cached_property
     def surface(self) -> PointCloud:
@@ -331,7 +324,7 @@ class ArmJudge:
         """Rows of the solid shapes that may be in an arm's way when it reaches the object, (n,)."""
         here, cloud = self.here, self.surface
         far_m = cloud.radius_m + LINK_M + float(self.reaches.sectors[:, 0].max(initial=0.0))  # from palm to shoulder
-        geoms, _ = here.collisions.around(cloud.middle, far_m)
+        geoms = here.collisions.near(cloud.middle, far_m)
         own = here.stage.scene.geoms_of(self.target.name)
         return np.searchsorted(here.collisions.obstacles, geoms[~np.isin(geoms, own)])
 
@@ -341,8 +334,9 @@ class ArmJudge:
         here = self.here
         squeeze_m, touch_m = here.settings.efforts.collision_m, here.settings.reach.touch_m
         solids = here.collisions.solids[self.obstacles]
-        usual = usually_met(self.shoulders, self.reaches, solids, squeeze_m)
-        return Around(solids, usual, touch_m, squeeze_m, True)
+        felt = here.recorder.arms.bounds
+        usual = usually_met(self.shoulders, self.reaches, solids, squeeze_m, felt)
+        return Around(solids, usual, touch_m, squeeze_m, True, felt)
 
     @property
     def shoulders(self) -> Array:
@@ -371,11 +365,18 @@ class ArmJudge:
         eye = self.here.stage.eye(self.here.agent).position
         here = np.concatenate((self.shoulders[:, :3], eye[None]))
         radius_m = min(float(self.reaches.sectors[:, 0].max()), LARGEST_M) + cloud.radius_m
-        if shut_in(starts, cloud.middle, radius_m, here, around.solids, met):
+        if shut_in(starts, cloud.middle, radius_m, here, around.solids, met, around.felt):
             counts = self.owners(met)
             side = self.arm(self.arms[0]).profile.side
             text = f"shut in by {' and '.join(owner for owner, _ in counts[:NAMED])}"
             self.shut_in = Miss(Reason.SHUT_IN, text, hindrance=BlockedArm(side, counts, shut_in=True))
+
+    def buried(self, cloud: PointCloud) -> bool:
+        """Whether all of some points of the object are within other things, so that nobody gets there from anywhere."""
+        if cloud not in self._buried:
+            self._buried[cloud] = all_within(cloud.points, self.around.solids)
+            self.here.recorder.arms.add_points(cloud.points)
+        return self._buried[cloud]
 
     def arm(self, index: int) -> ArmIndices:
         """An arm of the agent by its index; after all of them, they come again with their shoulders thrust forward."""
@@ -385,6 +386,20 @@ class ArmJudge:
         """New angles of what thrusts forward the shoulder of an arm, by index into qpos."""
         agent = self.here.agent
         return thrust_of(agent, self.arm(index), self.here.state) if index >= len(agent.arms) else {}
+
+    def passes_over(self, level: int) -> bool:
+        """Whether the object is out of reach from all candidates of a level that stay where the agent is."""
+        if not 1 <= level <= MOST_STAYING or not len(self.reaches.sectors):
+            return False
+        middle, radius_m = self.here.candidates.shoulders_ball(level)
+        self.here.recorder.postures |= level == MOST_STAYING
+        far_m = radius_m + self.surface.radius_m + float(self.reaches.sectors[:, 0].max()) + self.farther_m
+        return float(np.linalg.norm(self.surface.middle - middle)) > far_m + INSIDE_M
+
+    @property
+    def farther_m(self) -> float:
+        """How much farther than the object's surface a hand may be."""
+        return 0.0
 
     def unknown(self, level: int) -> str | None:
         """The shoulders are where the torso is; legs matter from their level on; hands for holding only."""
@@ -460,11 +475,14 @@ class ReachScreening:
         start, able = first_in_reach(*self._from, NOTHING_AROUND, *self._to, start, stop, False, *noted)
         if not able or judge.model == "sector":
             return start
+        if judge.brief and judge.buried(self._cloud):
+            return stop
         where = (*self._from, judge.around, *self._to)
         found, able = first_in_reach(*where, start, stop, not judge.looked, *noted)
         if found < stop and not able:
             judge.look_for_way()
-            found, able = first_in_reach(*where, stop if judge.shut_in else found + 1, stop, False, *noted)
+            over = judge.shut_in is not None or (judge.brief and judge.hopeless)
+            found, able = first_in_reach(*where, stop if over else found + 1, stop, False, *noted)
         return found
 
     def beyond(self, margin_m: float) -> bool:

@@ -103,14 +103,24 @@ def least(here: Viewpoint, judge: Judge, level: int, target: Array) -> Solution 
         return partial(Miss, Reason.NO_POSTURE, f"rests on {here.agent.name}, and would not stay there")
     misses: list[FindMiss] = []
     screenings: list[Screening] = []
+    if judge.brief and (judge.hopeless or judge.passes_over(level)):
+        return lambda: UNTOLD
     for candidates in here.candidates.of_level(level, target):
+        if judge.brief and judge.hopeless:
+            break
         screening = judge.screen(candidates)
         screenings.append(screening)
         for group in _hopeful(candidates, screening):
             found = [each for index in group for each in _free(here, screening, index, candidates[index], misses)]
             if found:
-                return min(found, key=lambda each: each.order)
+                best = min(found, key=lambda each: each.order)
+                here.recorder.found_after(best.amount.moved_m)
+                return best
     return partial(_nearest, here, level, misses, screenings)
+
+
+UNTOLD = Miss(Reason.UNTRACKED, "nobody asked")
+"""Why an ability does not hold where only the level is asked for."""
 
 
 def _hopeful(candidates: Candidates, screening: Screening) -> Iterator[list[int]]:
@@ -191,7 +201,7 @@ def effort_from(here: Viewpoint, name: str, ability: Ability, *, explained: bool
     """
     with here.stage.showing(here.state):
         here.recorder.begin()
-        level, solution, misses = _searched(here, name, ability)
+        level, solution, misses = _searched(here, name, ability, brief=not explained)
         if explained:
             untried = here.candidates.untried if level == NO_KNOWN_LEVEL else None
             evidence = replace(_evidence(ability, level, solution, misses), untried=untried)
@@ -232,12 +242,15 @@ def able(
         return False if len(known) == len(levels) else None
 
 
-def _searched(here: Viewpoint, name: str, ability: Ability) -> tuple[int | None, Solution | None, list[FindMiss]]:
+def _searched(
+    here: Viewpoint, name: str, ability: Ability, *, brief: bool
+) -> tuple[int | None, Solution | None, list[FindMiss]]:
     """The level found, None if unknown; how it is attained, if it is; and why not with less, level by level."""
     judge, misses = _judge(here, name, ability), list[FindMiss]()
     if judge is None:
         why = "has no shape" if name in here.stage.scene.shapeless else "not tracked"
         return None, None, [partial(Miss, Reason.UNTRACKED, f"{name} {why}")]
+    judge.brief = brief
     target = here.target(name).middle
     for level in range(NO_KNOWN_LEVEL):
         unknown = judge.unknown(level)

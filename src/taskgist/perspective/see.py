@@ -255,6 +255,11 @@ class See:
         self._here, self.target = here, target
         self._agent, self._cone_rad = here.agent, here.agent.profile.eye.gaze_cone_rad
         self.lens = lens_of(here.agent.profile.eye)
+        self.brief = self.hopeless = False
+
+    def passes_over(self, level: int) -> bool:  # noqa: ARG002 - as all judges
+        """False: things are seen from afar."""
+        return False
 
     def unknown(self, level: int) -> str | None:
         """The eye is where the head is; torso and legs matter from their levels on."""

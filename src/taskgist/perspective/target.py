@@ -7,6 +7,8 @@ noted where things are looked at and collisions are tested, for all abilities al
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from typing import NamedTuple
 
@@ -120,10 +122,28 @@ class Target:
         return np.flatnonzero(counted)
 
 
+@compiled
+def ball_around(points: Array) -> tuple[Array, float]:
+    """Middle of the box around some points, and how far the farthest is from it."""
+    low, high, squared = np.full(3, np.inf), np.full(3, -np.inf), 0.0
+    if not len(points):
+        return np.zeros(3), 0.0
+    for k in range(len(points)):
+        for axis in range(3):
+            low[axis], high[axis] = min(low[axis], points[k, axis]), max(high[axis], points[k, axis])
+    middle = (low + high) / 2
+    for k in range(len(points)):
+        x, y, z = points[k, 0] - middle[0], points[k, 1] - middle[1], points[k, 2] - middle[2]
+        squared = max(squared, x * x + y * y + z * z)
+    return middle, math.sqrt(squared)
+
+
 # --- Regions: boxes along the world's axes, in which something was looked at or felt for.
 
-BODIES = 8
+BODIES = 12
 """How many places of an agent are kept apart; further ones are taken together."""
+ROUNDED_M = 1e-5
+"""More than ways are rounded by where they are compared."""
 NOWHERE: Array = np.array(((np.inf,) * 3, (-np.inf,) * 3))
 SLACK = 1e-9
 """For rounding: rather asked once too often."""
@@ -158,25 +178,49 @@ class Region:
 
 
 class Recorder:
-    """Where all was looked or felt for, to find an answer.
-
-    Args:
-        own: Where the agent is, and what is near to it.
+    """Where all was looked or felt for, to find an answer. What the agent touches and holds now is not noted.
 
     Attributes:
         target: Where the object is, and what is near to it.
         eyes: From where it was looked at: all lines from there to the object were.
-        floor: Whether the places mattered that the agent can get to.
+        arms: Where arms were on their way to it.
+        postures: Whether it mattered which postures the agent can take.
     """
 
-    def __init__(self, own: Region) -> None:
-        self._own = own
+    def __init__(self) -> None:
         self.begin()
 
     def begin(self) -> None:
         """Forget all for a new answer."""
-        self.target, self.eyes, self.floor = Region(), Region(), False
-        self._bodies = [self._own]
+        self.target, self.eyes, self.arms = Region(), Region(), Region()
+        self.postures = False
+        self._ways_m: list[float] = []
+        self._bodies: list[Region] = []
+
+    @contextmanager
+    def apart(self) -> Iterator[Region]:
+        """Note bodies in a region of its own, for a while, instead of for the present answer."""
+        before, self._bodies, together = self._bodies, [], Region()
+        try:
+            yield together
+        finally:
+            for region in self._bodies:
+                together.add(region)
+            self._bodies = before
+
+    def add_ways(self, longest_m: float) -> None:
+        """Note that places were tried at the end of ways up to some length, metres."""
+        self._ways_m.append(longest_m)
+
+    def found_after(self, way_m: float) -> None:
+        """Note that of those ways that were added at last none mattered that is longer than that."""
+        if self._ways_m:
+            self._ways_m[-1] = min(self._ways_m[-1], way_m + ROUNDED_M)
+
+    @property
+    def floor_m(self) -> float:
+        """How long the ways are at most over which places mattered that the agent can get to, metres."""
+        return max(self._ways_m, default=0.0)
 
     def add_body(self, region: Region) -> None:
         """Note where the agent might have been, and what is near to it there."""
@@ -186,9 +230,9 @@ class Recorder:
 
     @property
     def bounds(self) -> Array:
-        """Lowest and highest corners of object, eyes and bodies, metres, (2 + BODIES, 2, 3); empty ones at last."""
-        regions = [self.target, self.eyes, *self._bodies]
-        return np.stack([region.bounds for region in regions] + [NOWHERE] * (2 + BODIES - len(regions)))
+        """Lowest and highest corners of object, eyes, arms and bodies, metres, (3 + BODIES, 2, 3); empty ones last."""
+        regions = [self.target, self.eyes, self.arms, *self._bodies]
+        return np.stack([region.bounds for region in regions] + [NOWHERE] * (3 + BODIES - len(regions)))
 
 
 @compiled
@@ -211,7 +255,7 @@ def touched(regions: Array, boxes: Array) -> Mask:
 
 @compiled
 def crossed(recorded: Array, boxes: Array) -> Mask:
-    """Whether the regions of each answer, (n, 2 + BODIES, 2, 3), touches any of some boxes, (k, 2, 3); (n,)."""
+    """Whether the regions of each answer, (n, 3 + BODIES, 2, 3), touch any of some boxes, (k, 2, 3); (n,)."""
     found = np.zeros(len(recorded), dtype=np.bool_)
     for i in range(len(recorded)):
         target, eyes, bodies = recorded[i, 0], recorded[i, 1], recorded[i, 2:]
@@ -219,9 +263,9 @@ def crossed(recorded: Array, boxes: Array) -> Mask:
         for k in range(len(boxes)):
             found[i] |= not _empty(target) and _between(start, target, boxes[k])
             for body in range(len(bodies)):
-                if found[i] or _empty(bodies[body]):
-                    break
-                found[i] = not _apart(bodies[body], boxes[k])
+                found[i] |= not (_empty(bodies[body]) or _apart(bodies[body], boxes[k]))
+            if found[i]:
+                break
     return found
 
 

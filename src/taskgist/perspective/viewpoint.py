@@ -1,20 +1,7 @@
-"""A viewpoint: one agent in one state, and the candidate states that it might take from there (5.1.4).
+"""A viewpoint: one agent in one state, with what does not depend on the object that it is asked about.
 
-What does not depend on the object is found once here: which contacts are usual, which torso angles, postures and
-places are within reach. Candidates come level by level, from the least amount to the greatest; each level moves only
-its own joints:
-
-====== =============================== ==========================================================================
-level  effort (Fig. 6)                 candidates
-====== =============================== ==========================================================================
-0, 1   none; head, or arm              the current state
-2      and torso                       turns and leans of the torso, shoulders thrust forward with them
-3      whole body                      other postures, with turns and leans of the torso: standing up or sitting down,
-                                       bending at the hips, crouching (``postures``)
-4      displacement                    standing, bent or crouched, on every place of the floor that can be got to, the
-                                       chest turned to the object, with leans of the torso (a turn would repeat that
-                                       of the base)
-====== =============================== ==========================================================================
+That is which contacts are usual, what it holds and wears, and the states that it might take from there
+(``candidate_source``).
 
 What an agent holds stays where it is in all of them: a held object can be reached and grasped without effort anyway,
 and arms can keep it in place while the torso moves.
@@ -23,47 +10,25 @@ and arms can keep it in place while the torso moves.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from taskgist.common.arrays import Array, Mask
-from taskgist.perspective.candidates import (
-    Candidate,
-    Candidates,
-    Frames,
-    TorsoPose,
-    TorsoPoses,
-    Walk,
-    checked_actions,
-    torso_poses,
-)
-from taskgist.perspective.constraints import NOTHING, Collisions, Floor, Place, held_by, near_body, wears
-from taskgist.perspective.effort import (
-    LEAN,
-    MOVE,
-    SIT,
-    STAND,
-    TURN,
-    Amount,
-    Attained,
-    Miss,
-    Reason,
-    Visibility,
-    stretch,
-)
+from taskgist.common.arrays import Indices, Mask
+from taskgist.perspective.candidate_source import CandidateSource
+from taskgist.perspective.candidates import Candidate, Candidates, checked_actions
+from taskgist.perspective.constraints import Collisions, held_by, near_body, wears
+from taskgist.perspective.effort import Attained, Miss, Visibility, stretch
 from taskgist.perspective.image import Sight, look, measured
-from taskgist.perspective.postures import bends, leaving_seat, seat_height_m
-from taskgist.perspective.target import Recorder, Region, Target
+from taskgist.perspective.target import Recorder, Target
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.bodies.profile import Posture
 from taskgist.world.contacts import holding_of, objects_near
-from taskgist.world.geometry.transforms import yaw_of
-from taskgist.world.stage import Stage, posture_of, with_posture
+from taskgist.world.stage import Stage, posture_of
 from taskgist.world.state import State
 
 
@@ -77,7 +42,6 @@ class Viewpoint:
         agent: Name of the agent.
         settings: All settings.
         actions: The virtual actions that the agent may use; all that it has if left out.
-        known_floor: Where it is known already that the agent could stand, or not, by cell of its ``Floor``.
         targets: Objects as they are now, by name, as far as others of this stage asked for them.
 
     Attributes:
@@ -97,34 +61,27 @@ class Viewpoint:
         settings: Settings = DEFAULT,
         *,
         actions: Iterable[str] | None = None,
-        known_floor: Mapping[tuple[float, float], bool] = NOTHING,
         targets: dict[str, Target] | None = None,
     ) -> None:
         self.stage, self.settings = stage, settings
         self.agent: Agent = stage.scene.agent(agent)
         self.state: State = stage.state
         self.actions = checked_actions(self.agent, actions)
-        self.known_floor = known_floor
         self._targets = {} if targets is None else targets
         self._sights: dict[str, Sight] = {}
         near = objects_near(stage, self.agent, settings.contact)
         self.held: Mapping[str, str] = held_by(stage, self.agent, near, settings.contact)
         touching = near_body(stage, self.agent, settings.contact)
         self.on_body = frozenset(name for name in touching if wears(stage, self.agent, name, settings.contact))
-        self.recorder = Recorder(self._own_region((*near, *touching)))
+        self.recorder = Recorder()
         self.collisions = Collisions(stage, self.agent, settings, self.held, self.recorder)
         self._without: dict[frozenset[str], Collisions] = {}
         self.posture: Posture | None = posture_of(stage, self.agent, settings.contact)
 
-    def _own_region(self, near: Iterable[str]) -> Region:
-        """Where the agent is, and what it holds or might hold: with whose contacts others are compared."""
-        region, own, contact = Region(), self.agent.geoms, self.settings.contact
-        region.add_balls(self.stage.geom_centers(own), self.stage.scene.model.geom_rbound[own])
-        region.grow(contact.grip_m)
-        for name in near:
-            thing = self.target(name)
-            region.add_balls(thing.centers, thing.radii_m + contact.container_m)
-        return region
+    @property
+    def contacts(self) -> tuple[Mapping[str, str], frozenset[str], Mapping[tuple[int, int], float], Posture | None]:
+        """What the agent holds and wears, what it touches how deep, and its posture: all answers stand on these."""
+        return self.held, self.on_body, self.collisions.usual_m, self.posture
 
     def collisions_of(self, candidate: Candidate) -> Collisions:
         """What the agent would push into in states that a candidate leads to."""
@@ -140,6 +97,12 @@ class Viewpoint:
     def candidates(self) -> CandidateSource:
         """The states that the agent might take."""
         return CandidateSource(self)
+
+    @cached_property
+    def own(self) -> Indices:
+        """Indices into qpos of where the agent is, and of its joints, (n,)."""
+        joints = np.array(list(self.agent.joints.values()), dtype=np.intp)
+        return np.concatenate((np.arange(self.agent.base.start, self.agent.base.stop), joints))
 
     @cached_property
     def is_own(self) -> Mask:
@@ -205,193 +168,6 @@ class Viewpoint:
         return holding is not None and bool(holding.support or holding.container)
 
 
-CLOSE_M = 1.0
-"""Who gets no farther than this is shut in where he stands up (ours: a sofa and its table are as long, or longer)."""
-AROUND_M = 0.6
-"""How far around an agent a seat may be, at most: a thigh behind its feet; and what it might move with its seat."""
-NO_CANDIDATE: Mapping[int, Miss] = {
-    2: Miss(Reason.NO_TORSO, "the torso does not move"),
-    3: Miss(Reason.NO_POSTURE, "no other posture to take"),
-    4: Miss(Reason.NO_WALKING, "cannot move about"),
-}
-"""Why an effort level has nothing to try."""
-
-
-class CandidateSource:
-    """The states that an agent might take from its current one, by effort level.
-
-    Args:
-        here: The agent in its current state.
-    """
-
-    def __init__(self, here: Viewpoint) -> None:
-        self._here = here
-        self._frames: dict[Candidate, Frames] = {}
-
-    def of_level(self, level: int, target: Array) -> Iterator[Candidates]:
-        """Candidates of an effort level, by increasing amount, in batches.
-
-        Args:
-            level: Effort level, 0 to 4.
-            target: Where the object is, metres, (3,): agents that walk turn to it.
-        """
-        if level <= 1:
-            yield self._current
-        elif level == 2:
-            yield self._with_torso
-        elif level == 3:
-            self._here.recorder.add_body(self._seat_region())
-            yield from self._in_other_postures
-        elif level == 4 and MOVE in self._here.actions:
-            if self.other_posture is not None and self._here.posture == "sitting":
-                self._here.recorder.add_body(self._here.collisions.filled(self.other_posture.state))
-                self._here.recorder.add_body(self._seat_region())
-            if self.walk is not None:
-                self._here.recorder.floor = True
-                yield from self.walk.candidates(target)
-
-    def why_none(self, level: int) -> Miss:
-        """Why an effort level has no candidates."""
-        here = self._here
-        if level == 4 and MOVE in here.actions and here.posture == "sitting" and self.other_posture is not None:
-            blocking = here.collisions_of(self.other_posture).blocking(self.other_posture.state)
-            return Miss(Reason.NO_STANDING, f"{STAND} is blocked: {blocking}", hindrance=blocking)
-        return NO_CANDIDATE[level]
-
-    @cached_property
-    def current(self) -> Candidate:
-        """The current state."""
-        return Candidate(self._here.state)
-
-    @cached_property
-    def other_posture(self) -> Candidate | None:
-        """The agent after standing up, or sitting down if there is a seat; None if it cannot. It may collide."""
-        here = self._here
-        stage = here.stage.show(here.state)
-        if here.posture == "sitting" and STAND in here.actions:
-            return Candidate(with_posture(stage, here.agent, "standing"), (STAND,), aside=here.on_body)
-        if here.posture == "standing" and SIT in here.actions:
-            seat = seat_height_m(stage, here.agent, here.settings.efforts)
-            if seat is not None:
-                state = with_posture(stage, here.agent, "sitting", seat_height_m=seat)
-                lowered_m = float(here.state.qpos[here.agent.base][2] - state.qpos[here.agent.base][2])
-                return Candidate(state, (SIT,), Amount(lowered_m=lowered_m), here.on_body)
-        return None
-
-    @cached_property
-    def upright(self) -> Candidate | None:
-        """The agent standing, free of collisions, ready to walk; None if it cannot be."""
-        here, standing = self._here, self.other_posture
-        if here.posture == "standing":
-            return Candidate(here.state, aside=here.on_body) if here.on_body else self.current
-        if standing is None or here.collisions_of(standing).blocking(standing.state) is None:
-            return standing
-        return next((way for way in self._ways_out if here.collisions_of(way).blocking(way.state) is None), None)
-
-    @property
-    def _ways_out(self) -> Iterator[Candidate]:
-        """The agent after getting up from where it does not simply stand up, the least way first; they may collide."""
-        here = self._here
-        ways = leaving_seat(here.stage.show(here.state), here.agent, here.settings.efforts, here.actions)
-        return (replace(way, aside=way.aside | here.on_body) for way in ways)
-
-    @cached_property
-    def _bent(self) -> list[Candidate]:
-        """What the agent does standing."""
-        assert self.upright is not None
-        return self._bends(self.upright)
-
-    def _bends(self, start: Candidate) -> list[Candidate]:
-        here = self._here
-        return list(bends(here.stage, here.agent, start, here.settings.efforts, here.actions))
-
-    @cached_property
-    def other_postures(self) -> tuple[Candidate, ...]:
-        """All other postures, the least first; they may collide."""
-        here, upright = self._here, self.upright
-        found = [self.other_posture] if self.other_posture else []
-        if upright is not None:
-            found += [upright] if here.posture == "sitting" and upright is not self.other_posture else []
-            found += self._bent
-        return tuple(sorted(found, key=lambda posture: posture.amount.key))
-
-    @cached_property
-    def walk(self) -> Walk | None:
-        """Where the agent can go; None if it cannot walk."""
-        here = self._here
-        if MOVE not in here.actions or self.upright is None:
-            return None
-        start, floor = self.upright, self._floor(self.upright)
-        if here.posture == "sitting" and not floor.leads_to(CLOSE_M):
-            # As between a sofa and its table: people move along the seat to where they get away.
-            ways_out = (way for way in self._ways_out if here.collisions_of(way).blocking(way.state) is None)
-            floors = ((way, self._floor(way)) for way in ways_out)
-            start, floor = next((found for found in floors if found[1].leads_to(CLOSE_M)), (start, floor))
-        agent, state, axis = here.agent, start.state, here.agent.profile.turn
-        bent = self._bent if start is self.upright else self._bends(start)
-        poses = self._poses(here.actions - {TURN})
-        torso = [self._torso(each, poses) for each in (start, *bent)]
-        turned_rad = float(here.state.qpos[agent.joints[axis.joint]]) if axis else 0.0
-        return Walk(torso, yaw_of(state.qpos[agent.base][3:]) + turned_rad, floor)
-
-    def _floor(self, start: Candidate) -> Floor:
-        """Where the agent can get to, once it stands."""
-        here = self._here
-        here.stage.show(start.state)
-        free = here.collisions_of(start).footprint()
-        known = here.known_floor if start is self.upright else NOTHING
-        return Floor(start.state, here.agent, here.settings.efforts, free, known)
-
-    @property
-    def untried(self) -> str | None:
-        """What was left out of the candidates that were made; None if nothing was."""
-        if self.__dict__.get("walk") is None or self.walk is None or not self.walk.floor.goes_on:
-            return None
-        return f"going farther than {self._here.settings.efforts.move_radius_m:g} m"
-
-    @property
-    def places(self) -> tuple[Place, ...]:
-        """All places that the agent can get to; none if it cannot walk."""
-        return () if self.walk is None else self.walk.places
-
-    def floor_after(self, moved: Array) -> dict[tuple[float, float], bool]:
-        """What is known of the floor and stays so when something moved within boxes, (k, 2, 3)."""
-        if self.__dict__.get("walk") is None or self.walk is None or self.walk.start is not self.upright:
-            return {}
-        assert self.upright is not None
-        return self.walk.floor.known_after(self._here.collisions.filled(self.upright.state).bounds, moved)
-
-    def _seat_region(self) -> Region:
-        """Where a seat is looked for."""
-        region, here = Region(), self._here
-        around_m = AROUND_M + (here.settings.efforts.leaving_seat_m if here.posture == "sitting" else 0.0)
-        region.add_points(here.stage.show(here.state).geom_centers(here.agent.geoms), around_m)
-        return region
-
-    @cached_property
-    def _current(self) -> Candidates:
-        return Candidates(self._torso(self.current, [TorsoPose()], thrusts=False))
-
-    @cached_property
-    def _with_torso(self) -> Candidates:
-        return Candidates(self._torso(self.current, [pose for pose in self._poses(self._here.actions) if pose.actions]))
-
-    @cached_property
-    def _in_other_postures(self) -> list[Candidates]:
-        poses = self._poses(self._here.actions)
-        return [Candidates(self._torso(posture, poses)) for posture in self.other_postures]
-
-    def _poses(self, actions: frozenset[str]) -> list[TorsoPose]:
-        return torso_poses(self._here.agent, self._here.state, self._here.settings.efforts, actions)
-
-    def _torso(self, start: Candidate, poses: Sequence[TorsoPose], *, thrusts: bool = True) -> TorsoPoses:
-        here = self._here
-        thrusts = thrusts and not here.actions.isdisjoint((TURN, LEAN))
-        if start not in self._frames:
-            self._frames[start] = Frames(here.stage.show(start.state), here.agent)
-        return TorsoPoses.of(here.agent, start, self._frames[start], poses, thrusts=thrusts)
-
-
 # --- What the judges of the three abilities share: how candidates are screened, and what comes of it.
 
 
@@ -440,7 +216,20 @@ class Screening(Protocol):
 
 
 class Judge(Protocol):
-    """Judges one ability towards one object. The stage may show anything before and after each call."""
+    """Judges one ability towards one object. The stage may show anything before and after each call.
+
+    Attributes:
+        brief: Whether only the level and how it is attained are asked for, not why it is not with less.
+    """
+
+    brief: bool
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether no candidate gives the ability, as far as is known by now."""
+
+    def passes_over(self, level: int) -> bool:
+        """Whether the ability surely holds from no candidate of a level; false where that is not clear at once."""
 
     target: Target
     """The object."""

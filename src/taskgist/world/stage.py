@@ -222,9 +222,14 @@ class Stage:
 
     def bounds(self, geoms: Indices) -> Array:
         """Lowest and highest corner of a box along the world's axes around some shapes, metres, (2, 3)."""
+        each = self.bounds_of_each(geoms)
+        return np.stack((each[:, 0].min(axis=0), each[:, 1].max(axis=0)))
+
+    def bounds_of_each(self, geoms: Indices) -> Array:
+        """The same around each of some shapes, (n, 2, 3)."""
         table = self.boxes(geoms)
         half = np.einsum("nij,nj->ni", np.abs(table[:, TURNED:HALF].reshape(-1, 3, 3)), table[:, HALF:RADIUS])
-        return np.stack(((table[:, :3] - half).min(axis=0), (table[:, :3] + half).max(axis=0)))
+        return np.stack((table[:, :3] - half, table[:, :3] + half), axis=1)
 
     @property
     def counts(self) -> dict[str, int]:

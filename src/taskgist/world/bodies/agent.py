@@ -170,6 +170,7 @@ class Agent:
         core_geoms: Solid shapes of head, torso and base: those that virtual actions must not push into things.
         geoms: All its shapes but the ghosts.
         lifts: Names of the joints between base and shoulders that slide, as a torso's lift does.
+        arm_positions: Indices into qpos of the joints of its arms, (n,).
     """
 
     name: str
@@ -186,6 +187,7 @@ class Agent:
     thigh_bodies: tuple[int, ...]
     arms: tuple[ArmIndices, ...]
     lifts: tuple[str, ...]
+    arm_positions: Indices
     parts: Mapping[str, Indices]
 
     def arm(self, side: str) -> ArmIndices:
@@ -214,6 +216,8 @@ def resolve_agent(model: mujoco.MjModel, name: str, profile: AgentProfile, statu
     arms = tuple(_resolve_arm(model, data, name, arm, human_m) for arm in profile.arms)
     arm_geoms = np.concatenate([arm.geoms for arm in arms]) if arms else np.array([], dtype=np.intp)
     _, _, eye = profile.frames[0]
+    parts = _parts(model, name, profile, bodies)
+    of_arms = {int(body) for arm in arms for body in parts.get(f"{arm.profile.side}_arm", ())}
     return Agent(
         name=name,
         profile=profile,
@@ -229,7 +233,8 @@ def resolve_agent(model: mujoco.MjModel, name: str, profile: AgentProfile, statu
         thigh_bodies=tuple(_body(model, name, thigh) for thigh in profile.legs.thighs),
         arms=arms,
         lifts=_lifts(model, name, arms),
-        parts=_parts(model, name, profile, bodies),
+        arm_positions=np.array(list(_scalar_joints(model, name, of_arms).values()), dtype=np.intp),
+        parts=parts,
     )
 
 
@@ -245,7 +250,7 @@ def _lifts(model: mujoco.MjModel, name: str, arms: Iterable[ArmIndices]) -> tupl
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
-def _scalar_joints(model: mujoco.MjModel, name: str, bodies: Indices) -> dict[str, int]:
+def _scalar_joints(model: mujoco.MjModel, name: str, bodies: Indices | set[int]) -> dict[str, int]:
     """Index into qpos of each joint that turns or slides, by its name without prefix."""
     return {
         model.joint(j).name.removeprefix(f"{name}/"): int(model.jnt_qposadr[j])
