@@ -10,7 +10,8 @@ from taskgist.language.efforts import why
 from taskgist.perspective import Ability, Effort, Viewpoint, effort_from, least_effort
 from taskgist.perspective.effort import Reached
 from taskgist.perspective.grasp_sampling import around, grasps_in_object, sample_grasps
-from taskgist.perspective.reach import PointCloud, Reach, ReachScreening
+from taskgist.perspective.points_in_reach import PointCloud
+from taskgist.perspective.reach import Reach, ReachScreening
 from taskgist.perspective.viewpoint import FindMiss, Hit
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage

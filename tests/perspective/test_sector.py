@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from taskgist.perspective import Viewpoint
 from taskgist.perspective.candidates import Candidates
 from taskgist.perspective.effort import Miss, Reached, Reason
-from taskgist.perspective.reach import PointCloud, Reach, ReachScreening, grasps_in_reach
+from taskgist.perspective.points_in_reach import PointCloud, grasps_in_reach
+from taskgist.perspective.reach import Reach, ReachScreening
 from taskgist.perspective.viewpoint import Hit
 from taskgist.world import Arm, ArmIndices, Pose
 from tests.perspective.random_rooms import random_case

@@ -24,7 +24,7 @@ from taskgist.perspective.effort import (
 )
 from taskgist.perspective.grasp_sampling import SIDES, Grasps
 from taskgist.perspective.grasp_trials import GraspTrials
-from taskgist.perspective.reach import DIGITS, PointCloud, grasps_in_reach
+from taskgist.perspective.points_in_reach import DIGITS, PointCloud, grasps_in_reach
 from taskgist.perspective.target import Target, vector
 from taskgist.perspective.viewpoint import Hit, Viewpoint
 from taskgist.world.bodies.agent import ArmIndices
