@@ -91,7 +91,8 @@ def _scene_file(text: str, change: Change, turn: Callable[[float], float]) -> st
         x, y, *_ = change(np.array([[*_numbers(found[1].replace(",", " ")), 0, 1, 0, 0, 0]]))[0].tolist()
         return f"position_m = [{x!r}, {y!r}]"
 
-    text = re.sub(r"position_m = \[(.*)\]", place, text)
+    text, count = re.subn(r"position_m = \[([^]]*)\]", place, text)
+    assert count == text.count("position_m")
     return re.sub(r"yaw_deg = (\S+)", lambda found: f"yaw_deg = {turn(float(found[1]))!r}", text)
 
 
