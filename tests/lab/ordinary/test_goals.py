@@ -5,24 +5,18 @@ from __future__ import annotations
 import pytest
 
 from taskgist.perspective.effort import ABILITIES, Ability
-from taskgist_lab.evaluation.ordinary_rooms import RoomsFound, judged_rooms
+from tests.lab.ordinary.judged import found
 
-ROOMS, SEED = 2, 14
 MISSED_MOST = 0.04
 
 
-@pytest.fixture(scope="module")
-def found() -> RoomsFound:
-    return judged_rooms(count=ROOMS, seed=SEED)
+@pytest.mark.parametrize("ability", ABILITIES)
+def test_what_an_able_adult_gets_at_is_possible(ability: Ability) -> None:
+    assert found().missed(ability).of > 100
+    assert found().missed(ability).share <= MISSED_MOST, found().reasons(ability)
 
 
 @pytest.mark.parametrize("ability", ABILITIES)
-def test_what_an_able_adult_gets_at_is_possible(found: RoomsFound, ability: Ability) -> None:
-    assert found.missed(ability).of > 100
-    assert found.missed(ability).share <= MISSED_MOST, found.reasons(ability)
-
-
-@pytest.mark.parametrize("ability", ABILITIES)
-def test_what_nobody_gets_at_is_not(found: RoomsFound, ability: Ability) -> None:
-    assert found.invented(ability).of > 20
-    assert found.invented(ability).wrong == 0
+def test_what_nobody_gets_at_is_not(ability: Ability) -> None:
+    assert found().invented(ability).of > 20
+    assert found().invented(ability).wrong == 0

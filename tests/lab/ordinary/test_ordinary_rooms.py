@@ -10,7 +10,7 @@ import mujoco
 import pytest
 
 from taskgist.perspective.effort import ABILITIES
-from taskgist_lab.evaluation.ordinary_rooms import Answer, Pair, RoomsFound, judged_room, judged_rooms, sheets, spot_of
+from taskgist_lab.evaluation.ordinary_rooms import Answer, Pair, RoomsFound, sheets, spot_of
 from taskgist_lab.ordinary.furnishing import furnished
 from taskgist_lab.ordinary.furniture import Spot, cabinet, drawer, table, wall
 from taskgist_lab.ordinary.rooms import FurnishedRoom, Placed, distance_m
@@ -18,6 +18,7 @@ from taskgist_lab.ordinary.things import KINDS, thing_of
 from taskgist_lab.ordinary.truth import Truth, Truths, needs
 from taskgist_lab.simulator.room import Person
 from taskgist_lab.view import ordinary_room_picture
+from tests.lab.ordinary import judged
 
 ROOMS = range(4)
 FLOOR = Spot("floor", (0, 0, 0), (0, 0))
@@ -220,12 +221,11 @@ def test_an_unknown_level_is_counted_apart() -> None:
 
 
 def test_a_room_is_judged_drawn_and_told(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    room = furnished(3, 0)
-    pairs = list(judged_room(room))
-    assert len(pairs) == len(room.people) * len(room.placed)
+    room, other = (furnished(judged.SEED, number) for number in range(judged.ROOMS))
+    found, count = judged.found(), len(room.people) * len(room.placed)
+    pairs = found.pairs[:count]
+    assert len(found.pairs) == count + len(other.people) * len(other.placed)
     assert all(bool(each.reason) == each.is_wrong for pair in pairs for each in pair.answers.values())
-    found = judged_rooms(count=1, seed=3)
-    assert list(found.pairs) == pairs
     document = json.loads(json.dumps(found.to_json()))
     assert document["abilities"]["reach"]["able_called_impossible"] == found.missed("reach").plain
     assert all(len(row) == len(sheet.header) for sheet in sheets(found) for row in sheet.rows)

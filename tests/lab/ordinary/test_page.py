@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 
 from benchmarks.ordinary_rooms import ROOMS, SEED
-from taskgist_lab.evaluation.ordinary_rooms import judged_rooms
+from tests.lab.ordinary import judged
+from tests.lab.ordinary.judged import found
 from tools.markdown import filled
 from tools.ordinary_page import PAGE, parts
 
@@ -13,13 +14,12 @@ TEXT = PAGE.read_text(encoding="utf-8")
 
 
 def test_the_page_has_a_place_for_every_table() -> None:
-    found = judged_rooms(count=1, seed=3)
-    page = filled(TEXT, parts(found))
-    for name in parts(found):
+    page = filled(TEXT, parts(found()))
+    for name in parts(found()):
         assert f"<!-- {name} -->\n" in TEXT
         (part,) = re.findall(rf"<!-- {name} -->\n(.*?)<!-- end -->", page, re.DOTALL)
         assert part.count("\n| ") >= 2
-    assert "Seed 3, " in page
+    assert f"Seed {judged.SEED}, " in page
 
 
 def test_the_figures_are_those_of_the_default_seed() -> None:
