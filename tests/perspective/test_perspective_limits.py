@@ -23,8 +23,8 @@ from taskgist.perspective import (
     visibility,
 )
 from taskgist.perspective.candidates import Candidate, Candidates
-from taskgist.perspective.constraints import Floor, Place, moved
 from taskgist.perspective.effort import Held, Miss, Reason
+from taskgist.perspective.floor import Floor, Place, moved
 from taskgist.perspective.gaze import aimed
 from taskgist.perspective.search import Solution, least
 from taskgist.perspective.viewpoint import FindMiss, Hit
@@ -55,14 +55,23 @@ def all_candidates(here: Viewpoint, level: int, target: np.ndarray) -> list[Cand
     return [batch[index] for batch in here.candidates.of_level(level, target) for index in range(len(batch))]
 
 
+class WholeBody:
+    """Where a whole body is free, never sure beforehand."""
+
+    def __init__(self, here: Viewpoint) -> None:
+        self._here = here
+
+    def clear(self, offsets_m: np.ndarray) -> list[bool]:
+        return [False] * len(offsets_m)
+
+    def free(self, offset_m: tuple[float, float]) -> bool:
+        here = self._here
+        return here.collisions.blocking(moved(here.state, here.agent, offset_m)) is None
+
+
 def floor_of(here: Viewpoint) -> list[Place]:
     """All places that can be got to, with collisions as of the whole body."""
-    floor = Floor(
-        here.state,
-        here.agent,
-        here.settings.efforts,
-        lambda offset_m: here.collisions.blocking(moved(here.state, here.agent, offset_m)) is None,
-    )
+    floor = Floor(here.state, here.agent, here.settings.efforts, WholeBody(here))
     return [place for batch in floor.batches() for place in batch]
 
 

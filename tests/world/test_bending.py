@@ -10,7 +10,7 @@ import pytest
 
 from taskgist.settings import DEFAULT
 from taskgist.world import Stage
-from taskgist.world.bending import BALANCED_M, bent
+from taskgist.world.bending import BALANCED_M, bent, legs_of
 from tests.bodies import needs, room, standing
 
 LEGGED = [pytest.param(name, marks=needs(name)) for name in ("human", "hrp2", "talos")]
@@ -42,8 +42,9 @@ def test_feet_stay_and_the_body_balances(profile: str, yaw_deg: float) -> None:
     before, height, center = feet(stage), hips_m(stage), stage.center_of_mass(agent.bodies)
     ahead = np.array([math.cos(math.radians(yaw_deg)), math.sin(math.radians(yaw_deg)), 0.0])
     done = 0
+    legs = legs_of(stage, agent)
     for share, pitch_rad in BENDS:
-        state = bent(stage.show(start), agent, lowered_m=share * agent.stature_m, pitch_rad=pitch_rad)
+        state = bent(stage, agent, start, legs, lowered_m=share * agent.stature_m, pitch_rad=pitch_rad)
         if state is None:
             continue
         done += 1
@@ -72,7 +73,7 @@ def test_the_center_of_mass_is_that_of_mujoco() -> None:
 def test_straight_legs_alone_fall_over_so_that_hips_go_back() -> None:
     stage = stage_of("human")
     agent, start = stage.scene.agent("A"), stage.state
-    state = bent(stage, agent, lowered_m=0.0, pitch_rad=math.radians(60))
+    state = bent(stage, agent, stage.state, legs_of(stage, agent), lowered_m=0.0, pitch_rad=math.radians(60))
     assert state is not None
     assert start.qpos[agent.base][0] - state.qpos[agent.base][0] > 0.1
 
@@ -83,9 +84,9 @@ def test_the_bends_come_down_to_the_floor_step_by_step(stature_m: float) -> None
     stage = Stage(room(standing("A", "human") + f"body = {{ stature_m = {stature_m} }}\n"))
     agent, start = stage.scene.agent("A"), stage.state
     lean, arm = agent.joints["torso_lean"], agent.arms[0]
-    lowest = []
+    lowest, legs = [], legs_of(stage, agent)
     for share, pitch_rad in ((0.0, 0.0), *DEFAULT.efforts.bends):
-        state = bent(stage.show(start), agent, lowered_m=share * stature_m, pitch_rad=pitch_rad)
+        state = bent(stage, agent, start, legs, lowered_m=share * stature_m, pitch_rad=pitch_rad)
         assert state is not None, "people do all of them"
         leaned = stage.show(state.replace({lean: math.radians(60)}))
         lowest.append(float(leaned.shoulder(arm).position[2]) - arm.profile.length_m)
@@ -97,4 +98,4 @@ def test_the_bends_come_down_to_the_floor_step_by_step(stature_m: float) -> None
 
 def test_who_has_no_legs_does_not_bend() -> None:
     stage = stage_of("jido")
-    assert bent(stage, stage.scene.agent("A"), lowered_m=0.1, pitch_rad=0.3) is None
+    assert legs_of(stage, stage.scene.agent("A")) == []

@@ -36,8 +36,9 @@ from taskgist.perspective.candidates import (
     Walk,
     torso_poses,
 )
-from taskgist.perspective.constraints import Collisions, Floor, Place
+from taskgist.perspective.constraints import Collisions
 from taskgist.perspective.effort import LEAN, MOVE, SIT, STAND, TURN, Amount, Miss, Reason
+from taskgist.perspective.floor import Floor, Place
 from taskgist.perspective.postures import bends, leaving_seat, seat_height_m
 from taskgist.perspective.target import Recorder, Region, ball_around, touched
 from taskgist.settings import Settings

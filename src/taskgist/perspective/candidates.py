@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from taskgist.common.arrays import Array, Indices
 from taskgist.common.compiled import compiled, compiled_part
 from taskgist.errors import UnknownNameError
-from taskgist.perspective.constraints import Floor, Place, moved
 from taskgist.perspective.effort import (
     BEND,
     CROUCH,
@@ -37,6 +36,7 @@ from taskgist.perspective.effort import (
     Amount,
     stretch,
 )
+from taskgist.perspective.floor import Floor, Place, moved
 from taskgist.settings import Efforts
 from taskgist.world.bodies.agent import Agent, ArmIndices
 from taskgist.world.bodies.profile import Axis

@@ -1,34 +1,25 @@
-"""What virtual actions must respect besides the joints' ranges: no collisions, and a way over free floor (5.1.4).
+"""What virtual actions must respect besides the joints' ranges: collisions, and what the agent holds or wears (5.1.4).
 
 Head, torso and base push into nothing. Tracked bodies touch and interpenetrate a little, as a sitter does with the
 chair. Therefore only a contact blocks that is deeper than the same two shapes' contact in the current state, by more
 than ``collision_m``.
-
-For moving, the floor is a grid around the agent, flooded from where it stands. The grid is anchored at the agent, its
-axes lie along the agent's heading. A cell can be stood on if head, torso and base collide with nothing there; a step
-to one of the eight neighbours is possible if the same is true half-way, so that nobody walks through a thin wall.
-Cells come in the order of the way's length, and only as many as are asked for.
 """
 
 from __future__ import annotations
 
-import heapq
-import math
-from collections.abc import Callable, Collection, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable
 from functools import cached_property
 
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.perspective.effort import Blocking
-from taskgist.perspective.target import Recorder, Region, touched
-from taskgist.settings import Contact, Efforts, Settings
+from taskgist.perspective.target import Recorder, Region
+from taskgist.settings import Contact, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.contacts import holding_of, wearer_of
-from taskgist.world.geometry.distances import any_near, ball_around_boxes, near_ball
+from taskgist.world.geometry.distances import ball_around_boxes, clear_after, near_ball
 from taskgist.world.geometry.solids import solids_of
-from taskgist.world.geometry.transforms import turned_about_z, yaw_of
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
@@ -97,33 +88,42 @@ class Collisions:
 
     def find(self) -> Blocking | None:
         """The first contact that blocks in the state that the stage shows; None where it is free."""
-        first = self._first(self._tolerance_m)
+        first = self.first_contact(self._tolerance_m)
         if first is None:
             return None
         geom, other, depth_m = first
         return Blocking(part_of(self._stage, self._agent, geom), self._stage.scene.owners[other], depth_m)
 
-    def _first(self, tolerance_m: float) -> tuple[int, int, float] | None:
+    def first_contact(self, tolerance_m: float) -> tuple[int, int, float] | None:
         """The two shapes of the first contact that is deeper than usual by more than that, and how deep they are."""
         usual_m = self.usual_m
         contacts = self._stage.overlaps(self._agent.core_geoms, self.obstacles, deeper_than_m=tolerance_m)
         return next((each for each in contacts if each[2] > usual_m.get(each[:2], 0.0) + tolerance_m), None)
 
-    def footprint(self) -> Callable[[tuple[float, float]], bool]:
-        """Tells whether the agent, as the stage shows it now, could pass where an offset over the floor moves it."""
-        core = self._agent.core_geoms
-        positions, matrices = self._stage.geoms(core)
-        own = self._stage.boxes(core)
-        x, y, z, radius_m = ball_around_boxes(own)
-        around = self.boxes[near_ball(self.boxes, x, y, z, radius_m + self._farthest_m)]
+    def footprint(self) -> Footprint:
+        """The agent as the stage shows it now, to be moved over the floor."""
+        return Footprint(self, self._stage, self._agent, self._farthest_m, self._passing_m)
 
-        def free(offset_m: tuple[float, float]) -> bool:
-            if not any_near(own, offset_m, around, -self._passing_m / 2):
-                return True
-            self._stage.place(core, positions + (*offset_m, 0.0), matrices)
-            return self._first(self._passing_m) is None
 
-        return free
+class Footprint:
+    """Whether an agent, as a stage showed it, could pass where an offset over the floor moves it."""
+
+    def __init__(self, collisions: Collisions, stage: Stage, agent: Agent, farthest_m: float, passing_m: float) -> None:
+        self._collisions, self._stage, self._core, self._passing_m = collisions, stage, agent.core_geoms, passing_m
+        self._positions, self._matrices = stage.geoms(self._core)
+        self._own = stage.boxes(self._core)
+        x, y, z, radius_m = ball_around_boxes(self._own)
+        self._around = collisions.boxes[near_ball(collisions.boxes, x, y, z, radius_m + farthest_m)]
+
+    def clear(self, offsets_m: Array) -> list[bool]:
+        """Whether it is free for sure after moving by offsets along the world's axes, metres, (k, 2)."""
+        clear: list[bool] = clear_after(self._own, offsets_m, self._around, -self._passing_m / 2).tolist()
+        return clear
+
+    def free(self, offset_m: tuple[float, float]) -> bool:
+        """Whether it collides with nothing after moving by an offset."""
+        self._stage.place(self._core, self._positions + (*offset_m, 0.0), self._matrices)
+        return self._collisions.first_contact(self._passing_m) is None
 
 
 def _obstacles(stage: Stage, agent: Agent, held: Collection[str]) -> Indices:
@@ -170,146 +170,3 @@ def part_of(stage: Stage, agent: Agent, geom: int) -> str:
     """Name of the part of an agent that a shape belongs to."""
     body = int(stage.scene.model.geom_bodyid[geom])
     return next((part for part, bodies in agent.parts.items() if body in bodies), "body")
-
-
-# --- The floor that an agent can get to (Move_To).
-
-Cell = tuple[int, int]
-STEPS: tuple[Cell, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1))
-
-BATCHES_M = (0.6, 2.0, 4.0, math.inf)
-"""Lengths of the way up to which places are looked at together."""
-
-
-@dataclass(frozen=True)
-class Place:
-    """A cell that can be got to: offset from the start along world axes, and length of the way, all in metres."""
-
-    offset_m: tuple[float, float]
-    way_m: float
-    cell: Cell = (0, 0)
-
-
-class Floor:
-    """Places that an agent can get to, nearest first.
-
-    Args:
-        start: The standing agent's state.
-        agent: The agent.
-        settings: Step and radius.
-        free: Whether the agent collides with nothing when moved by an offset in metres along the world's axes.
-        note: Told how long the ways are over which places are asked for.
-
-    Attributes:
-        note: As given.
-        free_at: What is known of that by now, by cell; half cells lie between.
-        goes_on: Whether the floor goes on where the radius ends, as far as is known by now.
-    """
-
-    def __init__(
-        self,
-        start: State,
-        agent: Agent,
-        settings: Efforts,
-        free: Callable[[tuple[float, float]], bool],
-        note: Callable[[float], None] = lambda _: None,
-    ) -> None:
-        self._settings, self._free, self.note = settings, free, note
-        yaw, step_m = yaw_of(start.qpos[agent.base][3:]), settings.move_step_m
-        self._forward = (step_m * math.cos(yaw), step_m * math.sin(yaw))
-        self.free_at: dict[tuple[float, float], bool] = {}
-        self._begin()
-
-    def _begin(self) -> None:
-        self.goes_on = False
-        self._batches: list[list[Place]] = []
-        self._flood = self._flooded()
-        self._next: Place | None = next(self._flood, None)
-
-    def batches(self) -> Iterator[list[Place]]:
-        """Places in order of the way, in batches up to a growing length; what was flooded once is kept."""
-        for index, limit_m in enumerate(BATCHES_M):
-            self.note(limit_m)
-            if index == len(self._batches):
-                self._batches.append(self._up_to(limit_m))
-            if self._batches[index]:
-                yield self._batches[index]
-
-    def first_beyond(self, away_m: float) -> Place | None:
-        """The first place that is farther than this from the start; None if no way leads to one."""
-        places = (place for batch in self.batches() for place in batch)
-        return next((place for place in places if math.hypot(*place.offset_m) >= away_m), None)
-
-    def _up_to(self, limit_m: float) -> list[Place]:
-        batch: list[Place] = []
-        while self._next is not None and self._next.way_m <= limit_m:
-            batch.append(self._next)
-            self._next = next(self._flood, None)
-        return batch
-
-    def _flooded(self) -> Iterator[Place]:
-        """Dijkstra's algorithm over the grid."""
-        ways: dict[Cell, float] = {(0, 0): 0.0}
-        queue: list[tuple[float, Cell]] = [(0.0, (0, 0))]
-        done: set[Cell] = set()
-        steps = [(*step, math.hypot(*step) * self._settings.move_step_m) for step in STEPS]
-        while queue:
-            way, cell = heapq.heappop(queue)
-            if cell in done:
-                continue
-            done.add(cell)
-            yield Place(self.offset_m(*cell), way, cell)
-            for ahead, aside, step_m in steps:
-                following, longer = (cell[0] + ahead, cell[1] + aside), way + step_m
-                if longer < ways.get(following, math.inf) and following not in done and self._leads(cell, following):
-                    ways[following] = longer
-                    heapq.heappush(queue, (longer, following))
-
-    def _leads(self, cell: Cell, following: Cell) -> bool:
-        half_way = ((cell[0] + following[0]) / 2, (cell[1] + following[1]) / 2)
-        if not self._within(following):
-            self.goes_on = self.goes_on or self._stands(half_way)
-            return False
-        return self._stands(following) and self._stands(half_way)
-
-    def _within(self, cell: Cell) -> bool:
-        return math.hypot(*cell) * self._settings.move_step_m <= self._settings.move_radius_m + 1e-9
-
-    def _stands(self, at: tuple[float, float]) -> bool:
-        if at not in self.free_at:
-            self.free_at[at] = self._free(self.offset_m(*at))
-        return self.free_at[at]
-
-    def go_on(self, free: Callable[[tuple[float, float]], bool], filled: Array, moved: Array) -> float:
-        """Go on to another state, in which the agent stands where it stood and something else has moved.
-
-        Args:
-            free: As at first, in that state.
-            filled: Lowest and highest corner of the box that the agent fills at the start, metres, (2, 3).
-            moved: Boxes in which something moved, (k, 2, 3).
-
-        Returns:
-            How far the nearest cell is, metres, of which something else is true now; infinite if there is none. Ways
-            that are shorter are as they were.
-        """
-        self._free, cells = free, list(self.free_at)
-        offsets = np.array([(*self.offset_m(*cell), 0.0) for cell in cells]).reshape(-1, 1, 3)
-        touching = touched(filled + offsets, moved).tolist()
-        before = {cell: self.free_at.pop(cell) for cell, moves in zip(cells, touching, strict=True) if moves}
-        changed = [cell for cell, was_free in before.items() if self._stands(cell) != was_free]
-        if changed:
-            self._begin()
-        return min((math.hypot(*cell) * self._settings.move_step_m for cell in changed), default=math.inf)
-
-    def offset_m(self, ahead: float, aside: float) -> tuple[float, float]:
-        """Where a cell is, from the start, metres along the world's axes."""
-        x, y = self._forward
-        return ahead * x - aside * y, ahead * y + aside * x
-
-
-def moved(state: State, agent: Agent, offset_m: tuple[float, float], turn_rad: float = 0.0) -> State:
-    """The state in which an agent's base has moved over the floor and turned about the vertical."""
-    base = np.array(state.qpos[agent.base])
-    base[:2] += offset_m
-    base[3:] = turned_about_z(base[3:], turn_rad)
-    return state.replace(at=agent.base, to=base)

@@ -14,10 +14,10 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.perspective.candidates import Candidate
-from taskgist.perspective.constraints import moved
 from taskgist.perspective.effort import BEND, CROUCH, LIFT, PUSH, SIDLE, STAND, Amount
+from taskgist.perspective.floor import moved
 from taskgist.settings import Efforts
-from taskgist.world.bending import bent
+from taskgist.world.bending import bent, legs_of
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.stage import Stage, seat_position, with_posture
 from taskgist.world.state import State
@@ -41,11 +41,12 @@ def bends(
         actions: Virtual actions that may be used.
     """
     if agent.profile.legs.hips:
+        legs = legs_of(stage.show(start.state), agent)
         for share, pitch_rad in settings.bends:
             used = tuple(action for action, part in ((CROUCH, share), (BEND, pitch_rad)) if part)
             if actions.issuperset(used):
                 lowered_m = share * agent.stature_m
-                state = bent(stage.show(start.state), agent, lowered_m=lowered_m, pitch_rad=pitch_rad)
+                state = bent(stage, agent, start.state, legs, lowered_m=lowered_m, pitch_rad=pitch_rad)
                 if state is not None:
                     amount = replace(start.amount, lowered_m=lowered_m, bent_rad=pitch_rad)
                     yield replace(start, state=state, actions=(*start.actions, *used), amount=amount)
@@ -88,9 +89,8 @@ def seat_height_m(stage: Stage, agent: Agent, settings: Efforts) -> float | None
 
 def _seat(stage: Stage, at: Array, settings: Efforts) -> tuple[int, float]:
     """The shape beneath a place, (2,), that is no higher than a seat, −1 for none; and how high it is, metres."""
-    scene, highest = stage.scene, settings.seat_height_m[1]
-    things = [geom for geom, owner in enumerate(scene.owners) if owner not in scene.agents]
-    geoms, distances = stage.cast((*at, highest + HEADROOM_M), [DOWN], only=things)
+    highest = settings.seat_height_m[1]
+    geoms, distances = stage.cast((*at, highest + HEADROOM_M), [DOWN], only=stage.scene.things_geoms)
     height_m = highest + HEADROOM_M - float(distances[0])
     return (int(geoms[0]), height_m) if height_m <= highest else (-1, height_m)
 

@@ -8,6 +8,7 @@ what their joints do not allow is no posture.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import mujoco
@@ -27,10 +28,11 @@ PARALLEL = 0.9
 SLACK_RAD = 1e-6
 
 
-class _Leg(NamedTuple):
-    """One leg in the vertical plane that the agent faces along, lengths in metres, joints from hip to ankle.
+class Leg(NamedTuple):
+    """One leg of an agent that stands, in the vertical plane that the agent faces along.
 
-    ``signs`` tell whether a joint's angle grows as what hangs on it swings back, ``indices`` are into qpos.
+    Lengths are in metres, joints come from hip to ankle. ``signs`` tell whether a joint's angle grows as
+    what hangs on it swings back, ``indices`` are into qpos.
     """
 
     hip: Array
@@ -43,19 +45,22 @@ class _Leg(NamedTuple):
     ranges: tuple[tuple[float, float], ...]
 
 
-def bent(stage: Stage, agent: Agent, *, lowered_m: float, pitch_rad: float) -> State | None:
+def bent(
+    stage: Stage, agent: Agent, start: State, legs: Sequence[Leg], *, lowered_m: float, pitch_rad: float
+) -> State | None:
     """An agent that stands, after it has lowered its hips and pitched its pelvis forward.
 
     Args:
-        stage: The scene in the agent's state; it shows another afterwards.
+        stage: The scene; it shows another state afterwards.
         agent: The agent; torso, head and arms keep their angles.
+        start: How it stands.
+        legs: Its legs then (``legs_of``).
         lowered_m: How far the hips are lowered; further, where the legs are too short for the feet to stay.
         pitch_rad: How far the pelvis is pitched forward.
 
     Returns:
         The state; None for what its legs do not do, or if it has none that bend.
     """
-    legs, start = _legs(stage, agent), stage.state
     if not legs:
         return None
     base, yaw = np.array(start.qpos[agent.base]), yaw_of(start.qpos[agent.base][3:])
@@ -63,7 +68,7 @@ def bent(stage: Stage, agent: Agent, *, lowered_m: float, pitch_rad: float) -> S
     turn = wxyz_from_rotation_vector(pitch_rad * left)
     to_middle = np.array([*np.mean([leg.hip for leg in legs], axis=0)])
     from_root = np.array([base[:3] @ ahead, base[2]]) - to_middle
-    balanced, back_m = _center_m(stage, agent, ahead), 0.0
+    balanced, back_m = _center_m(stage.show(start), agent, ahead), 0.0
     for _ in range(ROUNDS):
         hip = np.array([to_middle[0] - back_m, to_middle[1] - lowered_m])
         hip[1] = min(hip[1], *(_highest_m(leg, hip[0] + leg.hip[0] - to_middle[0]) for leg in legs))
@@ -84,8 +89,11 @@ def bent(stage: Stage, agent: Agent, *, lowered_m: float, pitch_rad: float) -> S
     return None
 
 
-def _legs(stage: Stage, agent: Agent) -> list[_Leg]:
-    """The agent's legs; none if it has none, or if one of their joints does not bend them forward."""
+def legs_of(stage: Stage, agent: Agent) -> list[Leg]:
+    """The legs of an agent that stands, in the state that the stage shows.
+
+    None if it has none, or if one of their joints does not bend them forward.
+    """
     model, names = stage.scene.model, agent.profile.legs
     yaw = yaw_of(stage.state.qpos[agent.base][3:])
     ahead, left = np.array([math.cos(yaw), math.sin(yaw), 0.0]), np.array([-math.sin(yaw), math.cos(yaw), 0.0])
@@ -98,7 +106,7 @@ def _legs(stage: Stage, agent: Agent) -> list[_Leg]:
             return []
         hip, knee, ankle = (np.array([anchor @ ahead, anchor[2]]) for anchor, _ in screws)
         legs.append(
-            _Leg(
+            Leg(
                 hip=hip,
                 ankle=ankle,
                 thigh_m=float(np.linalg.norm(knee - hip)),
@@ -128,13 +136,13 @@ def _pitched(arm: Array, pitch_rad: float) -> Array:
     return np.array([cosine * arm[0] + sine * arm[1], cosine * arm[1] - sine * arm[0]])
 
 
-def _highest_m(leg: _Leg, ahead_m: float) -> float:
+def _highest_m(leg: Leg, ahead_m: float) -> float:
     """Height at which the stretched leg holds a hip that is so far ahead; the ankle's if it is too far."""
     length, aside = leg.thigh_m + leg.shank_m, ahead_m - leg.ankle[0]
     return float(leg.ankle[1]) + math.sqrt(max(0.0, length**2 - aside**2))
 
 
-def _bent_leg(state: State, leg: _Leg, hip: Array, pitch_rad: float) -> dict[int, float] | None:
+def _bent_leg(state: State, leg: Leg, hip: Array, pitch_rad: float) -> dict[int, float] | None:
     """Angles of a leg's joints by index into qpos, with its hip elsewhere; None if its segments do not meet."""
     down = leg.ankle - hip
     distance = float(np.linalg.norm(down))
@@ -154,7 +162,7 @@ def _bent_leg(state: State, leg: _Leg, hip: Array, pitch_rad: float) -> dict[int
     }
 
 
-def _within(state: State, legs: list[_Leg]) -> bool:
+def _within(state: State, legs: Sequence[Leg]) -> bool:
     """Whether the joints of some legs are within their ranges."""
     return all(
         low - SLACK_RAD <= state.qpos[index] <= high + SLACK_RAD

@@ -215,6 +215,11 @@ class Scene:
         return np.concatenate(solid) if solid else NO_GEOMS
 
     @cached_property
+    def things_geoms(self) -> np.ndarray:
+        """Indices of all shapes but those of agents, (n,)."""
+        return np.flatnonzero([owner not in self.agents for owner in self.owners])
+
+    @cached_property
     def shapeless(self) -> frozenset[str]:
         """Objects without any shape: where they are may be known, but nothing else about them."""
         return frozenset(name for name in self.objects if not len(self.geoms_of(name)))

@@ -368,9 +368,10 @@ def leg_lengths_m(model: mujoco.MjModel, agent: Agent) -> tuple[float, float]:
     """Lengths in metres of the thigh, and of shank and foot together (knee to sole)."""
     foot = body_index(model, agent, agent.profile.legs.feet[0])
     shank = int(model.body_parentid[foot])
-    soles = [-(model.geom_pos[g][2] - model.geom_size[g][2]) for g in agent.geoms if int(model.geom_bodyid[g]) == foot]
+    of_foot = agent.geoms[model.geom_bodyid[agent.geoms] == foot]
+    soles = model.geom_size[of_foot, 2] - model.geom_pos[of_foot, 2]
     thigh_m = float(np.linalg.norm(model.body_pos[shank]))
-    return thigh_m, float(np.linalg.norm(model.body_pos[foot])) + float(max(soles))
+    return thigh_m, float(np.linalg.norm(model.body_pos[foot])) + float(soles.max())
 
 
 def ankle_height_m(model: mujoco.MjModel, agent: Agent) -> float:

@@ -186,6 +186,15 @@ def any_near(first: Array, offset_m: tuple[float, float], second: Array, limit_m
 
 
 @compiled
+def clear_after(first: Array, offsets_m: Array, second: Array, limit_m: float) -> NDArray[np.bool_]:
+    """Whether no shape can come nearer to others than a limit after moving along x and y by each offset, (k, 2)."""
+    found = np.empty(len(offsets_m), dtype=np.bool_)
+    for row in range(len(offsets_m)):
+        found[row] = not any_near(first, (offsets_m[row, 0], offsets_m[row, 1]), second, limit_m)
+    return found
+
+
+@compiled
 def surely_overlap(first: Array, i: int, second: Array, j: int, deeper_than_m: float) -> bool:
     """Whether a box, and another shape, overlap deeper than that for sure; False if they do not, or in doubt."""
     if second[j, EXACT] == 1.0:

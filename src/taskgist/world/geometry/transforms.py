@@ -49,13 +49,19 @@ def normalized(vector: ArrayLike) -> Array:
 
 def matrix_from_wxyz(wxyz: ArrayLike) -> Array:
     """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
-    w, x, y, z = np.moveaxis(np.asarray(wxyz, dtype=float), -1, 0)
-    rows = (
-        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
-    )
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    array = np.asarray(wxyz, dtype=float)
+    w, x, y, z = (array[..., i] for i in range(4))
+    found = np.empty((*array.shape[:-1], 3, 3))
+    found[..., 0, 0] = 1 - 2 * (y * y + z * z)
+    found[..., 0, 1] = 2 * (x * y - w * z)
+    found[..., 0, 2] = 2 * (x * z + w * y)
+    found[..., 1, 0] = 2 * (x * y + w * z)
+    found[..., 1, 1] = 1 - 2 * (x * x + z * z)
+    found[..., 1, 2] = 2 * (y * z - w * x)
+    found[..., 2, 0] = 2 * (x * z - w * y)
+    found[..., 2, 1] = 2 * (y * z + w * x)
+    found[..., 2, 2] = 1 - 2 * (x * x + y * y)
+    return found
 
 
 def wxyz_from_matrix(matrix: ArrayLike) -> Array:
@@ -74,15 +80,12 @@ def wxyz_from_matrix(matrix: ArrayLike) -> Array:
 def multiply(left: ArrayLike, right: ArrayLike) -> Array:
     """Quaternion products left ⊗ right, (..., 4)."""
     a, b = np.moveaxis(np.asarray(left, dtype=float), -1, 0), np.moveaxis(np.asarray(right, dtype=float), -1, 0)
-    return np.stack(
-        (
-            a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-            a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-            a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-            a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
-        ),
-        axis=-1,
-    )
+    found = np.empty((*np.broadcast_shapes(a.shape[1:], b.shape[1:]), 4))
+    found[..., 0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3]
+    found[..., 1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2]
+    found[..., 2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1]
+    found[..., 3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]
+    return found
 
 
 def conjugate(wxyz: ArrayLike) -> Array:
@@ -109,8 +112,8 @@ def turned_about_z(wxyz: ArrayLike, angle_rad: float) -> Array:
 
 def yaw_of(wxyz: ArrayLike) -> float:
     """Heading about the vertical, radians, of the rotated x axis; wxyz (4,)."""
-    forward = rotate(wxyz, (1.0, 0.0, 0.0))
-    return float(np.arctan2(forward[1], forward[0]))
+    w, x, y, z = np.asarray(wxyz, dtype=float).tolist()
+    return float(np.arctan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z)))
 
 
 def wrapped(angle_rad: float) -> float:
