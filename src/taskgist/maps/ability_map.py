@@ -213,7 +213,10 @@ def _able(
         for places, asked in ((configuration.clear, boxed), (configuration.doubtful, left)):
             asked = _perhaps(judge, configuration, places, cells, asked[~able[asked]])
             for place in places:
-                there = _perhaps(judge, configuration, np.array([place]), cells, asked[~able[asked]])
+                asked = asked[~able[asked]]
+                if not len(asked):
+                    break
+                there = _perhaps(judge, configuration, np.array([place]), cells, asked)
                 there = there[judge.past_meshes(configuration, there)]
                 able[there[configuration.free(here, int(place), cells.points[there])]] = True
     return np.asarray(able[rows])
