@@ -84,11 +84,21 @@ main()
     assert list(tmp_path.iterdir()) == []
 
 
+COARSE_MAPS = """
+from taskgist.cli import main
+from taskgist.maps.grid import Grid
+from taskgist.settings import Maps
+around = Grid.around
+Grid.around = staticmethod(lambda *names, **_: around(*names, settings=Maps(cell_m=0.2)))
+main()
+"""
+
+
 def test_a_home_that_cannot_be_written_to_is_no_matter(tmp_path: Path) -> None:
     picture = tmp_path / "a.png"
     line = ["map", str(SHOW), "--agent", "P2", "--level", "1", "-o", str(picture)]
     nowhere = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "MPLCONFIGDIR"), "/dev/null/home")
-    done = taskgist("from taskgist.cli import main; main()", *line, **nowhere)
+    done = taskgist(COARSE_MAPS, *line, **nowhere)
     assert (done.returncode, done.stderr) == (0, "")
     assert picture.stat().st_size
 
@@ -111,6 +121,7 @@ def test_escaped_text_means_the_same_in_json() -> None:
     assert escaped("line\n\ttab é") == "line\n\ttab é"
 
 
+@pytest.mark.usefixtures("coarse_maps")
 @pytest.mark.parametrize(
     ("line", "target"),
     [

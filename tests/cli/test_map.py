@@ -11,6 +11,7 @@ from taskgist.world import Scene, Stage
 from tests.cli.running import contents, refusal, run, run_json
 from tests.cli.test_query import ROOM, SCENE
 
+pytestmark = pytest.mark.usefixtures("coarse_maps")
 PNG = b"\x89PNG\r\n"
 
 
