@@ -1,20 +1,26 @@
-"""Fast and slow answers side by side, for one random room: levels, and pixels."""
+"""Fast and slow answers side by side, for one random room: levels, pixels, and who follows beside who looks afresh."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from taskgist.perspective import ABILITIES, Viewpoint, effort_from, view_of, visibility
-from taskgist.settings import DEFAULT, Settings
-from taskgist.world import Stage
+from taskgist.perspective.scene_efforts import SceneEfforts
+from taskgist.settings import DEFAULT, Following, Settings
+from taskgist.world import Stage, State
 from tests.perspective.random_rooms import Case
 from tests.perspective.twin import Twin, disagreement
 from tests.perspective.twin_world import World
-from tools.rooms import ROUGH
+from tools.rooms import COARSE, ROUGH
+
+EXACT = replace(COARSE, following=Following(place_m=0.0, turn_rad=0.0))
+"""Every movement is followed, however small."""
+FRAMES = 5
 
 
 @dataclass
@@ -94,3 +100,42 @@ def _window(stage: Stage, name: str, target: str) -> Counts | None:
     if seen is None:
         return None
     return seen.visible_px, seen.gaze_px, seen.unoccluded_px, dict(seen.occluders)
+
+
+def frames(case: Case) -> Iterator[State]:
+    """One agent and one object move a little in each frame; now and then a thing is put far away, or lost."""
+    rng, state, scene = np.random.default_rng(case.seed), case.state, case.scene
+    yield state
+    for _ in range(FRAMES):
+        if rng.random() < 0.8:
+            agent = scene.agent(scene.agents[rng.integers(len(scene.agents))])
+            joints = list(agent.joints.values())
+            turned = {index: state.qpos[index] + rng.normal(0.0, 0.05) for index in rng.choice(joints, 3)}
+            at = np.array(state.qpos[agent.base])
+            at[:2] += rng.normal(0.0, 0.02, 2)
+            state = state.replace(turned, at=agent.base, to=at)
+        if rng.random() < 0.8:
+            name = scene.objects[rng.integers(len(scene.objects))]
+            place = np.array(state.qpos[scene.object_slice(name)])
+            place[:3] += rng.normal(0.0, 0.4 if rng.random() < 0.2 else 0.02, 3)
+            state = state.replace(at=scene.object_slice(name), to=place)
+        if rng.random() < 0.15:
+            lost = frozenset({scene.objects[rng.integers(len(scene.objects))]})
+            state = State(state.qpos, state.time_s, state.untracked ^ lost, state.holding)
+        yield state
+
+
+def compare_following(case: Case) -> Comparison:
+    """Efforts and their evidence, of who follows frame by frame beside those of a fresh look at each frame."""
+    follower, found = SceneEfforts(Stage(case.scene), EXACT), Comparison()
+    for number, state in enumerate(frames(case)):
+        follower.update(state)
+        followed, fresh = follower.all(), SceneEfforts(Stage(case.scene, state), EXACT).all()
+        where = f"room {case.seed}, frame {number}"
+        found.add(where, None if followed.keys() == fresh.keys() else "other questions")
+        for question in followed.keys() & fresh.keys():
+            one, other = followed[question], fresh[question]
+            same = one == other and one.evidence == other.evidence
+            found.add(f"{where}, {question}", None if same else f"fresh {other}, followed {one}")
+        found.add(where, None if follower.asked_count <= len(fresh) else "more was asked than there is")
+    return found

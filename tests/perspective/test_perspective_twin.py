@@ -1,4 +1,8 @@
-"""The fast search agrees exactly with the slow one, and the window with the whole image."""
+"""The fast search agrees exactly with the slow one, and the window with the whole image.
+
+In a few random rooms, which together have every level; ``make twins`` compares levels and pixels in hundreds,
+``python -m tools.twins --fine`` in the steps of the default settings.
+"""
 
 from dataclasses import replace
 
@@ -72,7 +76,7 @@ def test_the_rooms_above_reach_every_level_but_held() -> None:
     assert levels == wanted - {("reach", 0), ("grasp", 0)}
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(9))
 def test_fast_search_agrees_with_trying_every_state_in_furnished_rooms(seed: int) -> None:
     case = random_case(seed)
     found = compare_levels(case, case.scene.agents[seed % len(case.scene.agents)])
@@ -80,15 +84,15 @@ def test_fast_search_agrees_with_trying_every_state_in_furnished_rooms(seed: int
     assert not found.differences
 
 
-@pytest.mark.parametrize("seed", [701, 705])
-def test_fast_search_agrees_with_trying_every_state_in_the_steps_of_the_default_settings(seed: int) -> None:
+def test_fast_search_agrees_with_trying_every_state_in_the_steps_of_the_default_settings() -> None:
+    seed = 705
     case = random_case(seed, image_px=(32, 24))
     found = compare_levels(case, case.scene.agents[seed % len(case.scene.agents)], FINE)
     assert found.count >= 9
     assert not found.differences
 
 
-@pytest.mark.parametrize("seed", range(100, 220, 10))
+@pytest.mark.parametrize("seed", range(100, 140, 10))
 def test_windows_count_the_pixels_of_the_whole_image(seed: int) -> None:
     found = Comparison()
     for number in range(seed, seed + 10):
