@@ -8,12 +8,12 @@ from taskgist.maps.grid import Grid
 from taskgist.settings import Maps
 from taskgist.world import Stage
 
-COARSE = Maps(cell_m=0.1)
+COARSE = Maps(cell_m=0.15)
 
 
 @pytest.fixture
 def coarse_maps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Cells twice as long as usual: what a command does with its map is the same, an eighth of the cells long."""
+    """Cells three times as long as usual: what a command does with its map is the same."""
     around = Grid.around
 
     def coarse(stage: Stage, *agents: str, **_: object) -> Grid:

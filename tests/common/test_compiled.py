@@ -6,6 +6,7 @@ import shutil
 import stat
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import numba
@@ -31,16 +32,32 @@ def run(cache: Path, package: Path) -> list[str]:
     return done.stdout.split()
 
 
-def test_who_waits_is_told_once_and_only_when_something_is_compiled(tmp_path: Path) -> None:
-    source = Path(__file__).parents[2] / "src"
-    first, second = run(tmp_path, source), run(tmp_path, source)
-    assert (first[0], second[0]) == ("1", "0")
-    assert first[1] == second[1]
+SOURCE = Path(__file__).parents[2] / "src"
+
+
+@dataclass(frozen=True)
+class Filled:
+    """A cache in which a first process left what it compiled, and what that process said."""
+
+    folder: Path
+    said: list[str]
+
+
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory: pytest.TempPathFactory) -> Filled:
+    folder = tmp_path_factory.mktemp("filled")
+    return Filled(folder, run(folder, SOURCE))
+
+
+def test_who_waits_is_told_once_and_only_when_something_is_compiled(filled: Filled) -> None:
+    second = run(filled.folder, SOURCE)
+    assert (filled.said[0], second[0]) == ("1", "0")
+    assert filled.said[1] == second[1]
 
 
 def test_a_constant_from_another_file_makes_machine_code_anew(tmp_path: Path) -> None:
     copied = tmp_path / "src"
-    shutil.copytree(Path(__file__).parents[2] / "src", copied)
+    shutil.copytree(SOURCE, copied)
     before = run(tmp_path / "cache", copied)
     transforms = copied / "taskgist/world/geometry/transforms.py"  # holds no compiled function itself
     assert "@compiled" not in transforms.read_text(encoding="utf-8")
@@ -60,15 +77,16 @@ def index_of_a_module_that_is_gone() -> bytes:
     [("nbi", index_of_a_module_that_is_gone()), ("nbi", b""), ("nbi", b"\x80cut off"), ("nbc", b"\x80cut off")],
     ids=["of a moved module", "empty index", "cut index", "cut code"],
 )
-def test_what_an_earlier_version_left_behind_is_made_anew(tmp_path: Path, suffix: str, content: bytes) -> None:
-    source = Path(__file__).parents[2] / "src"
-    assert run(tmp_path, source)[0] == "1"
-    kept = list(tmp_path.rglob(f"*.{suffix}"))
+def test_what_an_earlier_version_left_behind_is_made_anew(
+    filled: Filled, tmp_path: Path, suffix: str, content: bytes
+) -> None:
+    cache = shutil.copytree(filled.folder, tmp_path / "cache")
+    kept = list(cache.rglob(f"*.{suffix}"))
     assert kept
     for path in kept:
         path.write_bytes(content)
-    assert run(tmp_path, source)[0] == "1"
-    assert run(tmp_path, source)[0] == "0"
+    assert run(cache, SOURCE)[0] == "1"
+    assert run(cache, SOURCE)[0] == "0"
 
 
 NOWHERE_ELSE = """
@@ -88,7 +106,7 @@ def told_where_only_a_temporary_folder_may_be_written_to(tmp_path: Path, folder:
     environment = {
         "NUMBA_CACHE_DIR": str(tmp_path / "file/below"),
         "NUMBA_CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator",  # as if the others had found nothing to write to
-        "PYTHONPATH": str(Path(__file__).parents[2] / "src"),
+        "PYTHONPATH": str(SOURCE),
     }
     line = [sys.executable, "-c", NOWHERE_ELSE, str(folder)]
     return subprocess.run(line, env=environment, capture_output=True, text=True, check=True).stdout.strip()
@@ -135,7 +153,7 @@ print(len(scaled.overloads), gc.isenabled())
 
 def test_numbers_that_are_written_in_a_call_need_no_machine_code_of_their_own(tmp_path: Path) -> None:
     (tmp_path / "shared.py").write_text(SHARED, encoding="utf-8")
-    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(Path(__file__).parents[2] / "src")}
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(SOURCE)}
     command = [sys.executable, str(tmp_path / "shared.py")]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     assert done.stdout == "1 True\n", "one machine code; the collector of garbage works again afterwards"

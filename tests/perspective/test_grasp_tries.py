@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -26,10 +28,13 @@ def measured_free(stage: Stage, here: Viewpoint, grasps: Grasps, index: int, han
     poses, arm = hand_poses(grasps, index, hand), here.agent.arms[0]
     stage.place(arm.ghosts, np.array([pose.position for pose in poses]), poses[0].matrix.reshape(9))
     around = np.setdiff1d(np.union1d(here.collisions.obstacles, here.agent.core_geoms), grasps.solids)
-    depths = [-stage.distance(ghost, other, limit_m=0.0) for ghost in arm.ghosts.tolist() for other in around.tolist()]
+    pairs = itertools.product(arm.ghosts.tolist(), around.tolist())
     others = np.setdiff1d(here.collisions.obstacles, grasps.solids)
-    closes = not something_between(stage, grasps, index, others)
-    return not grasps.in_itself[index] and max(depths) <= TOUCH_M and closes
+    return (
+        not grasps.in_itself[index]
+        and all(-stage.distance(ghost, other, limit_m=0.0) <= TOUCH_M for ghost, other in pairs)
+        and not something_between(stage, grasps, index, others)
+    )
 
 
 @pytest.mark.parametrize("seed", range(6))

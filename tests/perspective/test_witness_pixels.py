@@ -7,6 +7,7 @@ Rooms in which somebody's eye is inside of a thing are left out: rasterisers do 
 """
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Protocol
 
 import numpy as np
@@ -60,17 +61,17 @@ def witness(request: pytest.FixtureRequest) -> Iterator[Callable[[EyeView], Witn
 @pytest.mark.parametrize("seed", range(300, 308))
 def test_other_renderers_count_the_same_pixels(seed: int, witness: Callable[[EyeView], Witness]) -> None:
     case = random_case(seed, image_px=(320, 240), untracked=False, large=False)
-    finer = random_case(seed, image_px=(320 * FINER, 240 * FINER), untracked=False, large=False)
+    finer = cache(lambda: random_case(seed, image_px=(320 * FINER, 240 * FINER), untracked=False, large=False))
     stage = case.stage()
     for agent in case.scene.agents[:2]:
         theirs = witness(EyeView.of(case.scene, case.state, agent)).image()
         assert np.mean(view_of(stage, agent).geoms == theirs) > WHOLE
-        fine = witness(EyeView.of(finer.scene, finer.state, agent)).image()
+        fine = cache(lambda agent=agent: witness(EyeView.of(finer().scene, finer().state, agent)).image())
         for name in case.scene.objects:
             seen = visibility(stage, agent, name)
             assert seen is not None
             is_small = look(stage, case.scene.agent(agent), Target(stage, name, DEFAULT)).ray_px < 1
-            image, share, scale = (fine, FINE_SHARE, FINER**2) if is_small else (theirs, SHARE, 1)
+            image, share, scale = (fine(), FINE_SHARE, FINER**2) if is_small else (theirs, SHARE, 1)
             count = int(np.isin(image, case.scene.object_geoms(name)).sum())
             assert abs(scale * seen.visible_px - count) <= max(share * count, OUTLINE_PX), (agent, name)
 

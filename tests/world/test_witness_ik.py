@@ -1,4 +1,4 @@
-"""Inverse kinematics on the real joints confirms reach verdicts."""
+"""Inverse kinematics on the real joints confirms reach verdicts; ``benchmarks.reach_agreement`` asks of more places."""
 
 import numpy as np
 import pytest
@@ -50,7 +50,7 @@ def test_what_is_too_far_stays_too_far_and_the_body_stays_where_it_is(stage: Sta
     assert bent.gap_m(shoulder + (1.5, 0.0, 0.0), enough_m=0.01) < gap - 0.1
 
 
-@pytest.mark.parametrize(("level", "targets", "least"), [(1, 150, 0.94), (2, 40, 0.92)])
+@pytest.mark.parametrize(("level", "targets", "least"), [(1, 150, 0.94), (2, 24, 0.92)])
 def test_the_human_map_agrees_with_the_human_arm(level: int, targets: int, least: float) -> None:
     """In front of the shoulder; what perspective calls reached, the joints reach."""
     found = agreement("human", level=level, targets=targets)
@@ -74,6 +74,6 @@ def test_the_maps_of_robots_agree_with_their_joints(body: str) -> None:
 
 def test_the_papers_sector_agrees_with_the_human_arm_in_front() -> None:
     """It leaves out what lies beside and behind."""
-    front, around = (agreement("human", level=1, targets=60, front=front, model="sector") for front in (True, False))
+    front, around = (agreement("human", level=1, targets=30, front=front, model="sector") for front in (True, False))
     assert min(front.precision, around.precision) >= 0.98
     assert around.share < front.share
