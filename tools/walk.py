@@ -51,6 +51,8 @@ class Walk:
     """Modules of ours that are loaded."""
     large: list[str]
     """Large libraries that are loaded."""
+    compiled: bool
+    """Whether something had to be compiled, for which functions of ours ran that otherwise do not."""
 
 
 class _Calls:
@@ -91,23 +93,33 @@ def walk(words: Sequence[str]) -> Walk:
         if Path(file).is_relative_to(SOURCE):
             functions.setdefault(str(Path(file).relative_to(SOURCE)), []).append(name)
     ours = [name for name in sys.modules if name.partition(".")[0] in ("taskgist", "taskgist_lab")]
-    return Walk(code, functions, len(ours), [name for name in LARGE if name in sys.modules])
+    large = [name for name in LARGE if name in sys.modules]
+    return Walk(code, functions, len(ours), large, any(each.stats.cache_misses for each in _dispatchers()))
 
 
 def _compiled_that_ran() -> Iterator[tuple[str, str]]:
     """Compiled functions that Python called: they have machine code in this process. No profiler sees them."""
+    for each in _dispatchers():
+        yield each.py_func.__code__.co_filename, each.py_func.__qualname__
+
+
+def _dispatchers() -> Iterator[Any]:
+    """What numba made of functions of ours that have machine code in this process."""
     for module in [module for name, module in sys.modules.items() if name.startswith("taskgist")]:
         for value in vars(module).values():
             if getattr(value, "overloads", None) and hasattr(value, "py_func"):
-                yield value.py_func.__code__.co_filename, value.py_func.__qualname__
+                yield value
 
 
 def measured(words: Sequence[str]) -> dict[str, Any]:
-    """A walk in a process of its own, as ``--json`` says it: the second one, for the first may have to compile."""
+    """A walk in a process of its own, as ``--json`` says it: a second one, if the first had to compile something."""
     command = [sys.executable, "-m", "tools.walk", "--json", "--", *words]
     for _ in range(2):
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    return dict(json.loads(done.stdout))
+        found = dict(json.loads(done.stdout))
+        if not found["compiled"]:
+            break
+    return found
 
 
 def page_lines() -> Iterator[str]:

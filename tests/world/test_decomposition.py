@@ -217,11 +217,11 @@ def test_pieces_are_found_whatever_the_order_of_triangles_and_which_way_they_fac
     assert volumes == pytest.approx(sorted(float(np.ptp(v, axis=0).prod()) for v, _ in apart))
 
 
-def cell_scene(bodies: str, **named: Mesh) -> Scene:
-    """A scene of meshes, made without CoACD."""
+def cell_scene(bodies: str, thing: Mesh) -> Scene:
+    """A scene with a mesh, made without CoACD."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, "coacd", None)
-        return mesh_scene(bodies, **named)
+        return mesh_scene(bodies, thing=thing)
 
 
 def only_parts_of(scene: Scene) -> list[np.ndarray]:
@@ -232,7 +232,7 @@ def only_parts_of(scene: Scene) -> list[np.ndarray]:
 
 def cell_parts(mesh: Mesh) -> list[np.ndarray]:
     """The parts of a mesh that lies in a room, found without CoACD."""
-    return only_parts_of(cell_scene(meshes.body("thing", "thing", (0, 0, 1)), thing=mesh))
+    return only_parts_of(cell_scene(meshes.body("thing", "thing", (0, 0, 1)), mesh))
 
 
 @pytest.mark.parametrize("fault", ["no end", "breakdown"])
@@ -283,7 +283,7 @@ def test_an_open_surface_is_parted_by_cells_that_hold_all_of_it_and_leave_its_in
 
 def test_a_mesh_too_fine_to_be_searched_is_parted_by_cells() -> None:
     scene = cell_scene(
-        meshes.body("thing", "cup", (0, 0, 0), free=False) + BALL.format(0.06), cup=meshes.cup(around=1_000)
+        meshes.body("thing", "thing", (0, 0, 0), free=False) + BALL.format(0.06), meshes.cup(around=1_000)
     )
     assert 20 < len(only_parts_of(scene)) <= 6**3
     assert overlaps(Stage(scene), deeper_than_m=0.001) == {}
