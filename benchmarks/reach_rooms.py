@@ -7,7 +7,8 @@ evenly among those whose torso is free and whose shoulders are near enough, whet
 joints, from several starts, brings the palm to within half a cell of a point of the thing, and to within ``touch_m`` of
 it while no shape of the arm is deeper than a centimetre in anything and no ray from hand to palm and from there to the
 point meets anything, all by MuJoCo.
-It may miss what it did not try; what it finds is there.
+It may miss what it did not try, so where it finds nothing at the level that we say, it is asked once more there, from
+ten times as many stances; what it finds is there.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ FAR_M = 0.75
 POINTS = 3
 """Points of a thing that are tried: its nearest, and others spread by their distance."""
 PEOPLE, THINGS = 3, 24
+AGAIN = 10
+"""How many times as many stances are tried where the witness finds nothing at our level."""
 
 
 class Witness:
@@ -52,14 +55,15 @@ class Witness:
         self._others = here.collisions.obstacles[~np.isin(here.collisions.obstacles, own)]
         self._points = here.target(name).points
 
+    def finds(self, level: int) -> bool:
+        """Whether an arm reaches the thing from one of the stances of a level."""
+        return any(self._reached(state, level) for state in self._of(level))
+
     def level(self) -> int:
         """The least level from whose stances an arm reaches the thing; 0 if it is held."""
         if self._name in self._here.held:
             return 0
-        for level in range(1, 5):
-            if any(self._reached(state, level) for state in self._of(level)):
-                return level
-        return 5
+        return next((level for level in range(1, 5) if self.finds(level)), 5)
 
     def _of(self, level: int) -> Iterator[State]:
         here, found = self._here, []
@@ -128,6 +132,9 @@ def main() -> None:
             name = str(rng.choice(stage.scene.objects))
             ours = effort_from(here, name, "reach").level
             theirs = Witness(here, name, stances=chosen.stances, starts=chosen.starts).level()
+            if ours is not None and 0 < ours < theirs:
+                again = Witness(here, name, stances=AGAIN * chosen.stances, starts=chosen.starts)
+                theirs = ours if again.finds(ours) else theirs
             counts[ours, theirs] += 1
             if ours != theirs:
                 print(f"room {seed}: {here.agent.name}, {name}: {ours}, by inverse kinematics {theirs}")
