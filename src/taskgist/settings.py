@@ -246,6 +246,30 @@ class Maps:
 
 
 @dataclass(frozen=True)
+class Planning:
+    """How fast robots move. These shape no facts and stay out of the digest (all ours: unhurried beside people)."""
+
+    joint_rad_s: float = 1.0
+    """Highest speed of an arm's joints that turn."""
+    joint_rad_s2: float = 2.0
+    """Their highest acceleration."""
+    lift_m_s: float = 0.1
+    """Highest speed of joints that slide."""
+    lift_m_s2: float = 0.2
+    """Their highest acceleration."""
+    base_m_s: float = 0.5
+    """Highest speed of a base along each axis of the floor."""
+    base_m_s2: float = 0.5
+    """Its highest acceleration."""
+    base_rad_s: float = 0.8
+    """Highest speed at which a base turns."""
+    base_rad_s2: float = 0.8
+    """Its highest acceleration."""
+    closing_s: float = 0.7
+    """How long a hand takes to close or open."""
+
+
+@dataclass(frozen=True)
 class Learning:
     """The m-estimate and its bands (Eq. 27, 33-35). These shape verdicts, not facts, and stay out of the digest."""
 
@@ -317,7 +341,7 @@ class Checks:
     """An object whose shapes are all smaller was mostly shrunk a thousandfold (ours: nobody grasps a smaller)."""
 
 
-UNSHAPING = ("relations", "following", "maps", "learning", "limits", "checks")
+UNSHAPING = ("relations", "following", "maps", "planning", "learning", "limits", "checks")
 """Stages whose settings shape no facts: they stay out of the digest."""
 
 BANDS: dict[str, tuple[tuple[int, int], tuple[int, int]]] = {
@@ -343,6 +367,7 @@ class Settings:
     relations: Relations = field(default_factory=Relations)
     following: Following = field(default_factory=Following)
     maps: Maps = field(default_factory=Maps)
+    planning: Planning = field(default_factory=Planning)
     learning: Learning = field(default_factory=Learning)
     limits: Limits = field(default_factory=Limits)
     checks: Checks = field(default_factory=Checks)

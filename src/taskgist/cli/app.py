@@ -39,6 +39,7 @@ OWN = tuple(
         "facts": "facts:facts",
         "learn": "learn:learn",
         "explain": "explain:explain",
+        "perform": "perform:perform",
         "see": "see:see",
         "query": "query:query",
         "map": "map_:map_",

@@ -1,0 +1,221 @@
+"""``taskgist perform``: let a robot do in a room what a task means."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.text import Text
+
+from taskgist.cli.common import (
+    FAILED,
+    KNOWLEDGE,
+    OK,
+    AtOption,
+    JsonOption,
+    KnowledgeOption,
+    ReplaceOption,
+    WhereArgument,
+    about,
+    check_target,
+    command,
+    console,
+    open_stage,
+    print_json,
+    progress_bar,
+)
+from taskgist.common.text import clean_name
+from taskgist.errors import InputError, UnknownNameError
+from taskgist.facts.predicates import known_predicates, with_predicates
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.learning.explanation import Context
+from taskgist.learning.understanding import Clause, clause_of
+from taskgist.settings import DEFAULT
+
+if TYPE_CHECKING:  # with MuJoCo, which a wrong name should not wait for
+    from taskgist.pipeline.performing import Outcome, Performance
+
+ATTENTIONS = ("stays", "thing", "performer")
+MOST_WAYS = 12
+
+
+@command
+def perform(
+    task: Annotated[str, typer.Argument(help="The task, as it was learned.")],
+    where: WhereArgument,
+    knowledge: KnowledgeOption = KNOWLEDGE,
+    robot: Annotated[str, typer.Option(help="Who performs it: an agent of the room.")] = "",
+    target: Annotated[str, typer.Option("--for", help="For whom: another agent of the room.")] = "",
+    thing: Annotated[str, typer.Option("--object", help="With what: an object of the room.")] = "",
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Write the performance here (.mcap).")] = None,
+    ways: Annotated[int, typer.Option(min=1, max=MOST_WAYS, help="How many different ways.")] = 1,
+    attention: Annotated[
+        str, typer.Option(help="What --for looks at in the end: stays, thing or performer.")
+    ] = "thing",
+    allow: Annotated[list[str] | None, typer.Option(help="Only on, or in, this; may be given again.")] = None,
+    prefer: Annotated[list[str] | None, typer.Option(help="First on, or in, this; may be given again.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of all searches; the same seed gives the same plan.")] = 0,
+    at: AtOption = None,
+    replace: ReplaceOption = False,
+    as_json: JsonOption = False,
+) -> int:
+    """Let a robot do in a room what a task means.
+
+    Looks for a place of the object with which the learned clause holds for --for, and for a way of the robot to bring
+    it there; carries that out, audits every motion, and judges what happened by the facts that explain demonstrations.
+    The exit code is 1 if there is no way; what stood in the way is told.
+
+    Example: taskgist perform hide room.toml -k knowledge.db --robot PR2 --for P2 --object tape -o done.mcap
+
+    Example: taskgist perform "put away" room.toml --robot PR2 --for P2 --object cup --allow shelf --ways 3
+    """
+    if attention not in ATTENTIONS:
+        raise UnknownNameError("attention", attention, ATTENTIONS, where="--attention")
+    if out is not None:
+        for path in _outputs(out, ways):
+            check_target(
+                path, "--out", replace=replace, suffix=".mcap", what="recordings", inputs=[where, Path(knowledge)]
+            )
+    clause = _clause(knowledge, task)
+    stage = open_stage(where, at)
+    from taskgist.pipeline.performing import perform as performed
+    from taskgist.planning.planner import Request
+    from taskgist.recording.mcap import write
+
+    with about(where):
+        for option, given, known in (
+            ("--robot", robot, stage.scene.agents),
+            ("--for", target, stage.scene.agents),
+            ("--object", thing, stage.scene.objects),
+        ):
+            if not given:
+                raise InputError("not given", field=option, hint=f"one of {', '.join(known)}")
+            if given not in known:
+                raise UnknownNameError("object" if option == "--object" else "agent", given, known, where=option)
+        if robot == target:
+            raise InputError("a task is performed for another", field="--for", value=target, hint="name another agent")
+        request = Request(clause, robot, target, thing, attention, _names(allow), _names(prefer) or (), seed)  # type: ignore[arg-type]
+        with progress_bar(quiet=as_json) as progress:
+            outcome = performed(
+                stage.scene,
+                request,
+                state=stage.state,
+                ways=ways,
+                tree=with_predicates(STANDARD_TREE),
+                predicates=known_predicates(),
+                progress=progress,
+            )
+    paths = _outputs(out, len(outcome.performances)) if out is not None else ()
+    for path, found in zip(paths, outcome.performances, strict=False):
+        write(found.execution.recording, path)
+    if as_json:
+        print_json(outcome_document(outcome, [str(path) for path in paths]))
+    else:
+        _print(outcome, paths)
+    return OK if outcome.performances else FAILED
+
+
+def _names(given: list[str] | None) -> tuple[str, ...] | None:
+    return tuple(given) if given else None
+
+
+def _outputs(out: Path, ways: int) -> tuple[Path, ...]:
+    """One file, or one for each way: done.mcap, done_2.mcap, ..."""
+    return tuple(out if way == 1 else out.with_stem(f"{out.stem}_{way}") for way in range(1, ways + 1))
+
+
+def _clause(knowledge: str, task: str) -> Clause:
+    from taskgist.store.address import shown
+    from taskgist.store.database import load
+
+    tree = with_predicates(STANDARD_TREE)
+    known = load(knowledge, expected=Context.of(DEFAULT, tree))
+    with about(shown(knowledge)):
+        task = task if task in known.tasks else clean_name(task)
+        clause = clause_of(known.understand(task, tree, DEFAULT.learning))
+    if not clause.literals:
+        hint = "its demonstrations have nothing in common; see taskgist explain"
+        raise InputError(
+            "nothing was learned of this task", where=shown(knowledge), field="task", value=task, hint=hint
+        )
+    return clause
+
+
+def _print(outcome: Outcome, paths: tuple[Path, ...]) -> None:
+    from taskgist.language.performing import assumed, chosen, not_as_demonstrated, refused, steps
+
+    tree, request = with_predicates(STANDARD_TREE), outcome.request
+    for note in not_as_demonstrated(outcome.goal, tree):
+        console.print(Text("note ", style="yellow") + Text(note))
+    for number, found in enumerate(outcome.performances):
+        plan, count = found.plan, len(outcome.performances)
+        console.print(Text(f"{f'way {number + 1}: ' if count > 1 else ''}{chosen(plan)}", style="bold"))
+        console.print(f"  {plan.performer} {', '.join(steps(plan))}")
+        console.print(f"  audited in {len(found.execution.recording.times_s)} frames and between them: clean")
+        console.print(
+            f"  judged by its facts: what {request.clause.task} means for {request.target} is so; {_strict(found)}"
+        )
+        if number < len(paths):
+            console.print(f"  recorded in {paths[number]}")
+    if outcome.performances:
+        console.print(f"{assumed(request)}; {outcome.search.places} places were judged")
+        return
+    console.print(Text(f"{request.performer} finds no way to {request.clause.task}:", style="bold"))
+    for sentence in refused(request, outcome.goal, outcome.search, outcome.spoiled, tree):
+        console.print(f"  {sentence}")
+
+
+def _strict(found: Performance) -> str:
+    if found.strict is True:
+        return "the whole clause holds"
+    return "the clause as a whole does not, for not all is here as it was when it was learned"
+
+
+def outcome_document(outcome: Outcome, paths: list[str]) -> dict[str, Any]:
+    """What came of a request, as plain data."""
+    from taskgist.language.performing import (
+        assumed,
+        candidate_table,
+        chosen,
+        not_as_demonstrated,
+        phase_table,
+        refused,
+        steps,
+    )
+
+    request, tree, search = outcome.request, with_predicates(STANDARD_TREE), outcome.search
+    return {
+        "task": request.clause.task,
+        "performer": request.performer,
+        "target": request.target,
+        "object": request.thing,
+        "attention": request.attention,
+        "assumed": assumed(request),
+        "notes": list(not_as_demonstrated(outcome.goal, tree)),
+        "given": [{"literal": str(each.literal), "holds": each.holds is True} for each in outcome.goal.given],
+        "wanted": [str(literal) for wanted in outcome.goal.wanted for literal in wanted.literals],
+        "ways": [
+            {
+                "text": chosen(found.plan),
+                "steps": list(steps(found.plan)),
+                "side": found.plan.side,
+                "place": candidate_table(found.plan.candidate),
+                "phases": phase_table(found.plan.phases),
+                "duration_s": round(found.plan.duration_s, 3),
+                "audit": found.audit.to_json(),
+                "strict": found.strict is True,
+                "recording": paths[number] if number < len(paths) else None,
+            }
+            for number, found in enumerate(outcome.performances)
+        ],
+        "search": {
+            "places": search.places,
+            "wanted": search.wanted,
+            "tried": search.tried,
+            "failed": [{"literal": str(literal), "count": count} for literal, count in search.missed.most_common()],
+            "refusals": [{"reason": reason, "count": count} for reason, count in search.refusals.most_common()],
+            "thrown_away": list(outcome.spoiled),
+        },
+        "why_not": [] if outcome.performances else list(refused(request, outcome.goal, search, outcome.spoiled, tree)),
+    }

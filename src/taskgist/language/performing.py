@@ -1,0 +1,138 @@
+"""What was chosen when a task was performed, and what it does; or why it cannot be performed: in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+
+from taskgist.facts import vocabulary as v
+from taskgist.facts.tree import HypothesisTree
+from taskgist.facts.values import UNKNOWN
+from taskgist.language.phrases import listed, phrase
+from taskgist.learning.understanding import Literal
+from taskgist.planning.candidates import Candidate
+from taskgist.planning.goal import Goal
+from taskgist.planning.plan import Phase, Plan
+from taskgist.planning.planner import Request, Search
+
+DOINGS = {
+    "drive": "drives to the {thing}",
+    "open": "opens its hand",
+    "reach": "reaches out",
+    "approach": "brings its {side} hand around the {thing}",
+    "close": "closes it",
+    "lift": "lifts the {thing}",
+    "carry": "draws it near",
+    "transport": "drives with it",
+    "transfer": "brings it over its place",
+    "lower": "lowers it",
+    "retreat": "draws the hand back",
+    "fold": "folds its arm",
+    "withdraw": "drives back to where it was",
+}
+"""What each phase is, in words."""
+MEANS = {
+    "put_on": "puts the {thing} on the {carrier}",
+    "put_in": "puts the {thing} into the {carrier}",
+    "hold_up": "holds the {thing} up for {target}",
+    "hand_over": "hands the {thing} over to {target}",
+}
+ATTENTION = {
+    "stays": "{target} is assumed to keep its head as it is",
+    "thing": "{target} is assumed to look at the {thing} once it is there",
+    "performer": "{target} is assumed to look at {performer}",
+}
+
+
+def chosen(plan: Plan) -> str:
+    """What the robot does with the thing: "PR2 puts the tape on the table, at (0.31, −0.20, 0.75) m"."""
+    candidate = plan.candidate
+    words = {"thing": plan.thing, "carrier": candidate.carrier, "target": plan.target}
+    x, y, z = candidate.pose[:3]
+    return f"{plan.performer} {MEANS[candidate.means].format(**words)}, its middle at ({x:.2f}, {y:.2f}, {z:.2f}) m"
+
+
+def steps(plan: Plan) -> tuple[str, ...]:
+    """The phases one by one, with the time that each takes."""
+    words, told = {"thing": plan.thing, "side": plan.side}, []
+    for name, phases in groupby(plan.phases, key=lambda phase: phase.name):
+        seconds = sum(phase.duration_s for phase in phases)
+        told.append(f"{DOINGS[name].format(**words)} ({seconds:.1f} s)")
+    return tuple(told)
+
+
+def assumed(request: Request) -> str:
+    """What the target agent is assumed to look at."""
+    words = {"target": request.target, "thing": request.thing, "performer": request.performer}
+    return ATTENTION[request.attention].format(**words)
+
+
+def brought_about(goal: Goal, tree: HypothesisTree) -> tuple[str, ...]:
+    """What is wanted, literal by literal."""
+    return tuple(_said(literal, tree) for wanted in goal.wanted for literal in wanted.literals)
+
+
+def not_as_demonstrated(goal: Goal, tree: HypothesisTree) -> tuple[str, ...]:
+    """Given literals that do not hold here, and literals that nobody can judge."""
+    told = [
+        f"in the demonstrations {_said(given.literal, tree)}; here "
+        + ("that is not known" if given.holds is UNKNOWN else f"it is {given.found}")
+        for given in goal.given
+        if given.holds is not True
+    ]
+    return (*told, *(f"{each.literal} is not judged: {each.why}" for each in goal.unjudged))
+
+
+def refused(
+    request: Request, goal: Goal, search: Search, spoiled: Sequence[str], tree: HypothesisTree
+) -> tuple[str, ...]:
+    """Why nothing was found, one sentence for each gate, in their order."""
+    if goal.impossible:
+        return tuple(each.why for each in goal.impossible)
+    told = []
+    if not search.places:
+        where = listed(request.allow or ()) or "this room"
+        return (f"there is no place for the {request.thing} in {where}",)
+    told.append(f"{search.wanted} of {search.places} places would do")
+    for literal, count in search.missed.most_common():
+        nearest = search.nearest.get(literal)
+        miss = f", the nearest with {_found(nearest.found)}" if nearest is not None else ""
+        told.append(f"at {count} of them it fails that {_said(literal, tree)}{miss}")
+    for reason, count in search.refusals.most_common():
+        told.append(f"{count} of the {search.tried} that were tried with {request.performer}: {reason}")
+    told += [f"1 plan was thrown away: {reason}" for reason in spoiled]
+    return tuple(told)
+
+
+def _said(literal: Literal, tree: HypothesisTree) -> str:
+    """A literal in words."""
+    return phrase(tree.node(literal.node), literal.value)
+
+
+def _found(value: object) -> str:
+    if isinstance(value, str):
+        level = v.EFFORT_LEVELS.get(value)
+        return value if level is None else f"effort level {level}"
+    return f"a score of {value:.2g}" if isinstance(value, float) else str(value)
+
+
+def phase_table(phases: Sequence[Phase]) -> list[dict[str, object]]:
+    """Phases as plain values: name, seconds, what is held."""
+    return [
+        {
+            "name": phase.name,
+            "duration_s": round(phase.duration_s, 3),
+            "holds": None if phase.hold is None else {"side": phase.hold.side, "object": phase.hold.object},
+        }
+        for phase in phases
+    ]
+
+
+def candidate_table(candidate: Candidate) -> dict[str, object]:
+    """A final place as plain values: means, carrier, pose."""
+    return {
+        "means": candidate.means,
+        "carrier": candidate.carrier,
+        "position_m": [round(value, 4) for value in candidate.pose[:3].tolist()],
+        "wxyz": [round(value, 5) for value in candidate.pose[3:].tolist()],
+    }

@@ -1,0 +1,116 @@
+"""Carrying a plan out, in thought: its phases become frames, people react, physics has what is let go.
+
+The motion is kinematic: bodies follow the plan exactly, and what a hand holds goes with it. When the hand opens, MuJoCo
+takes the thing: where it comes to rest is where it lies from then on, and a plan counts on no more than a few
+millimetres of that. The target agent looks where the assumption about its attention says. What comes out is a
+recording as of any demonstration, whose provenance says that it is kinematic.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from taskgist.planning.judging import Attention
+
+from taskgist.common.arrays import Array
+from taskgist.moving.gaze import TURN_S, Fixation, Onlooker, looked
+from taskgist.moving.motion import minimum_jerk
+from taskgist.planning.plan import RATE_HZ, Plan
+from taskgist.recording.recording import Label, Provenance, Recording
+from taskgist.world.dynamics import free_motion
+from taskgist.world.scene import Scene
+from taskgist.world.stage import Stage
+from taskgist.world.state import Hold, State
+
+BEFORE_S, AFTER_S = 1.0, 1.2
+"""Recorded before the first motion, and after the last one: facts are confirmed over time."""
+LABEL_BEFORE_S, LABEL_AFTER_S = 0.5, 0.8
+"""The label begins so long before the first motion, and ends so long after the last one."""
+SOURCE = "planned and carried out by taskgist, kinematically: held things follow the hand, released ones physics"
+
+
+@dataclass(frozen=True, eq=False)
+class Execution:
+    """A plan carried out.
+
+    Attributes:
+        recording: What happened, labelled.
+        holds: Which hand holds what, frame by frame.
+    """
+
+    recording: Recording
+    holds: tuple[Hold | None, ...]
+
+
+def carried_out(scene: Scene, plan: Plan, *, attention: Attention, name: str = "") -> Execution:
+    """Carry a plan out.
+
+    Args:
+        scene: The scene that it was made for.
+        plan: The plan.
+        attention: What the target agent looks at meanwhile.
+        name: Name of the recording.
+    """
+    frames, holds = _filmed(plan)
+    times = np.arange(len(frames)) / RATE_HZ
+    _let_go(scene, plan, frames, holds)
+    _look(scene, plan, times, frames, attention)
+    label = Label(
+        task=plan.task,
+        performing_agent=plan.performer,
+        target_agent=plan.target,
+        target_object=plan.thing,
+        start_s=BEFORE_S - LABEL_BEFORE_S,
+        end_s=round(float(times[-1]) - AFTER_S + LABEL_AFTER_S, 3),
+        how=f"from {LABEL_BEFORE_S:g} s before the first motion to {LABEL_AFTER_S:g} s after the last",
+    )
+    notes = ("kinematic", f"attention of {plan.target}: {attention}", *plan.notes)
+    provenance = Provenance(source=SOURCE, licence="Apache-2.0", simulated=True, notes=notes)
+    recording = Recording(
+        scene=scene, times_s=times, qpos=frames, label=label, provenance=provenance, name=name or plan.task
+    )
+    return Execution(recording, tuple(holds))
+
+
+def _filmed(plan: Plan) -> tuple[Array, list[Hold | None]]:
+    """Frames of the performer and what it holds, (n, nq), and which hand holds what in each."""
+    first, last = plan.phases[0].qpos[:1], plan.phases[-1].qpos[-1:]
+    before, after = (round(seconds * RATE_HZ) for seconds in (BEFORE_S, AFTER_S))
+    frames, holds = [np.repeat(first, before, axis=0)], [plan.phases[0].hold] * before
+    for phase in plan.phases:
+        frames.append(phase.qpos)
+        holds += [phase.hold] * len(phase.qpos)
+    frames.append(np.repeat(last, after, axis=0))
+    holds += [plan.phases[-1].hold] * after
+    return np.concatenate(frames), holds
+
+
+def _let_go(scene: Scene, plan: Plan, frames: Array, holds: list[Hold | None]) -> None:
+    """What is let go moves by physics from then on."""
+    released = [i for i in range(1, len(frames)) if holds[i] is None and holds[i - 1] is not None]
+    for index in released:
+        hold = holds[index - 1]
+        assert hold is not None
+        column = scene.object_slice(hold.object)
+        motion = free_motion(scene, State(frames[index]), hold.object, passing=[plan.performer])
+        until = next((i for i in range(index, len(frames)) if holds[i] is not None), len(frames))
+        frames[index:until, column] = motion.at((np.arange(index, until) - index) / RATE_HZ)
+
+
+def _look(scene: Scene, plan: Plan, times: Array, frames: Array, attention: Attention) -> None:
+    """Turn the target agent's head, from how it is at the start to what catches its eye."""
+    agent = scene.agent(plan.target)
+    pan, tilt = agent.profile.pan, agent.profile.tilt
+    if attention == "stays" or pan is None or tilt is None:
+        return
+    fixations = [Fixation(0.0, plan.performer), Fixation(BEFORE_S, plan.performer)]
+    if attention == "thing":
+        onlooker = Onlooker(plan.target, plan.performer, f"{plan.performer}/{plan.side}_arm", plan.thing)
+        fixations = onlooker.fixations(Stage(scene), times, frames, plan.performer)
+        fixations.append(Fixation(float(times[-1]) - AFTER_S, plan.thing))  # what all was about, once it is done
+    columns = [agent.joints[pan.joint], agent.joints[tilt.joint]]
+    start = frames[:, columns].copy()
+    begins_s = fixations[1].from_s if len(fixations) > 1 else float(times[-1])
+    turned = minimum_jerk((times - begins_s) / TURN_S)[:, None]
+    frames[:, columns] = start + turned * (looked(scene, plan.target, times, frames, fixations) - start)

@@ -1,0 +1,150 @@
+"""A whole performance: a clause and a room in, a plan carried out, audited and judged out (9.1).
+
+Each plan that the planner finds is carried out, looked at by the audit, which believes nothing that the planner said,
+and judged by the very facts that explain demonstrations. One that does not come through is counted and thrown away,
+and the next one is asked for; only what is clean and judged true is returned::
+
+    performed = perform(scene, clause, Request(clause, "PR2", "P2", "tape"))
+    if isinstance(performed, Performance):
+        write(performed.execution.recording, "done.mcap")
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from taskgist.common.workers import Progress, silent
+from taskgist.facts.predicates import Predicate
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.tree import HypothesisTree
+from taskgist.facts.values import Unknown
+from taskgist.learning.explanation import Explanation
+from taskgist.learning.understanding import Literal
+from taskgist.performing.audit import audit
+from taskgist.performing.execution import Execution, carried_out
+from taskgist.performing.findings import Audit, MotionLimits
+from taskgist.pipeline.explain import explain_recording
+from taskgist.planning.goal import Goal
+from taskgist.planning.performer import Performer
+from taskgist.planning.plan import Plan
+from taskgist.planning.planner import Planner, Request, Search
+from taskgist.settings import DEFAULT, Planning, Settings
+from taskgist.world.scene import Scene
+from taskgist.world.state import State
+
+
+@dataclass(frozen=True, eq=False)
+class Performance:
+    """A task performed.
+
+    Attributes:
+        plan: What was done.
+        execution: What happened.
+        audit: What the audit looked at; it is clean.
+        explanation: The facts of what happened.
+        strict: Whether the whole clause holds, given literals among it.
+    """
+
+    plan: Plan
+    execution: Execution
+    audit: Audit
+    explanation: Explanation
+    strict: bool | Unknown
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What came of a request.
+
+    Attributes:
+        request: What was asked for.
+        goal: What was wanted, given and impossible.
+        performances: Those that came through, different ways; none: see ``search``.
+        search: What became of the candidates.
+        spoiled: Why plans were thrown away after they were carried out, a sentence for each.
+    """
+
+    request: Request
+    goal: Goal
+    performances: tuple[Performance, ...]
+    search: Search
+    spoiled: tuple[str, ...]
+
+
+def perform(
+    scene: Scene,
+    request: Request,
+    *,
+    state: State | None = None,
+    ways: int = 1,
+    tree: HypothesisTree = STANDARD_TREE,
+    settings: Settings = DEFAULT,
+    predicates: Sequence[Predicate] = (),
+    progress: Progress = silent,
+) -> Outcome:
+    """Plan a task, carry it out, audit and judge it.
+
+    Args:
+        scene: The room, with the performer, the target agent and the thing in it.
+        request: What is to be performed.
+        state: Where everything is; by default as the scene has it.
+        ways: How many different ways are asked for.
+        tree: The tree that the clause was learned in.
+        settings: All settings.
+        predicates: A user's own predicates.
+        progress: Told how far it is.
+
+    Raises:
+        UnknownNameError: There is no such agent, thing or support.
+        SceneError: The performer has no arm or no hand that grasps.
+        InputError: OMPL or toppra, the extra ``planning``, is not installed.
+    """
+    state = scene.initial if state is None else state
+    planner = Planner(scene, state, request, tree=tree, settings=settings, predicates=predicates)
+    found, spoiled = list[Performance](), list[str]()
+    for plan in planner.plans(progress):
+        progress("carrying the plan out", 1.0)
+        tried = _tried(planner, plan, tree, settings, predicates)
+        if isinstance(tried, Performance):
+            found.append(tried)
+        else:
+            spoiled.append(tried)
+        if len(found) == ways:
+            break
+    return Outcome(request, planner.goal, tuple(found), planner.search, tuple(spoiled))
+
+
+def _tried(
+    planner: Planner, plan: Plan, tree: HypothesisTree, settings: Settings, predicates: Sequence[Predicate]
+) -> Performance | str:
+    """A plan carried out, audited and judged; a sentence if it does not come through."""
+    scene, request, goal = planner.scene, planner.request, planner.goal
+    execution = carried_out(scene, plan, attention=request.attention)
+    recording = execution.recording
+    holding = [frozenset(() if hold is None else (hold,)) for hold in execution.holds]
+    limits = {request.performer: limits_of(planner.performer, settings.planning)}
+    found = audit(scene, recording.times_s, recording.qpos, holding, limits, contact=settings.contact)
+    if not found.clean:
+        return f"the audit found: {found.findings[0].text}"
+    explanation = explain_recording(recording, tree=tree, settings=settings, predicates=predicates)
+    failed = next((each for each in _controllable(goal) if each.holds(explanation.nodes) is not True), None)
+    if failed is not None:
+        value = explanation.nodes[failed.node].value if failed.node in explanation.nodes else "not observed"
+        return f"judged by its facts {failed} fails: it is {value}"
+    return Performance(plan, execution, found, explanation, request.clause.holds(explanation.nodes))
+
+
+def _controllable(goal: Goal) -> Iterator[Literal]:
+    return (literal for wanted in goal.wanted for literal in wanted.literals)
+
+
+def limits_of(performer: Performer, planning: Planning) -> MotionLimits:
+    """How fast a robot may move by the settings: its arms, its lifts and its base."""
+    speeds, accelerations = dict[str, float](), dict[str, float]()
+    for chain in map(performer.chain, performer.sides):
+        for name, lifts in zip(chain.names, chain.lifts.tolist(), strict=True):
+            speeds[name] = planning.lift_m_s if lifts else planning.joint_rad_s
+            accelerations[name] = planning.lift_m_s2 if lifts else planning.joint_rad_s2
+    base = (planning.base_m_s, planning.base_m_s2, planning.base_rad_s, planning.base_rad_s2)
+    return MotionLimits(speeds, accelerations, *base)

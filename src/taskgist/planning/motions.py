@@ -1,0 +1,246 @@
+"""From how a thing is brought to its goal to what the robot does, phase by phase.
+
+The robot folds its arms, drives to where it picks the thing up, and reaches out; the hand comes along the line that was
+found for it, closes, and lifts; the thing is drawn near, for the way, as far as there is room; then all the same the
+other way round. Arms and base move along ways on which the whole robot and its load are free at every step (``paths``),
+within limits of speed and acceleration (``timing``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from taskgist.planning.grasping import HandWay
+from taskgist.planning.paths import base_path, joint_path
+from taskgist.planning.performer import Base, Grip, Performer, with_values
+from taskgist.planning.timing import timed
+from taskgist.planning.transfer import Transfer
+
+from taskgist.common.arrays import Array, Indices
+from taskgist.planning.plan import RATE_HZ, Phase, PhaseName
+from taskgist.settings import Planning
+from taskgist.world.geometry.transforms import wrapped
+from taskgist.world.state import Hold
+
+ARM_STEP_RAD, LIFT_STEP_M = 0.015, 0.005
+"""Steps in which ways of arms are checked: a stretched arm's hand moves by 1.5 cm at most."""
+BASE_STEP_M, BASE_STEP_RAD = 0.01, 0.02
+ARM_CHECKS, BASE_CHECKS = 6_000, 6_000
+"""Configurations that the search of one way may check."""
+AROUND_M = 2.0
+"""How far from the straight line a base may go to get around things."""
+SAME_M, SAME_RAD = 0.005, 0.01
+"""Stands that are nearer than this are one."""
+
+
+class NoMotionError(Exception):
+    """No motion was found for a phase; the text says for which."""
+
+
+class Held(NamedTuple):
+    """The thing in the hand: how it is fixed there, and who holds it."""
+
+    grip: Grip
+    hold: Hold
+
+
+@dataclass
+class _At:
+    """Where everything is while a plan is made."""
+
+    qpos: Array
+    held: Held | None = None
+
+
+class Motions:
+    """Makes phases of transfers.
+
+    Args:
+        performer: The robot.
+        settings: Limits of speed and acceleration.
+        seed: Of the searches.
+    """
+
+    def __init__(self, performer: Performer, settings: Planning, *, seed: int = 0) -> None:
+        self._performer, self._settings, self._seed = performer, settings, seed
+
+    def of(self, transfer: Transfer) -> tuple[Phase, ...]:
+        """The phases of a transfer, from the robot's start.
+
+        Raises:
+            NoMotionError: One of them was not found.
+        """
+        return tuple(self._phases(transfer))
+
+    def back(self, qpos: Array, goal: Base) -> tuple[Phase, ...]:
+        """The way back to where the robot stood, when all is done.
+
+        Args:
+            qpos: Where everything is in the end, (nq,).
+            goal: Where the robot is to go.
+
+        Raises:
+            NoMotionError: There is none.
+        """
+        return tuple(self._drive(_At(np.array(qpos)), "withdraw", goal))
+
+    def _phases(self, transfer: Transfer) -> Iterator[Phase]:
+        performer, pick, place = self._performer, transfer.pick, transfer.place
+        thing, side = pick.thing, pick.side
+        at = _At(np.array(performer.start.qpos))
+        yield from self._fold(at)
+        yield from self._drive(at, "drive", transfer.start.base)
+        yield from self._fingers(at, "open", pick, pick.open_hand)
+        yield self._arm(at, "reach", pick, pick.approach[0])
+        yield self._line(at, "approach", pick, pick.approach)
+        yield from self._fingers(at, "close", pick, pick.closed_hand)
+        hold = Hold(performer.agent.name, side, thing)
+        at.held = Held(pick.grip, hold)
+        yield self._line(at, "lift", pick, pick.lift)
+        if not _same(transfer.start.base, transfer.goal.base):
+            yield from self._transport(at, pick, transfer.goal.base)
+        at.held = Held(place.grip, hold)
+        yield self._arm(at, "transfer", place, place.lower[0])
+        yield self._line(at, "lower", place, place.lower)
+        at.held = None
+        at.qpos = with_values(at.qpos, _columns(performer, thing), place.before[_columns(performer, thing)])
+        yield from self._fingers(at, "open", place, place.open_hand)
+        yield self._line(at, "retreat", place, place.retreat)
+        yield from self._fold(at)
+
+    # --- Phases.
+
+    def _fold(self, at: _At) -> Iterator[Phase]:
+        """Both arms to rest, one after the other."""
+        performer = self._performer
+        folded = performer.at_rest(at.qpos)
+        for side in performer.sides:
+            chain = performer.chain(side)
+            goal = folded[chain.positions]
+            if np.abs(goal - at.qpos[chain.positions]).max() > SAME_RAD:
+                yield self._joints(at, "fold", chain.positions, side, goal[None], "fold its arm")
+
+    def _arm(self, at: _At, name: PhaseName, way: HandWay, goal: Array) -> Phase:
+        what = f"bring its {way.side} hand to the {way.thing}" if at.held is None else f"bring the {way.thing} there"
+        return self._joints(at, name, way.positions, way.side, goal[None], what)
+
+    def _transport(self, at: _At, pick: HandWay, goal: Base) -> Iterator[Phase]:
+        """Draw the thing near as far as that goes, and drive."""
+        performer, chain = self._performer, self._performer.chain(pick.side)
+        folded = performer.at_rest(at.qpos)[chain.positions]
+        failed: NoMotionError | None = None
+        for carrying in (folded, at.qpos[chain.positions]):
+            now = _At(np.array(at.qpos), at.held)
+            try:
+                phases = []
+                if np.abs(carrying - now.qpos[chain.positions]).max() > SAME_RAD:
+                    what = f"draw the {pick.thing} near"
+                    phases.append(self._joints(now, "carry", chain.positions, pick.side, carrying[None], what))
+                phases += self._drive(now, "transport", goal)
+            except NoMotionError as error:
+                failed = error
+                continue
+            at.qpos = now.qpos
+            yield from phases
+            return
+        assert failed is not None
+        raise failed
+
+    def _joints(self, at: _At, name: PhaseName, positions: Indices, side: str, goals: Array, what: str) -> Phase:
+        """Joints of an arm to one of some goals, (g, k), along a free way."""
+        chain = self._performer.chain(side)
+        ranges = np.stack((np.where(chain.endless, -np.inf, chain.low), np.where(chain.endless, np.inf, chain.high)), 1)
+        step = np.where(chain.lifts, LIFT_STEP_M, ARM_STEP_RAD)
+        way = joint_path(
+            at.qpos[positions], goals, ranges, self._free(at, positions), step=step, seed=self._seed, checks=ARM_CHECKS
+        )
+        if way is None:
+            raise NoMotionError(f"{self._performer.agent.name} finds no way to {what}")
+        return self._timed(at, name, positions, way, *self._limits(side))
+
+    def _line(self, at: _At, name: PhaseName, hand_way: HandWay, way: Array) -> Phase:
+        """A hand's line, which begins where the arm is, though it may have turned more often to get there."""
+        endless = self._performer.chain(hand_way.side).endless
+        turns = np.round((at.qpos[hand_way.positions] - way[0]) / math.tau)
+        way = way + math.tau * np.where(endless, turns, 0.0)
+        return self._timed(at, name, hand_way.positions, way, *self._limits(hand_way.side))
+
+    def _fingers(self, at: _At, name: PhaseName, way: HandWay, goal: Array) -> Iterator[Phase]:
+        """Open or close the hand; what it would push into ends the plan."""
+        now = at.qpos[way.hand_positions]
+        if np.abs(goal - now).max(initial=0.0) < SAME_RAD / 100:
+            return  # some models have fingers without joints
+        count = max(2, round(self._settings.closing_s * RATE_HZ))
+        steps = now + np.linspace(0.0, 1.0, count)[:, None] * (goal - now)
+        yield self._phase(at, name, way.hand_positions, steps)
+
+    def _drive(self, at: _At, name: PhaseName, goal: Base) -> Iterator[Phase]:
+        performer, settings = self._performer, self._settings
+        start = np.array(performer.base(at.qpos))
+        end = np.array(goal)
+        if _same(performer.base(at.qpos), goal):
+            return
+        end[2] = start[2] + wrapped(end[2] - start[2])
+        low, high = np.minimum(start, end)[:2] - AROUND_M, np.maximum(start, end)[:2] + AROUND_M
+        ranges = np.array([(low[0], high[0]), (low[1], high[1]), (-np.inf, np.inf)])
+        grip = at.held.grip if at.held else None
+
+        def free(base: Array) -> bool:
+            return performer.blocking(performer.at(at.qpos, _base(base)), grip) is None
+
+        way = base_path(
+            start, end, ranges, free, step_m=BASE_STEP_M, step_rad=BASE_STEP_RAD, seed=self._seed, checks=BASE_CHECKS
+        )
+        if way is None:
+            raise NoMotionError(f"{performer.agent.name} finds no way over the floor to where it would stand")
+        velocity = (settings.base_m_s, settings.base_m_s, settings.base_rad_s)
+        acceleration = (settings.base_m_s2, settings.base_m_s2, settings.base_rad_s2)
+        _, bases = timed(way, velocity, acceleration, rate_hz=RATE_HZ)
+        qpos = np.array([performer.at(at.qpos, _base(base)) for base in bases])
+        yield self._shown(at, name, qpos)
+
+    # --- From ways to frames.
+
+    def _free(self, at: _At, positions: Indices) -> Callable[[Array], bool]:
+        grip = at.held.grip if at.held else None
+        return lambda values: self._performer.blocking(with_values(at.qpos, positions, values), grip) is None
+
+    def _limits(self, side: str) -> tuple[Array, Array]:
+        lifts, settings = self._performer.chain(side).lifts, self._settings
+        velocity = np.where(lifts, settings.lift_m_s, settings.joint_rad_s)
+        return velocity, np.where(lifts, settings.lift_m_s2, settings.joint_rad_s2)
+
+    def _timed(
+        self, at: _At, name: PhaseName, positions: Indices, way: Array, velocity: Array, acceleration: Array
+    ) -> Phase:
+        _, values = timed(way, velocity, acceleration, rate_hz=RATE_HZ)
+        return self._phase(at, name, positions, values)
+
+    def _phase(self, at: _At, name: PhaseName, positions: Indices, values: Array) -> Phase:
+        return self._shown(at, name, np.array([with_values(at.qpos, positions, each) for each in values]))
+
+    def _shown(self, at: _At, name: PhaseName, qpos: Array) -> Phase:
+        """Frames with the held thing in the hand; what comes next begins with the last one."""
+        if at.held is not None:
+            qpos = np.array([self._performer.carried(each, at.held.grip) for each in qpos])
+        at.qpos = qpos[-1]
+        return Phase(name, qpos, at.held.hold if at.held else None)
+
+
+def _columns(performer: Performer, thing: str) -> Indices:
+    column = performer.scene.object_slice(thing)
+    return np.arange(column.start, column.stop)
+
+
+def _base(values: Array) -> Base:
+    x, y, yaw = (float(value) for value in values)
+    return x, y, yaw
+
+
+def _same(one: Base, other: Base) -> bool:
+    away_m = float(np.hypot(one[0] - other[0], one[1] - other[1]))
+    return away_m < SAME_M and abs(wrapped(one[2] - other[2])) < SAME_RAD
