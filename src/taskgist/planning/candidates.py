@@ -134,7 +134,7 @@ def _in_turn(ways: list[Iterator[Candidate]]) -> Iterator[Candidate]:
 # --- What all candidates of a question share.
 
 NEAR_M = 0.03
-"""A thing whose surface is nowhere farther from where it was has stayed where it was (a few centimetres, and degrees)."""
+"""A thing whose surface is nowhere farther from where it was has stayed there (ours: a few centimetres, and degrees)."""
 RISE_M = 0.5
 """Nobody's shoulders get higher than that above where they are: by standing up, or lifting the torso."""
 
@@ -268,11 +268,14 @@ def _is_seat(asking: _Asking, face: Face, height_m: float) -> bool:
 # --- Candidates on faces.
 
 EVEN_M = 0.002
-"""What touches a thing's base is no farther from its highest such point (ours: a thing set down there stays as it is)."""
+"""What touches a thing's base is no lower than its highest such point by more (ours: set down, it stays as it is)."""
 FROM_ABOVE_M = 0.007
 """From how far above a face it is asked what is beneath: what covers the face by more is met from within, or first."""
 SHARE = 0.5
-"""A thing that stands over an edge stands no less firmly than by that share of how it stands on open ground."""
+"""A thing that stands over an edge stands no less firmly than by that share of how it would in the middle of open ground,
+or of a face that is smaller than the thing."""
+SHOVED_M = 0.015
+"""And whatever is large enough may be put down, or shoved, so far aside before it falls (ours: places are met to 1 cm)."""
 DEEP_M, CLEAR_M = 2e-4, 0.002
 """How deep it may be in what carries it, by rounding; and how far it is from all else at least."""
 HULL_M = 0.005
@@ -305,13 +308,23 @@ def _on_supports(asking: _Asking, tiers: list[list[Face]], means: frozenset[str]
 
 
 def _spread(asking: _Asking, ground: Ground, faces: list[Face], means: frozenset[str]) -> Iterator[Candidate]:
-    """Candidates on some faces, which take turns: all once, then large ones more often, as their lengths do."""
+    """Candidates on some faces, which take turns: all once, then large ones more often.
+
+    What has four times the area gets twice the turns, shared by its faces as they share the area.
+    """
     places = [_Places(asking, ground, face, means) for face in faces]
-    due = np.zeros(len(faces))
+    areas_m2: dict[str, float] = {}
+    for face in faces:
+        areas_m2[face.owner] = areas_m2.get(face.owner, 0.0) + face.area_m2
+    waits = [math.sqrt(areas_m2[face.owner]) / face.area_m2 for face in faces]
+    due, met = np.zeros(len(faces)), [False] * len(faces)
     while len(due) and np.isfinite(due.min()):
         turn = int(due.argmin())
         found = places[turn].one()
-        due[turn] = math.inf if places[turn].exhausted else due[turn] + 1 / math.sqrt(faces[turn].area_m2)
+        met[turn] |= found is not None
+        # Small faces wait long for their turns, but not for their first candidate.
+        wait = waits[turn] if met[turn] else min(waits)
+        due[turn] = math.inf if places[turn].exhausted else due[turn] + wait
         if found is not None:
             yield found
 
@@ -367,7 +380,7 @@ class _Places:
         highest = heights.max(axis=1)
         touching = (heights >= highest[:, None] - EVEN_M) & (np.abs(highest - face.height_m) <= EVEN_M)[:, None]
         firm_m = firmness_m(base, touching)
-        least_m = np.array([_least_m(side) for side in sides])
+        least_m = np.array([_least_m(side, face) for side in sides])
         found = []
         for row in np.flatnonzero(firm_m >= least_m).tolist():
             wxyz = multiply(headings[row], sides[row].wxyz)
@@ -411,11 +424,12 @@ class _Places:
         return self._face.owner if self._face.owner in owners else owners[0]
 
 
-def _least_m(side: Side) -> float:
+def _least_m(side: Side, face: Face) -> float:
     """How far a centre of mass must be from the edge of what carries a thing."""
     firm = side.tip_rad >= TIP_RAD
     tips_m = math.tan(TIP_RAD) * (float(side.center[2]) - side.lowest_m) if firm else 0.0
-    return max(SHARE * side.firm_m, tips_m)
+    half_m = float(face.sides_m.min()) / 2
+    return max(SHARE * min(side.firm_m, half_m), min(SHARE * side.firm_m, SHOVED_M), tips_m)
 
 
 # --- Candidates in the air, in a hand.

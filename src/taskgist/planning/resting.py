@@ -38,8 +38,11 @@ ALIKE_RAD = math.radians(2.0)
 """Faces that are less inclined to each other are one."""
 AS_NOW_RAD = math.radians(15.0)
 """A side that would be down after a lesser turn is the one that is down now: tracked things are a little inclined."""
-BASE_POINTS, BASE_SPACING_M = 32, 0.01
-"""How many points stand for the part of a thing that touches its support, and how far they are apart at least."""
+BASE_POINTS, BASE_SPACING_M = 24, 0.01
+"""How many points stand for all that touches a support, and as many again for the middle; they are of a sampling so
+dense."""
+INNER = 0.6
+"""The middle is what is nearer to the centre of mass than this share of how far its edge is."""
 DIRECTIONS = np.stack([(math.cos(angle), math.sin(angle)) for angle in 2 * math.pi * np.arange(48) / 48])
 """In which it is asked how far a centre of mass is from the edge of what is beneath, (48, 2)."""
 
@@ -50,7 +53,7 @@ class Side:
 
     Attributes:
         wxyz: How its body is turned, (4,), but for turns about the vertical.
-        base: Points that touch the support, metres from the body's origin, turned so, (32, 3); some may be equal.
+        base: Points that touch the support, metres from the body's origin, turned so, (48, 3); some may be equal.
         center: The centre of mass, metres from the body's origin, turned so, (3,).
         extent_m: Lowest and highest point, metres from the body's origin.
         firm_m: How far the centre of mass is from the edge of the base, seen from above.
@@ -137,7 +140,9 @@ class Body:
         touching = np.concatenate((points, self.surface @ turn.T))
         touching = touching[touching[:, 2] <= lowest_m + TOUCHING_M]
         firm_m = float(firmness_m(touching[None, :, :2] - center[:2], np.ones((1, len(touching)), dtype=bool))[0])
-        return Side(wxyz, _spread(touching), center, (lowest_m, highest_m), firm_m, self.tip_rad(-turn[2]))
+        near = np.linalg.norm(touching[:, :2] - center[:2], axis=1) <= INNER * firm_m
+        base = np.concatenate((_spread(touching), _spread(touching[near] if near.any() else touching)))
+        return Side(wxyz, base, center, (lowest_m, highest_m), firm_m, self.tip_rad(-turn[2]))
 
 
 def _corners(model: mujoco.MjModel, geom: int) -> Array:
@@ -152,7 +157,7 @@ def _corners(model: mujoco.MjModel, geom: int) -> Array:
 
 
 def _spread(points: Array) -> Array:
-    """So many of some points, those at the rim first, each as far from the others as can be, (32, 3)."""
+    """So many of some points, those at the rim first, each as far from the others as can be, (24, 3)."""
     away = np.linalg.norm(points - points.mean(axis=0), axis=1)
     chosen = []
     for _ in range(BASE_POINTS):
@@ -274,7 +279,7 @@ class Face:
     @property
     def sides_m(self) -> Array:
         """Lengths of its edges, (2,)."""
-        return np.linalg.norm(self.edges, axis=1)
+        return np.asarray(np.linalg.norm(self.edges, axis=1))
 
     @property
     def area_m2(self) -> float:
