@@ -74,9 +74,9 @@ def test_what_is_let_go_there_stays(number: int, thing: str) -> None:
 
 
 def test_what_is_let_go_in_and_on_meshes_stays(meshes: Scene) -> None:
-    found = first(meshes, "mug", 300, allow=("bin", "shelf"))
+    found = first(meshes, "mug", 100, allow=("bin", "shelf"))
     assert {each.carrier for each in found} >= {"bin", "shelf"}
-    for candidate in sample(found, 10, 0):
+    for candidate in sample(found, 8, 0):
         moved_m, turned_deg = settled(meshes, candidate)
         assert moved_m < 0.01, candidate
         assert turned_deg < 5.0, candidate
@@ -101,7 +101,7 @@ def test_the_same_question_has_the_same_answers(room: Scene) -> None:
     assert np.array_equal([each.pose for each in once], [each.pose for each in twice])
     assert not np.array_equal([each.pose for each in once], [each.pose for each in other])
     stage = Stage(room)
-    next(candidates(stage, "bottle 1", *room.agents[:2]))
+    next(candidates(stage, "bottle 1", room.agents[0], room.agents[1]))
     assert stage.state is room.initial, "the stage of who asks is left as it is"
 
 
@@ -285,9 +285,8 @@ def test_other_hands_keep_what_they_hold_and_means_take_turns(plain: Scene) -> N
 
 
 def test_into_bins_and_drawers_alone(meshes: Scene) -> None:
-    found = first(meshes, "mug", 30, means=["put_in"])
-    assert {each.carrier for each in found} >= {"bin"}
-    assert all(each.means == "put_in" for each in found)
+    found = first(meshes, "mug", 12, means=["put_in"], allow=["bin"])
+    assert {(each.means, each.carrier) for each in found} == {("put_in", "bin")}
 
 
 def test_into_an_open_drawer(plain: Scene) -> None:

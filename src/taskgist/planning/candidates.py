@@ -29,7 +29,7 @@ from taskgist.common.arrays import Array, Indices
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.maps.places import Ground
 from taskgist.perspective.search import able
-from taskgist.planning.resting import LEVEL_RAD, TIP_RAD, Body, Face, Side, firmness_m, level_faces, sides_of
+from taskgist.planning.resting import LEVEL_RAD, TIP_RAD, Body, Face, Side, firmness_m, level_faces, sides_of, tiers
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.contacts import container_of, holding_of
 from taskgist.world.geometry.transforms import about_z, matrix_from_wxyz, multiply
@@ -112,7 +112,11 @@ def candidates(
         for name in (*(allow or ()), *prefer):
             if name not in {face.owner for face in faces}:
                 raise UnknownNameError("support", name, {face.owner for face in faces})
-        ways.append(_on_supports(asking, _tiers(asking, faces, allow, prefer), frozenset(means)))
+        ways.append(
+            _on_supports(
+                asking, tiers(asking.stage, faces, performer, settings, allow=allow, prefer=prefer), frozenset(means)
+            )
+        )
     if "hold_up" in means:
         ways.append(_held_up(asking))
     if "hand_over" in means:
@@ -134,7 +138,7 @@ def _in_turn(ways: list[Iterator[Candidate]]) -> Iterator[Candidate]:
 # --- What all candidates of a question share.
 
 NEAR_M = 0.03
-"""A thing whose surface is nowhere farther from where it was has stayed there (ours: a few centimetres, and degrees)."""
+"""A thing whose surface is nowhere farther from where it was has stayed there (ours: a few centimetres)."""
 RISE_M = 0.5
 """Nobody's shoulders get higher than that above where they are: by standing up, or lifting the torso."""
 
@@ -227,44 +231,6 @@ class _Asking:
         return bool(away_m.max() > NEAR_M)
 
 
-# --- The order of supports.
-
-LOW_M = 0.05
-"""What is no higher above where the performer stands is the floor: carpets, thresholds."""
-SEAT_M, UNDER_HEAD_M = 0.25, 0.8
-"""A seat is so wide at least, with nothing of its own that far above it."""
-
-
-def _tiers(
-    asking: _Asking, faces: list[Face], allow: Collection[str] | None, prefer: Collection[str]
-) -> list[list[Face]]:
-    """Faces that are preferred, all others but seats and floors, seats, floors; with those allowed alone, no such."""
-    agent = asking.stage.scene.agent(asking.performer)
-    floor_m = float(asking.stage.bounds(agent.geoms)[0, 2])
-    tiers: list[list[Face]] = [[], [], [], []]
-    for face in faces:
-        if face.owner in prefer:
-            tiers[0].append(face)
-        elif allow is not None:
-            tiers[1] += [face] if face.owner in allow else []
-        elif face.height_m <= floor_m + LOW_M:
-            tiers[3].append(face)
-        else:
-            tiers[2 if _is_seat(asking, face, face.height_m - floor_m) else 1].append(face)
-    return tiers
-
-
-def _is_seat(asking: _Asking, face: Face, height_m: float) -> bool:
-    """Whether somebody could sit there: it has a seat's height and size, and nothing of its own above."""
-    low_m, high_m = asking.settings.efforts.seat_height_m
-    if not low_m <= height_m <= high_m or face.sides_m.min() < SEAT_M:
-        return False
-    own = np.setdiff1d(asking.stage.scene.geoms_of(face.owner), [face.geom])
-    middle = face.points(np.full((1, 2), 0.5)) + (0.0, 0.0, 1e-3)
-    _, above_m, _ = asking.stage.cast_each(own, middle, np.array([[0.0, 0.0, 1.0]]))
-    return bool(above_m[0] > UNDER_HEAD_M)
-
-
 # --- Candidates on faces.
 
 EVEN_M = 0.002
@@ -272,10 +238,10 @@ EVEN_M = 0.002
 FROM_ABOVE_M = 0.007
 """From how far above a face it is asked what is beneath: what covers the face by more is met from within, or first."""
 SHARE = 0.5
-"""A thing that stands over an edge stands no less firmly than by that share of how it would in the middle of open ground,
-or of a face that is smaller than the thing."""
+"""A thing over an edge stands no less firmly than by that share of how it would in the middle of open ground, or of a
+face that is smaller than the thing."""
 SHOVED_M = 0.015
-"""And whatever is large enough may be put down, or shoved, so far aside before it falls (ours: places are met to 1 cm)."""
+"""And what is large enough may be put down, or shoved, so far aside before it falls (ours: places are met to 1 cm)."""
 DEEP_M, CLEAR_M = 2e-4, 0.002
 """How deep it may be in what carries it, by rounding; and how far it is from all else at least."""
 HULL_M = 0.005

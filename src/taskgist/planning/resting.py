@@ -1,4 +1,4 @@
-"""How things can rest: the sides that they can lie on, and the level faces that can carry them.
+"""How things can rest: the sides that they can lie on, and the level faces that can carry them, in order.
 
 A rigid thing rests on a face of its convex hull if its centre of mass is above that face's polygon. How firmly it rests
 is the angle by which it may be tipped before it falls over an edge: a cup stands on its foot (20°), no pen on its tip
@@ -12,7 +12,7 @@ centre of mass is lowest. Mass is spread as MuJoCo says. Example::
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,7 +21,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from taskgist.common.arrays import Array, Mask
-from taskgist.settings import Contact
+from taskgist.settings import Contact, Settings
 from taskgist.world.bodies.agent import subtree
 from taskgist.world.contacts import support_of
 from taskgist.world.geometry.shapes import hull_triangles, surface_points
@@ -365,3 +365,63 @@ def _level_parts_of_mesh(
             low, high = points.min(axis=0), points.max(axis=0)
             corner = np.array([low[0], low[1], heights[group].mean()])
             yield corner, np.array([[high[0] - low[0], 0.0, 0.0], [0.0, high[1] - low[1], 0.0]])
+
+
+# --- The order of supports.
+
+LOW_M = 0.05
+"""What is no higher above where the performer stands is the floor: carpets, thresholds."""
+SEAT_HEIGHT_M, SEAT_M, UNDER_HEAD_M = (0.3, 0.55), 0.25, 0.8
+"""Seats are so high and so wide, with nothing of their own that far above (ours: people could sit on a table as well)."""
+WALLS, UNDER_WALLS_M = 36, 0.03
+"""In how many directions, and how far above it, a seat's own walls are looked for: all round, it is a container."""
+
+
+def tiers(
+    stage: Stage,
+    faces: list[Face],
+    performer: str,
+    settings: Settings,
+    *,
+    allow: Collection[str] | None,
+    prefer: Collection[str],
+) -> list[list[Face]]:
+    """Faces in the order in which they are tried: preferred ones, others, seats, floors.
+
+    Args:
+        stage: The scene in a state.
+        faces: All level faces.
+        performer: Who stands on the floor.
+        settings: For what a container is, which is no seat.
+        allow: Whose faces are tried at all, seats and floors as others are; None: everybody's.
+        prefer: Whose faces come first.
+
+    Returns:
+        Four lists.
+    """
+    floor_m = float(stage.bounds(stage.scene.agent(performer).geoms)[0, 2])
+    found: list[list[Face]] = [[], [], [], []]
+    for face in faces:
+        if face.owner in prefer:
+            found[0].append(face)
+        elif allow is not None:
+            found[1] += [face] if face.owner in allow else []
+        elif face.height_m <= floor_m + LOW_M:
+            found[3].append(face)
+        else:
+            found[2 if _is_seat(stage, face, face.height_m - floor_m, settings.contact) else 1].append(face)
+    return found
+
+
+def _is_seat(stage: Stage, face: Face, height_m: float, settings: Contact) -> bool:
+    """Whether somebody could sit there: a seat's height and size, nothing of its own above, nor all round."""
+    if not SEAT_HEIGHT_M[0] <= height_m <= SEAT_HEIGHT_M[1] or face.sides_m.min() < SEAT_M:
+        return False
+    own = np.setdiff1d(stage.scene.geoms_of(face.owner), [face.geom])
+    angles = 2 * math.pi * np.arange(WALLS) / WALLS
+    ways = np.stack((np.cos(angles), np.sin(angles), np.zeros(WALLS)), axis=1)
+    ways = np.concatenate(([(0.0, 0.0, 1.0)], ways))
+    middle = face.points(np.full((1, 2), 0.5)) + (0.0, 0.0, UNDER_WALLS_M)
+    _, away_m, _ = stage.cast_each(own, np.tile(middle, (len(ways), 1)), ways)
+    walls = float((away_m[1:] <= settings.container_m).mean())
+    return bool(away_m[0] > UNDER_HEAD_M) and walls < settings.container_walls
