@@ -31,7 +31,7 @@ from taskgist.maps.places import Ground
 from taskgist.perspective.search import able
 from taskgist.planning.resting import LEVEL_RAD, TIP_RAD, Body, Face, Side, firmness_m, level_faces, sides_of, tiers
 from taskgist.settings import DEFAULT, Settings
-from taskgist.world.contacts import container_of, holding_of
+from taskgist.world.contacts import container_of, holding_of, support_of
 from taskgist.world.geometry.transforms import about_z, matrix_from_wxyz, multiply
 from taskgist.world.stage import Stage
 from taskgist.world.state import Hold, State
@@ -219,6 +219,19 @@ class _Asking:
         """How deep the thing is in some shapes, in the state that the stage shows, metres."""
         return max((depth for *_, depth in self.stage.overlaps(self.own, others)), default=0.0)
 
+    @cached_property
+    def vessels(self) -> Array:
+        """Boxes, along the world's axes, around all that could be a container at the start, metres, (k, 2, 3)."""
+        stage, scene = self.stage.show(self.start), self.stage.scene
+        shapes = [scene.seen_geoms(owner) for owner in scene.bodies if owner != self.thing]
+        return np.array([stage.bounds(geoms) for geoms in shapes if len(geoms)]).reshape(-1, 2, 3)
+
+    def container(self) -> str | None:
+        """What the thing lies in, in the state that the stage shows."""
+        middle = self.stage.geom_centers(self.stage.scene.seen_geoms(self.thing)).mean(axis=0)
+        within = ((self.vessels[:, 0] <= middle) & (middle <= self.vessels[:, 1])).all(axis=1)
+        return container_of(self.stage, self.thing, self.settings.contact) if within.any() else None
+
     def is_moved(self, position: Array, wxyz: Array) -> bool:
         """Whether the thing is not where it is at the start; what looks the same after a turn is not moved by it."""
         before = self.start.qpos[self.stage.scene.object_slice(self.thing)]
@@ -306,7 +319,7 @@ class _Places:
         self._asking, self._ground, self._face, self._means = asking, ground, face, means
         self._turns = [(side, heading) for heading in HEADINGS for side in range(len(asking.sides))]
         self._spots = max(LEAST_SPOTS, math.ceil(face.area_m2 / SPACING_M**2))
-        self._next, self._ready, self._in_vain, self._uncarried = 0, list[tuple[Array, Array, Indices]](), 0, 0
+        self._next, self._ready, self._in_vain, self._uncarried = 0, list[tuple[Array, Array, Indices, bool]](), 0, 0
         self.exhausted = False
 
     def one(self) -> Candidate | None:
@@ -314,8 +327,7 @@ class _Places:
         if not self._ready:
             self._ready = self._carried()
         while self._ready:
-            position, wxyz, under = self._ready.pop(0)
-            found = self._free(position, wxyz, under)
+            found = self._free(*self._ready.pop(0))
             if found is not None:
                 self._in_vain = 0
                 return found
@@ -325,8 +337,8 @@ class _Places:
         )
         return None
 
-    def _carried(self) -> list[tuple[Array, Array, Indices]]:
-        """Of the next places those at which the thing is carried: position, wxyz, and the shapes that carry it."""
+    def _carried(self) -> list[tuple[Array, Array, Indices, bool]]:
+        """Of the next places those at which the thing is carried: pose, what carries it, and whether that is a part."""
         asking, face = self._asking, self._face
         numbers = np.arange(self._next, min(self._next + BATCH, self._spots * len(self._turns)))
         self._next += len(numbers)
@@ -352,11 +364,11 @@ class _Places:
             wxyz = multiply(headings[row], sides[row].wxyz)
             position = points[row] - turned[row] @ sides[row].center
             position[2] = highest[row] - sides[row].lowest_m
-            found.append((position, wxyz, np.unique(geoms[row][touching[row]])))
+            found.append((position, wxyz, np.unique(geoms[row][touching[row]]), not touching[row].all()))
         self._uncarried = 0 if found else self._uncarried + len(numbers)
         return found
 
-    def _free(self, position: Array, wxyz: Array, under: Indices) -> Candidate | None:
+    def _free(self, position: Array, wxyz: Array, under: Indices, partly: bool) -> Candidate | None:
         """The candidate at a place at which the thing is carried, if nothing else is in its way."""
         asking = self._asking
         if not asking.is_moved(position, wxyz):
@@ -378,11 +390,13 @@ class _Places:
             stage.show(state)
             if asking.deep_m(asking.others[carries]) > DEEP_M:
                 return None
-        container = container_of(stage, asking.thing, asking.settings.contact)
+        container = asking.container()
         means: Means = "put_on" if container is None else "put_in"
         if means not in self._means:
             return None
         carrier = container or self._owner(under)
+        if not container and partly and support_of(stage, asking.thing, asking.settings.contact) != carrier:
+            return None  # it lies across something thin, and facts say that it is on what is beneath
         return Candidate(means, asking.thing, np.concatenate((position, wxyz)), carrier, state)
 
     def _owner(self, under: Indices) -> str:

@@ -372,7 +372,7 @@ def _level_parts_of_mesh(
 LOW_M = 0.05
 """What is no higher above where the performer stands is the floor: carpets, thresholds."""
 SEAT_HEIGHT_M, SEAT_M, UNDER_HEAD_M = (0.3, 0.55), 0.25, 0.8
-"""Seats are so high and so wide, with nothing of their own that far above (ours: people could sit on a table as well)."""
+"""Seats are so high and so wide, with nothing of their own that far above (ours: people sit on low tables, too)."""
 WALLS, UNDER_WALLS_M = 36, 0.03
 """In how many directions, and how far above it, a seat's own walls are looked for: all round, it is a container."""
 
