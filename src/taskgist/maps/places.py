@@ -29,6 +29,7 @@ from taskgist.settings import DEFAULT, Settings
 from taskgist.world.geometry.distances import RADIUS, boxes_gap_m, surely_overlap
 from taskgist.world.geometry.rays import Shapes, local, normal_at, surface
 from taskgist.world.geometry.shapes import distances_outside_m
+from taskgist.world.geometry.solids import FIELD
 from taskgist.world.stage import Stage
 
 EVEN_M = 0.005
@@ -134,7 +135,10 @@ class Ground:
         things = [geom for geom, owner in enumerate(scene.owners) if owner not in out and stage.seen[geom]]
         of_formula, of_none = _parted(things, stage.shapes.formless)
         self._shapes, self._bounds = of_formula, stage.bounds_of_each(of_formula)
-        self._meshes, self._mesh_bounds = of_none, stage.bounds_of_each(of_none)
+        counts = [_triangle_count(stage, geom) for geom in of_none.tolist()]
+        few = np.array([0 < count <= FEW_TRIANGLES for count in counts], dtype=bool)
+        self._corners, self._of_corners = _triangles(stage, of_none[few])
+        self._meshes, self._mesh_bounds = of_none[~few], stage.bounds_of_each(of_none[~few])
 
     def beneath(self, origins: Array) -> tuple[Indices, Array, Array]:
         """What rays that go straight down meet first.
@@ -148,6 +152,7 @@ class Ground:
         """
         self._stage.count_rays(len(origins))
         geoms, drops_m, upward = _first_beneath(self._stage.shapes, self._shapes, self._bounds, origins)
+        _first_triangle_beneath(self._corners, self._of_corners, origins, geoms, drops_m, upward)
         for ray in np.flatnonzero(_over_any(origins, self._mesh_bounds)).tolist():
             normal = np.zeros((1, 3))
             (geom,), (drop_m,) = self._stage.cast(origins[ray], DOWN, only=self._meshes, normals=normal)
@@ -187,6 +192,51 @@ class Ground:
 
 DOWN = np.array([[0.0, 0.0, -1.0]])
 UP = -DOWN[0]
+
+
+FEW_TRIANGLES = 2000
+"""Rays at meshes of more triangles are left to MuJoCo, which sorts them first."""
+
+
+def _triangle_count(stage: Stage, geom: int) -> int:
+    """Of a mesh; 0 for a height field."""
+    model = stage.scene.model
+    return 0 if model.geom_type[geom] == FIELD else int(model.mesh_facenum[model.geom_dataid[geom]])
+
+
+def _triangles(stage: Stage, meshes: Indices) -> tuple[Array, Indices]:
+    """Corners of the triangles of some meshes in the world, (n, 3, 3), and whose they are, (n,)."""
+    model, corners, owners = stage.scene.model, [np.empty((0, 3, 3))], [np.empty(0, dtype=np.intp)]
+    for geom in meshes.tolist():
+        mesh = int(model.geom_dataid[geom])
+        vertices = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]].astype(float)
+        faces = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]]
+        corners.append(stage.geom(geom).to_world(vertices)[faces])
+        owners.append(np.full(len(faces), geom, dtype=np.intp))
+    return np.concatenate(corners), np.concatenate(owners)
+
+
+@compiled
+def _first_triangle_beneath(
+    corners: Array, of: Indices, origins: Array, first: Indices, nearest: Array, upward: Array
+) -> None:
+    """Put triangles, (k, 3, 3), that are nearer beneath some points in the place of what was found so far."""
+    for k in range(len(corners)):
+        ax, ay, az = corners[k, 0, 0], corners[k, 0, 1], corners[k, 0, 2]
+        bx, by, bz = corners[k, 1, 0] - ax, corners[k, 1, 1] - ay, corners[k, 1, 2] - az
+        cx, cy, cz = corners[k, 2, 0] - ax, corners[k, 2, 1] - ay, corners[k, 2, 2] - az
+        nx, ny, nz = by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx
+        length = math.sqrt(nx * nx + ny * ny + nz * nz)
+        if abs(nz) <= 1e-12 * length or length == 0.0:
+            continue
+        for ray in range(len(origins)):
+            px, py = origins[ray, 0] - ax, origins[ray, 1] - ay
+            u, v = (px * cy - py * cx) / nz, (bx * py - by * px) / nz
+            if u < 0.0 or v < 0.0 or u + v > 1.0:
+                continue
+            drop = origins[ray, 2] - (az + u * bz + v * cz)
+            if 0.0 <= drop < nearest[ray]:
+                first[ray], nearest[ray], upward[ray] = of[k], drop, nz / length
 
 
 def _parted(geoms: list[int], formless: Mask) -> tuple[Indices, Indices]:
