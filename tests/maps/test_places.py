@@ -13,8 +13,11 @@ from taskgist.maps.grid import Grid, Zone
 from taskgist.maps.places import Place, places_for, zone_where
 from taskgist.perspective.queries import parse_question
 from taskgist.perspective.scene_efforts import SceneEfforts
-from taskgist.world import Stage, State
+from taskgist.world import Scene, Stage, State
+from taskgist_lab.ordinary.furnishing import furnished
+from tests.maps.places_twin import PlacesTwin
 from tests.maps.test_maps import SMALL
+from tests.meshes import body, mesh_scene, shelf, shell_bin
 from tools.rooms import Person, Room, Thing, chair, table
 
 BOX = Thing("box", (0.1, 0.1, 0.1), (1.05, 0.2, 0.82))
@@ -92,6 +95,45 @@ def test_places_lie_in_the_zone_that_is_asked_for() -> None:
     middles = np.array([place.position_m for place in every]) + (0, 0, SIZE[2] / 2)
     assert places == tuple(place for place, inside in zip(every, near.contains(middles), strict=True) if inside)
     assert 0 < len(places) < len(every)
+
+
+def of_meshes() -> Scene:
+    boxed = body("bin", "bin", (0.7, -0.4, 0.0), free=False) + body("shelf", "shelf", (1.1, 0.2, 0.0), free=False)
+    return mesh_scene(boxed, "[agents.P1]\nprofile = 'human'", bin=shell_bin((0.3, 0.2, 0.2)), shelf=shelf())
+
+
+def before(stage: Stage, person: str) -> Zone:
+    """The space before somebody."""
+    x, y, _ = stage.state.qpos[stage.scene.base_slice(person)][:3]
+    grid = Grid((float(x), float(y), 0.0), 0.3, 0.05, (18, 16, 40))
+    return Zone(grid, np.ones(grid.shape, dtype=bool))
+
+
+def rounded(place: Place) -> tuple[str, ...]:
+    return place.support, *(f"{value:.6f}" for value in place.position_m)
+
+
+SCENES = {
+    "made by hand": ROOM.scene,
+    "of meshes": of_meshes,
+    "ordinary": furnished(7, 5).scene,
+}
+
+
+@pytest.mark.parametrize("size", [SIZE, (0.3, 0.2, 0.02)])
+@pytest.mark.parametrize("room", SCENES)
+def test_the_slow_twin_finds_the_same_places(room: str, size: tuple[float, float, float]) -> None:
+    stage = Stage(SCENES[room]())
+    where = Zone(GRID, np.ones(GRID.shape, dtype=bool)) if room == "of meshes" else before(stage, "P1")
+    found = places_for(stage, size, where)
+    twin = PlacesTwin(stage, size, where)
+    theirs = {rounded(place): place for place in twin.places()}
+    assert not {rounded(place) for place in found} - set(theirs)
+    closer = PlacesTwin(stage, size, where, fine_m=0.001)
+    overlooked = set(theirs) - {rounded(place) for place in found}
+    assert not any(closer.stands(*theirs[each].position_m) for each in overlooked), "it sees boxes as points 8 mm apart"
+    assert len(overlooked) <= 0.002 * len(theirs)
+    assert len({place.support for place in found}) > (1 if size == SIZE else 0)
 
 
 @pytest.mark.parametrize("size", [(0.0, 0.1, 0.1), (0.1, -1.0, 0.1), (0.1, 0.1, float("inf")), (float("nan"), 1, 1)])
