@@ -21,6 +21,8 @@ RECORDING = WORLD | {"recording"}
 OBSERVE = PERSPECTIVE | {"facts", "observe"}
 RECOGNITION = OBSERVE | RECORDING | {"recognition"}
 LANGUAGE = LEARNING | {"perspective", "language"}
+PLANNING = OBSERVE | LEARNING | {"moving", "maps", "planning"}
+PERFORMING = PLANNING | {"performing"}
 PIPELINE = RECOGNITION | LANGUAGE | {"store", "moving", "maps", "importing", "pipeline"}
 SIMULATOR = RECORDING | {"moving", "lab simulator"}
 GENERATOR = SIMULATOR | {"lab generator"}
@@ -43,6 +45,8 @@ ROOMS: dict[str, set[str]] = {
     "recording": RECORDING,
     "importing": RECORDING | {"importing"},
     "recognition": RECOGNITION,
+    "planning": PLANNING,
+    "performing": PERFORMING,
     "language": LANGUAGE,
     "pipeline": PIPELINE,
     "view": PIPELINE | {"view"},
@@ -70,6 +74,8 @@ THIRD_PARTY: dict[str, set[str]] = {
     "recording": {"numpy", "mcap", "zstandard", "lz4"},
     "importing": {"numpy", "mujoco"},
     "recognition": set(),
+    "planning": {"numpy", "mujoco", "mink"},  # ompl and toppra through the door of common.extras
+    "performing": {"numpy", "mujoco"},
     "language": set(),
     "pipeline": {"numpy"},
     "view": {"numpy", "matplotlib"},
