@@ -20,10 +20,10 @@ PERSPECTIVE = WORLD | {"perspective"}
 RECORDING = WORLD | {"recording"}
 OBSERVE = PERSPECTIVE | {"facts", "observe"}
 RECOGNITION = OBSERVE | RECORDING | {"recognition"}
+PLANNING = OBSERVE | {"learning", "moving", "maps", "planning"}
+PERFORMING = PLANNING | RECORDING | {"performing"}
 LANGUAGE = LEARNING | {"perspective", "language"}
-PLANNING = OBSERVE | LEARNING | {"moving", "maps", "planning"}
-PERFORMING = PLANNING | {"performing"}
-PIPELINE = RECOGNITION | LANGUAGE | {"store", "moving", "maps", "importing", "pipeline"}
+PIPELINE = RECOGNITION | LANGUAGE | PERFORMING | {"store", "importing", "pipeline"}
 SIMULATOR = RECORDING | {"moving", "lab simulator"}
 GENERATOR = SIMULATOR | {"lab generator"}
 PAPER = PIPELINE | {"lab simulator", "lab paper"}
@@ -74,7 +74,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "recording": {"numpy", "mcap", "zstandard", "lz4"},
     "importing": {"numpy", "mujoco"},
     "recognition": set(),
-    "planning": {"numpy", "mujoco", "mink"},  # ompl and toppra through the door of common.extras
+    "planning": {"numpy", "mujoco", "mink", "ompl", "toppra"},
     "performing": {"numpy", "mujoco"},
     "language": set(),
     "pipeline": {"numpy"},
