@@ -96,7 +96,7 @@ def test_it_stops_where_it_turns_back() -> None:
 
 def odd_way(random: np.random.Generator) -> Array:
     """Steps of all sizes, coarse corners, corners on a lattice, one joint to and fro, or one joint after the other."""
-    count, joints = random.integers(2, 60), random.integers(1, 9)
+    count, joints = int(random.integers(2, 60)), int(random.integers(1, 9))
     kinds = (
         lambda: np.cumsum(random.normal(size=(count, joints)) * 10 ** random.uniform(-6, -1, size=(count, 1)), axis=0),
         lambda: random.uniform(-2.0, 2.0, size=(count, joints)),
