@@ -21,8 +21,9 @@ RECORDING = WORLD | {"recording"}
 OBSERVE = PERSPECTIVE | {"facts", "observe"}
 RECOGNITION = OBSERVE | RECORDING | {"recognition"}
 PLANNING = OBSERVE | {"learning", "moving", "maps", "planning"}
-LANGUAGE = LEARNING | {"perspective", "language"}
-PIPELINE = RECOGNITION | LANGUAGE | PLANNING | {"store", "importing", "pipeline"}
+PERFORMING = PLANNING | RECORDING | {"performing"}
+LANGUAGE = LEARNING | PLANNING | {"language"}
+PIPELINE = RECOGNITION | LANGUAGE | PERFORMING | {"store", "importing", "pipeline"}
 SIMULATOR = RECORDING | {"moving", "lab simulator"}
 GENERATOR = SIMULATOR | {"lab generator"}
 PAPER = PIPELINE | {"lab simulator", "lab paper"}
@@ -45,6 +46,7 @@ ROOMS: dict[str, set[str]] = {
     "importing": RECORDING | {"importing"},
     "recognition": RECOGNITION,
     "planning": PLANNING,
+    "performing": PERFORMING,
     "language": LANGUAGE,
     "pipeline": PIPELINE,
     "view": PIPELINE | {"view"},
@@ -72,7 +74,8 @@ THIRD_PARTY: dict[str, set[str]] = {
     "recording": {"numpy", "mcap", "zstandard", "lz4"},
     "importing": {"numpy", "mujoco"},
     "recognition": set(),
-    "planning": {"numpy", "mujoco", "mink", "ompl", "toppra"},
+    "planning": {"numpy", "scipy", "mujoco", "mink", "ompl", "toppra"},
+    "performing": {"numpy", "mujoco"},
     "language": set(),
     "pipeline": {"numpy"},
     "view": {"numpy", "matplotlib"},

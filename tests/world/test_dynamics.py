@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.settings import DEFAULT
 from taskgist.world import FreeMotion, Scene, Stage, State, container_of, free_motion, support_of
-from taskgist.world.dynamics import GRAVITY_M_S2, STEP_S
+from taskgist.world.dynamics import GRAVITY_M_S2, STEP_S, free_motions
 from taskgist.world.geometry.transforms import about_z, matrix_from_wxyz, normalized, rotate
 from tests.scenes import TABLE, agent, box, cylinder, scene
 
@@ -180,3 +180,24 @@ def test_what_cannot_move_is_refused() -> None:
         free_motion(room, room.initial, "spot")
     with pytest.raises(UnknownNameError):
         free_motion(room, State(room.initial.qpos), "cup")
+
+
+def test_several_things_move_each_other() -> None:
+    """A cube lands on another, which stays; alone, each falls as it does without the other."""
+    room = scene(TABLE, box("low", 0.1, 0.2, TOP + 0.03, CUBE), box("high", 0.1, 0.2, TOP + 0.2, CUBE))
+    both = free_motions(room, room.initial, ("high", "low"))
+    assert both["high"].rests
+    assert both["high"].end[:3] == pytest.approx((0.1, 0.2, TOP + 0.09), abs=0.002)
+    assert both["low"].end[:3] == pytest.approx((0.1, 0.2, TOP + 0.03), abs=0.002)
+    assert both["low"].touches_s < both["high"].touches_s
+    alone = free_motion(room, room.initial, "high")
+    before = slice(0, round(both["high"].touches_s / STEP_S) - 1)
+    assert both["high"].poses[before] == pytest.approx(alone.poses[before], abs=1e-9)
+
+
+def test_the_lower_of_two_things_is_moved_by_the_upper() -> None:
+    """A heavy cube on the far end of a board tips it over the table's edge."""
+    board = box("board", 0.38, 0.0, TOP + 0.005, (0.15, 0.05, 0.005))
+    room = scene(TABLE, board, box("cube", 0.5, 0.0, TOP + 0.04, CUBE))
+    assert free_motion(room, room.initial, "board").end[2] == pytest.approx(TOP + 0.005, abs=0.002)
+    assert free_motions(room, room.initial, ("cube", "board"))["board"].end[2] < 0.5

@@ -1,8 +1,8 @@
-"""Dynamics: how one thing moves when nobody holds it, among everything else, which keeps still.
+"""Dynamics: how things move when nobody holds them, among everything else, which keeps still.
 
-Scenes are made for geometry. For motion, MuJoCo gets a model of its own: the thing as a free, uniform body, and all
-other solid shapes fixed where they are. Since nothing else moves, the thing's mass does not matter, only how it is
-spread. Example::
+Scenes are made for geometry. For motion, MuJoCo gets a model of its own: the things as free, uniform bodies, and all
+other solid shapes fixed where they are. Where a single thing moves, its mass does not matter, only how it is spread;
+several are all taken to be of the same density. Example::
 
     motion = free_motion(scene, state, "cup", passing=["P1/right_arm"])  # which has just let it go
     motion.at(times_s)  # it fell onto the table
@@ -10,7 +10,7 @@ spread. Example::
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -115,47 +115,95 @@ def free_motion(
         SceneError: The thing has no shape, or one without inside, so that nothing can be said of its motion.
         UnknownNameError: There is no such object.
     """
-    model = _model(scene, state.without(passing), name)
+    motion = free_motions(
+        scene,
+        state,
+        (name,),
+        linear_m_s=linear_m_s,
+        angular_rad_s=angular_rad_s,
+        passing=passing,
+        longest_s=longest_s,
+    )
+    return motion[name]
+
+
+def free_motions(
+    scene: Scene,
+    state: State,
+    names: Sequence[str],
+    *,
+    linear_m_s: ArrayLike = (0.0, 0.0, 0.0),
+    angular_rad_s: ArrayLike = (0.0, 0.0, 0.0),
+    passing: Iterable[str] = (),
+    longest_s: float = LONGEST_S,
+) -> dict[str, FreeMotion]:
+    """Let some things move freely, and against each other, until all of them rest.
+
+    Args:
+        scene: The scene.
+        state: Where everything is; all but the things stays there.
+        names: The things, objects of the scene, each once.
+        linear_m_s: Velocity of the first one, as in ``free_motion``; the others begin at rest.
+        angular_rad_s: Its angular velocity.
+        passing: What all of them pass through.
+        longest_s: When to stop if one of them still moves.
+
+    Returns:
+        The motion of each, all equally long.
+
+    Raises:
+        SceneError: A thing has no shape, or one without inside, so that nothing can be said of its motion.
+        UnknownNameError: There is no such object.
+    """
+    model = _model(scene, state.without(passing), names)
     data = mujoco.MjData(model)
-    data.qpos[:] = state.qpos[scene.object_slice(name)]
+    data.qpos[:] = np.concatenate([state.qpos[scene.object_slice(name)] for name in names])
     data.qvel[:3] = linear_m_s
-    data.qvel[3:] = rotate(conjugate(data.qpos[3:]), angular_rad_s)  # MuJoCo tells it in the body's frame
-    poses, touches_s, resting, count = [data.qpos.copy()], np.inf, 0, round(longest_s / STEP_S)
+    data.qvel[3:6] = rotate(conjugate(data.qpos[3:7]), angular_rad_s)  # MuJoCo tells it in the body's frame
+    poses, touches_s, resting, count = [data.qpos.copy()], [np.inf] * len(names), 0, round(longest_s / STEP_S)
     while len(poses) <= count and resting * STEP_S < RESTING_S:
         mujoco.mj_step(model, data, SUBSTEPS)
         poses.append(data.qpos.copy())
-        if data.ncon and not np.isfinite(touches_s):
-            touches_s = (len(poses) - 1) * STEP_S
+        touching = {int(body) for body in model.geom_bodyid[data.contact.geom].ravel()} if data.ncon else set()
+        for index in range(len(names)):
+            if index + 1 in touching and not np.isfinite(touches_s[index]):
+                touches_s[index] = (len(poses) - 1) * STEP_S
         resting = resting + 1 if _is_slow(data) else 0
-    return FreeMotion(np.array(poses), resting * STEP_S >= RESTING_S, touches_s)
+    each = np.array(poses).reshape(len(poses), len(names), 7)
+    rests = resting * STEP_S >= RESTING_S
+    return {name: FreeMotion(each[:, index], rests, touches_s[index]) for index, name in enumerate(names)}
 
 
 def _is_slow(data: mujoco.MjData) -> bool:
-    linear, angular = data.qvel[:3], data.qvel[3:]
-    return bool(linear @ linear < RESTING_M_S**2 and angular @ angular < RESTING_RAD_S**2)
+    """Whether all things are slow."""
+    squares = (data.qvel.reshape(-1, 2, 3) ** 2).sum(axis=2).max(axis=0)
+    return bool(squares[0] < RESTING_M_S**2 and squares[1] < RESTING_RAD_S**2)
 
 
-def _model(scene: Scene, state: State, name: str) -> mujoco.MjModel:
-    """The thing as a free body, in the frame of its body in the scene, among fixed shapes."""
+def _model(scene: Scene, state: State, names: Sequence[str]) -> mujoco.MjModel:
+    """The things as free bodies, in the frames of their bodies in the scene, among fixed shapes."""
     stage = Stage(scene, state)
-    frame = stage.body(scene.object_body(name))
     spec = mujoco.MjSpec()
     spec.option.timestep, spec.option.gravity = STEP_S / SUBSTEPS, (0.0, 0.0, -GRAVITY_M_S2)
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    thing = spec.worldbody.add_body(name=BODY)
-    thing.add_freejoint()
-    for geom in scene.solid_geoms_of(name).tolist():
-        pose = stage.geom(geom)
-        _add(spec, thing, scene.model, geom, frame.to_local(pose.position), frame.matrix.T @ pose.matrix)
+    for name in names:
+        frame = stage.body(scene.object_body(name))
+        thing = spec.worldbody.add_body(name=f"{BODY} {name}")
+        thing.add_freejoint()
+        for geom in scene.solid_geoms_of(name).tolist():
+            pose = stage.geom(geom)
+            _add(spec, thing, scene.model, geom, frame.to_local(pose.position), frame.matrix.T @ pose.matrix)
     for geom in stage.solid_geoms().tolist():
-        if scene.owners[geom] != name:
+        if scene.owners[geom] not in names:
             pose = stage.geom(geom)
             _add(spec, spec.worldbody, scene.model, geom, pose.position, pose.matrix)
     try:
         return spec.compile()
     except ValueError as error:
         hint = "give it a solid shape, such as a box"
-        raise SceneError(f"MuJoCo cannot move it: {error}", where=scene.name, field=name, hint=hint) from error
+        raise SceneError(
+            f"MuJoCo cannot move it: {error}", where=scene.name, field=", ".join(names), hint=hint
+        ) from error
 
 
 def _add(

@@ -6,7 +6,6 @@ own, if the user has installed Orange, and the two exchange lines of JSON.
 
 from __future__ import annotations
 
-import importlib
 import json
 import subprocess
 import sys
@@ -17,6 +16,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from taskgist.common import extras
 from taskgist.common.arrays import Mask
 from taskgist.errors import InputError
 from taskgist_lab.evaluation.learner import Codes
@@ -60,17 +60,8 @@ def door(module: str, peer: str) -> ModuleType:
     Raises:
         InputError: It is not installed.
     """
-    try:
-        return importlib.import_module(module)
-    except ImportError as error:
-        raise absent(module, peer) from error
-
-
-def absent(module: str, peer: str) -> InputError:
-    """The error of a peer that is not installed."""
-    root = module.partition(".")[0]
-    hint = f"install it: pip install 'taskgist[{EXTRAS[root]}]'"
-    return InputError(f"{module} is not installed", field="peer", value=peer, hint=hint)
+    loaded: ModuleType = extras.door(module, EXTRAS[module.partition(".")[0]], field="peer", value=peer)
+    return loaded
 
 
 PROGRAM = "taskgist_lab.evaluation.cn2_process"
@@ -88,7 +79,7 @@ class Cn2:
 
     def __init__(self) -> None:
         if util.find_spec("Orange") is None:
-            raise absent("Orange", self.name)
+            raise extras.absent("Orange", EXTRAS["Orange"], field="peer", value=self.name)
         self._process = subprocess.Popen(
             [sys.executable, "-m", PROGRAM], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
