@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -13,16 +12,11 @@ from benchmarks.figure import Figure
 from benchmarks.rooms import furnished
 from benchmarks.timing import all_cores, once, seconds, work
 from taskgist.maps.ability_map import ability_map
-from taskgist.maps.grid import Grid, Zone
-from taskgist.maps.places import places_for
 from taskgist.perspective import Viewpoint, effort_from
 from taskgist.settings import DEFAULT
 from taskgist.world import Stage
-from taskgist_lab.ordinary.furnishing import furnished as ordinary
-from tests.maps.places_twin import PlacesTwin
 
 AGENTS, OBJECTS, ASKED = 3, 12, 40
-PART_M = 0.5
 ABILITIES: tuple[Literal["see", "reach"], ...] = ("see", "reach")
 
 
@@ -47,31 +41,6 @@ def figures() -> Iterator[Figure]:
         counts=work(stage, lambda: all_maps(stage)),
         note=f"on {cores} cores",
     )
-    yield from places()
-
-
-def places() -> Iterator[Figure]:
-    """Places for a cup in the workspaces of all people of an ordinary room, the floor's among them."""
-    stage, size_m = Stage(ordinary(7, 3).scene()), (0.08, 0.08, 0.10)
-    everywhere = _all_of(Grid.around(stage, *stage.scene.agents))
-    part = _all_of(Grid.around(stage, stage.scene.agents[0], settings=replace(DEFAULT.maps, half_width_m=PART_M)))
-    found, taken = len(places_for(stage, size_m, everywhere)), seconds(lambda: places_for(stage, size_m, everywhere))
-    columns = math.prod(everywhere.grid.shape[:2]) / math.prod(part.grid.shape[:2])
-    one_by_one = columns * once(lambda: PlacesTwin(stage, size_m, part).places())
-    among = f"{math.prod(everywhere.grid.shape[:2]):,} columns among {stage.scene.model.ngeom} shapes"
-    yield Figure(
-        "maps",
-        f"{found:,} places for a cup, {among}",
-        taken,
-        {"one column, box and ray at a time (from a part of them)": one_by_one},
-        goal="0.3 s",
-        met=taken <= 0.3,
-        counts=work(stage, lambda: places_for(stage, size_m, everywhere)),
-    )
-
-
-def _all_of(grid: Grid) -> Zone:
-    return Zone(grid, np.ones(grid.shape, dtype=bool))
 
 
 def all_maps(stage: Stage) -> None:
