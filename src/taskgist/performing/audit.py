@@ -197,10 +197,11 @@ def _joints(
     resting = np.zeros((1, model.nv))
     around = np.concatenate((durations[:1], durations, durations[-1:]))
     changes = np.diff(np.concatenate((resting, speeds, resting)), axis=0) / ((around[1:] + around[:-1]) / 2)
+    following = _followers(model)
     for name, limits in performers.items():
         for joint in _joints_of(motion.scene, name):
             unit = UNITS.get(int(model.jnt_type[joint]))
-            if unit and model.jnt_limited[joint]:
+            if unit and model.jnt_limited[joint] and joint not in following:
                 (low, high), positions = model.jnt_range[joint], motion.qpos[:, model.jnt_qposadr[joint]]
                 beyond = np.maximum(low - positions, positions - high)
                 yield from _beyond("joint limit", _label(model, joint), times_s, beyond, tolerances.limit, unit)
@@ -217,6 +218,15 @@ def _joints(
 
 UNITS = {int(mujoco.mjtJoint.mjJNT_HINGE): "rad", int(mujoco.mjtJoint.mjJNT_SLIDE): "m"}
 """Units of joints with one degree of freedom."""
+
+
+def _followers(model: mujoco.MjModel) -> frozenset[int]:
+    """Joints that the model has follow another one (URDF's mimic): that one's limit counts.
+
+    Published models give followers limits that their own coupling breaks, as the PR2's fingers do.
+    """
+    coupled = (model.eq_type == int(mujoco.mjtEq.mjEQ_JOINT)) & (model.eq_obj2id >= 0)
+    return frozenset(model.eq_obj1id[coupled].tolist())
 
 
 def _joints_of(scene: Scene, name: str) -> list[int]:
