@@ -26,6 +26,7 @@ DOINGS = {
     "transport": "drives with it",
     "transfer": "brings it over its place",
     "lower": "lowers it",
+    "take": "waits until {target} has taken it",
     "retreat": "draws the hand back",
     "fold": "folds its arm",
     "withdraw": "drives back to where it was",
@@ -54,7 +55,7 @@ def chosen(plan: Plan) -> str:
 
 def steps(plan: Plan) -> tuple[str, ...]:
     """The phases one by one, with the time that each takes."""
-    words, told = {"thing": plan.thing, "side": plan.side}, []
+    words, told = {"thing": plan.thing, "side": plan.side, "target": plan.target}, []
     for name, phases in groupby(plan.phases, key=lambda phase: phase.name):
         seconds = sum(phase.duration_s for phase in phases)
         told.append(f"{DOINGS[name].format(**words)} ({seconds:.1f} s)")
@@ -122,7 +123,7 @@ def phase_table(phases: Sequence[Phase]) -> list[dict[str, object]]:
         {
             "name": phase.name,
             "duration_s": round(phase.duration_s, 3),
-            "holds": None if phase.hold is None else {"side": phase.hold.side, "object": phase.hold.object},
+            "holds": [{"agent": hold.agent, "side": hold.side, "object": hold.object} for hold in sorted(phase.holds)],
         }
         for phase in phases
     ]

@@ -231,8 +231,8 @@ class HandOver:
         pose = acting.held_pose()
         held = acting.state.replace(at=acting.scene.object_slice(acting.holding().thing), to=pose)
         taker = acting.body_of(acting.target)
-        hand, torso = _taking(Stage(acting.scene, held), taker, acting.holding().thing, self.side)
-        way = sampled([taker.hand(held, self.side), *taker.raising(self.side), _open_level(hand), hand])[1:]
+        hand, torso = taking(Stage(acting.scene, held), taker, acting.holding().thing, self.side)
+        way = sampled([taker.hand(held, self.side), *taker.raising(self.side), open_level(hand), hand])[1:]
         with acting.meanwhile(acting.now_s - SETS_OUT_BEFORE_S):
             acting.move(self.side, way, torso_rad=torso, phase="out", agent=acting.target)
         acting.wait(CLOSING_S)
@@ -240,14 +240,14 @@ class HandOver:
         acting.wait(SHARED_S)
 
 
-def _taking(stage: Stage, taker: Body, thing: str, side: str) -> tuple[HandPose, Array]:
+def taking(stage: Stage, taker: Body, thing: str, side: str) -> tuple[HandPose, Array]:
     """The hand that takes a thing out of another hand, and the turn and lean of the torso with which it gets there."""
     middle = stage.body_position(stage.scene.object_body(thing))
     torso, heading = taker.torso_for(stage.state, side, middle), taker.heading_to(stage.state, side, middle)
     return around(stage, thing, side, heading, dip_rad=0.0, tip_m=taker.tip_m(side)), torso
 
 
-def _open_level(hand: HandPose) -> HandPose:
+def open_level(hand: HandPose) -> HandPose:
     """From where an open hand comes to a thing that another hand holds: level, for the thing has no support."""
     return hand.off(aside_m=OPEN_ASIDE_M, back_m=OPEN_BACK_M, up_m=0.0)
 

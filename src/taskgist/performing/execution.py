@@ -11,11 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from taskgist.planning.judging import Attention
 
 from taskgist.common.arrays import Array
 from taskgist.moving.gaze import TURN_S, Fixation, Onlooker, looked
 from taskgist.moving.motion import minimum_jerk
+from taskgist.planning.judging import Attention
 from taskgist.planning.plan import RATE_HZ, Plan
 from taskgist.recording.recording import Label, Provenance, Recording
 from taskgist.world.dynamics import free_motion
@@ -36,11 +36,11 @@ class Execution:
 
     Attributes:
         recording: What happened, labelled.
-        holds: Which hand holds what, frame by frame.
+        holds: Which hands hold what, frame by frame.
     """
 
     recording: Recording
-    holds: tuple[Hold | None, ...]
+    holds: tuple[frozenset[Hold], ...]
 
 
 def carried_out(scene: Scene, plan: Plan, *, attention: Attention, name: str = "") -> Execution:
@@ -73,29 +73,28 @@ def carried_out(scene: Scene, plan: Plan, *, attention: Attention, name: str = "
     return Execution(recording, tuple(holds))
 
 
-def _filmed(plan: Plan) -> tuple[Array, list[Hold | None]]:
+def _filmed(plan: Plan) -> tuple[Array, list[frozenset[Hold]]]:
     """Frames of the performer and what it holds, (n, nq), and which hand holds what in each."""
     first, last = plan.phases[0].qpos[:1], plan.phases[-1].qpos[-1:]
     before, after = (round(seconds * RATE_HZ) for seconds in (BEFORE_S, AFTER_S))
-    frames, holds = [np.repeat(first, before, axis=0)], [plan.phases[0].hold] * before
+    frames, holds = [np.repeat(first, before, axis=0)], [plan.phases[0].holds] * before
     for phase in plan.phases:
         frames.append(phase.qpos)
-        holds += [phase.hold] * len(phase.qpos)
+        holds += [phase.holds] * len(phase.qpos)
     frames.append(np.repeat(last, after, axis=0))
-    holds += [plan.phases[-1].hold] * after
+    holds += [plan.phases[-1].holds] * after
     return np.concatenate(frames), holds
 
 
-def _let_go(scene: Scene, plan: Plan, frames: Array, holds: list[Hold | None]) -> None:
+def _let_go(scene: Scene, plan: Plan, frames: Array, holds: list[frozenset[Hold]]) -> None:
     """What is let go moves by physics from then on."""
-    released = [i for i in range(1, len(frames)) if holds[i] is None and holds[i - 1] is not None]
-    for index in released:
-        hold = holds[index - 1]
-        assert hold is not None
-        column = scene.object_slice(hold.object)
-        motion = free_motion(scene, State(frames[index]), hold.object, passing=[plan.performer])
-        until = next((i for i in range(index, len(frames)) if holds[i] is not None), len(frames))
-        frames[index:until, column] = motion.at((np.arange(index, until) - index) / RATE_HZ)
+    for index in range(1, len(frames)):
+        for thing in {hold.object for hold in holds[index - 1]} - {hold.object for hold in holds[index]}:
+            column = scene.object_slice(thing)
+            motion = free_motion(scene, State(frames[index]), thing, passing=[plan.performer])
+            taken = (i for i in range(index, len(frames)) if thing in {hold.object for hold in holds[i]})
+            until = next(taken, len(frames))
+            frames[index:until, column] = motion.at((np.arange(index, until) - index) / RATE_HZ)
 
 
 def _look(scene: Scene, plan: Plan, times: Array, frames: Array, attention: Attention) -> None:

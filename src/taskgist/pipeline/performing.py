@@ -122,9 +122,8 @@ def _tried(
     scene, request, goal = planner.scene, planner.request, planner.goal
     execution = carried_out(scene, plan, attention=request.attention)
     recording = execution.recording
-    holding = [frozenset(() if hold is None else (hold,)) for hold in execution.holds]
     limits = {request.performer: limits_of(planner.performer, settings.planning)}
-    found = audit(scene, recording.times_s, recording.qpos, holding, limits, contact=settings.contact)
+    found = audit(scene, recording.times_s, recording.qpos, execution.holds, limits, contact=settings.contact)
     if not found.clean:
         return f"the audit found: {found.findings[0].text}"
     explanation = explain_recording(recording, tree=tree, settings=settings, predicates=predicates)

@@ -14,14 +14,17 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from taskgist.planning.grasping import HandWay
-from taskgist.planning.paths import base_path, joint_path
-from taskgist.planning.performer import Base, Grip, Performer, with_values
-from taskgist.planning.timing import timed
-from taskgist.planning.transfer import Transfer
 
 from taskgist.common.arrays import Array, Indices
+from taskgist.errors import SceneError
+from taskgist.planning.candidates import Means
+from taskgist.planning.hand_ways import HandWay
+from taskgist.planning.handing import sides_by_distance, taking_motion
+from taskgist.planning.paths import base_path, joint_path
+from taskgist.planning.performer import Base, Grip, Performer, with_values
 from taskgist.planning.plan import RATE_HZ, Phase, PhaseName
+from taskgist.planning.timing import timed
+from taskgist.planning.transfer import Transfer
 from taskgist.settings import Planning
 from taskgist.world.geometry.transforms import wrapped
 from taskgist.world.state import Hold
@@ -42,7 +45,7 @@ class NoMotionError(Exception):
 
 
 class Held(NamedTuple):
-    """The thing in the hand: how it is fixed there, and who holds it."""
+    """The thing in the hand: how it is fixed there, and which hand that is."""
 
     grip: Grip
     hold: Hold
@@ -50,10 +53,11 @@ class Held(NamedTuple):
 
 @dataclass
 class _At:
-    """Where everything is while a plan is made."""
+    """Where everything is while a plan is made; what the robot holds, and all holds, a taker's among them."""
 
     qpos: Array
     held: Held | None = None
+    holds: frozenset[Hold] = frozenset()
 
 
 class Motions:
@@ -68,27 +72,33 @@ class Motions:
     def __init__(self, performer: Performer, settings: Planning, *, seed: int = 0) -> None:
         self._performer, self._settings, self._seed = performer, settings, seed
 
-    def of(self, transfer: Transfer) -> tuple[Phase, ...]:
+    def of(self, transfer: Transfer, means: Means, target: str) -> tuple[Phase, ...]:
         """The phases of a transfer, from the robot's start.
+
+        Args:
+            transfer: Grasp and stands.
+            means: Whether the thing is put down in the end, held up, or handed over.
+            target: To whom it is handed over.
 
         Raises:
             NoMotionError: One of them was not found.
         """
-        return tuple(self._phases(transfer))
+        return tuple(self._phases(transfer, means, target))
 
-    def back(self, qpos: Array, goal: Base) -> tuple[Phase, ...]:
+    def back(self, qpos: Array, holds: frozenset[Hold], goal: Base) -> tuple[Phase, ...]:
         """The way back to where the robot stood, when all is done.
 
         Args:
             qpos: Where everything is in the end, (nq,).
+            holds: Who else holds what then.
             goal: Where the robot is to go.
 
         Raises:
             NoMotionError: There is none.
         """
-        return tuple(self._drive(_At(np.array(qpos)), "withdraw", goal))
+        return tuple(self._drive(_At(np.array(qpos), holds=holds), "withdraw", goal))
 
-    def _phases(self, transfer: Transfer) -> Iterator[Phase]:
+    def _phases(self, transfer: Transfer, means: Means, target: str) -> Iterator[Phase]:
         performer, pick, place = self._performer, transfer.pick, transfer.place
         thing, side = pick.thing, pick.side
         at = _At(np.array(performer.start.qpos))
@@ -99,15 +109,22 @@ class Motions:
         yield self._line(at, "approach", pick, pick.approach)
         yield from self._fingers(at, "close", pick, pick.closed_hand)
         hold = Hold(performer.agent.name, side, thing)
-        at.held = Held(pick.grip, hold)
+        at.held, at.holds = Held(pick.grip, hold), frozenset({hold})
         yield self._line(at, "lift", pick, pick.lift)
         if not _same(transfer.start.base, transfer.goal.base):
             yield from self._transport(at, pick, transfer.goal.base)
         at.held = Held(place.grip, hold)
         yield self._arm(at, "transfer", place, place.lower[0])
         yield self._line(at, "lower", place, place.lower)
+        if means == "hold_up":
+            return
+        if means == "hand_over":
+            yield self._taken(at, thing, target)
+            at.holds -= {hold}
+        else:
+            at.qpos = with_values(at.qpos, _columns(performer, thing), place.before[_columns(performer, thing)])
+            at.holds = frozenset()
         at.held = None
-        at.qpos = with_values(at.qpos, _columns(performer, thing), place.before[_columns(performer, thing)])
         yield from self._fingers(at, "open", place, place.open_hand)
         yield self._line(at, "retreat", place, place.retreat)
         yield from self._fold(at)
@@ -124,6 +141,26 @@ class Motions:
             if np.abs(goal - at.qpos[chain.positions]).max() > SAME_RAD:
                 yield self._joints(at, "fold", chain.positions, side, goal[None], "fold its arm")
 
+    def _taken(self, at: _At, thing: str, taker: str) -> Phase:
+        """The taker's hand comes and closes around the thing, by the hand that is nearer."""
+        performer = self._performer
+        grip = at.held.grip if at.held else None
+        failed = ""
+        for side in sides_by_distance(performer, at.qpos, thing, taker):
+            try:
+                qpos = taking_motion(performer.scene, at.qpos, thing, taker, side)
+            except SceneError as error:
+                failed = str(error)
+                continue
+            blocked = performer.blocking(qpos[-1], grip)
+            if blocked is not None and blocked.part != thing:
+                failed = f"{taker}'s {side} hand would meet {performer.agent.name}'s {blocked.part}"
+                continue
+            at.qpos = qpos[-1]
+            at.holds |= {Hold(taker, side, thing)}
+            return Phase("take", qpos, at.holds)
+        raise NoMotionError(f"{taker} cannot take the {thing}: {failed}")
+
     def _arm(self, at: _At, name: PhaseName, way: HandWay, goal: Array) -> Phase:
         what = f"bring its {way.side} hand to the {way.thing}" if at.held is None else f"bring the {way.thing} there"
         return self._joints(at, name, way.positions, way.side, goal[None], what)
@@ -134,7 +171,7 @@ class Motions:
         folded = performer.at_rest(at.qpos)[chain.positions]
         failed: NoMotionError | None = None
         for carrying in (folded, at.qpos[chain.positions]):
-            now = _At(np.array(at.qpos), at.held)
+            now = _At(np.array(at.qpos), at.held, at.holds)
             try:
                 phases = []
                 if np.abs(carrying - now.qpos[chain.positions]).max() > SAME_RAD:
@@ -228,7 +265,7 @@ class Motions:
         if at.held is not None:
             qpos = np.array([self._performer.carried(each, at.held.grip) for each in qpos])
         at.qpos = qpos[-1]
-        return Phase(name, qpos, at.held.hold if at.held else None)
+        return Phase(name, qpos, at.holds)
 
 
 def _columns(performer: Performer, thing: str) -> Indices:

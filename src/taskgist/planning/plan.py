@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from taskgist.planning.candidates import Candidate
 
 from taskgist.common.arrays import Array
+from taskgist.planning.candidates import Candidate
 from taskgist.world.state import Hold
 
 RATE_HZ = 30.0
@@ -26,6 +25,7 @@ PhaseName = Literal[
     "transport",
     "transfer",
     "lower",
+    "take",
     "retreat",
     "fold",
     "withdraw",
@@ -39,12 +39,12 @@ class Phase:
     Attributes:
         name: What it is for.
         qpos: Positions of everything, ``RATE_HZ`` a second, (n, nq); read-only.
-        hold: What is in which hand meanwhile.
+        holds: What is in which hands meanwhile; in two hands while it is handed over.
     """
 
     name: PhaseName
     qpos: Array
-    hold: Hold | None
+    holds: frozenset[Hold]
 
     def __post_init__(self) -> None:
         qpos = np.array(self.qpos, dtype=float)
@@ -85,8 +85,3 @@ class Plan:
     def duration_s(self) -> float:
         """How long it takes, seconds."""
         return sum(phase.duration_s for phase in self.phases)
-
-
-def phase_names(phases: Iterable[Phase]) -> tuple[PhaseName, ...]:
-    """Names of phases, in order."""
-    return tuple(phase.name for phase in phases)

@@ -7,33 +7,41 @@ counted at the first gate that it fails, so that a refusal says what stood in th
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from typing import NamedTuple
 
-from taskgist.planning.candidates import Candidate, candidates
-from taskgist.planning.goal import Goal
-from taskgist.planning.grasping import Grasping
-from taskgist.planning.judging import Attention, Judge, Verdict
-from taskgist.planning.performer import Performer
-from taskgist.planning.transfer import Transfers
-
 from taskgist.common.workers import Progress, silent
+from taskgist.facts import vocabulary as v
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import Raw
 from taskgist.learning.understanding import Clause, Literal
 from taskgist.observe.attributes import resting_snapshot
+from taskgist.planning.candidates import Candidate, Means, candidates
+from taskgist.planning.goal import Goal
+from taskgist.planning.grasping import Grasping
+from taskgist.planning.judging import Attention, Judge, Verdict
 from taskgist.planning.motions import Motions, NoMotionError
+from taskgist.planning.performer import Performer
 from taskgist.planning.plan import Phase, Plan
+from taskgist.planning.transfer import Transfers
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
+ENDS: Mapping[Means, str] = {
+    "put_on": v.ON_SUPPORT,
+    "put_in": v.INSIDE_CONTAINER,
+    "hold_up": v.IN_HAND,
+    "hand_over": v.IN_HAND,
+}
+"""Where a thing is in the end, by how it gets there."""
 MOST_PLACES = 1000
 """Candidates that are judged at most."""
 MOST_TRIED = 12
@@ -178,6 +186,7 @@ class Planner:
             self._settings,
             allow=request.allow,
             prefer=request.prefer,
+            means=self._means(),
             seed=request.seed,
         )
         for candidate in islice(all_of_them, MOST_PLACES):
@@ -192,13 +201,18 @@ class Planner:
             if search.places % 20 == 0:
                 progress(f"{search.places} places judged", self._share())
 
-    def _note(self, literal: Literal, values: Iterable[str]) -> None:
+    def _means(self) -> tuple[Means, ...]:
+        """Means that may bring about the placement that is wanted."""
+        wanted = self.goal.wants("placement")
+        return tuple(means for means, placement in ENDS.items() if wanted is None or placement in (wanted.values or ()))
+
+    def _note(self, literal: Literal, values: Mapping[str, Raw]) -> None:
         """Keep the nearest miss of a literal."""
         for wanted in self.goal.wanted:
             if literal in wanted.literals and wanted.attribute in values:
-                found: Raw = dict(values)[wanted.attribute]  # type: ignore[call-overload]
+                found = values[wanted.attribute]
                 off = wanted.missed_by(found)
-                if off is not None and off < self.search.nearest.get(literal, Missed(float("inf"), found)).off:
+                if off is not None and off < self.search.nearest.get(literal, Missed(math.inf, found)).off:
                     self.search.nearest[literal] = Missed(off, found)
 
     def _plan_to(self, candidate: Candidate) -> Plan | None:
@@ -209,7 +223,7 @@ class Planner:
         failed = ""
         for transfer in islice(transfers, TRANSFERS_A_PLACE):
             try:
-                phases = self._in_nobodys_way(motions, motions.of(transfer))
+                phases = self._in_nobodys_way(motions, motions.of(transfer, candidate.means, request.target))
             except NoMotionError as error:
                 failed = str(error)
                 continue
@@ -234,7 +248,9 @@ class Planner:
         verdict = self._ends(phases)
         if verdict.holds is True:
             return phases
-        phases = (*phases, *motions.back(phases[-1].qpos[-1], self.performer.base(self._state.qpos)))
+        if any(hold.agent == self.request.performer for hold in phases[-1].holds):
+            raise NoMotionError(f"with {self.request.performer} where it holds it, {verdict.failed} fails")
+        phases = (*phases, *motions.back(phases[-1].qpos[-1], phases[-1].holds, self.performer.base(self._state.qpos)))
         verdict = self._ends(phases)
         if verdict.holds is not True:
             raise NoMotionError(f"with {self.request.performer} where it stands in the end, {verdict.failed} fails")

@@ -1,0 +1,51 @@
+"""Taking: what a person does to whom something is handed over.
+
+The motion is that of the engine's own moving bodies, which demonstrate handovers as well: the free hand comes up, opens
+beside the thing, and closes around it, the torso helping where the arm alone is too short.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from taskgist.common.arrays import Array
+from taskgist.moving.body import Body, followed, paced
+from taskgist.moving.hand_pose import sampled
+from taskgist.moving.steps import CLOSING_S, open_level, taking
+from taskgist.planning.performer import Performer
+from taskgist.planning.plan import RATE_HZ
+from taskgist.world.scene import Scene
+from taskgist.world.stage import Stage
+from taskgist.world.state import State
+
+
+def taking_motion(scene: Scene, qpos: Array, thing: str, taker: str, side: str) -> Array:
+    """Frames, (n, nq), in which a hand comes and closes around a thing that is held where it is.
+
+    Args:
+        scene: The scene.
+        qpos: Where everything is, (nq,).
+        thing: The thing.
+        taker: Who takes it: a body with a torso that turns and leans, and two arms.
+        side: The hand.
+
+    Raises:
+        SceneError: It is no such body, or its hand does not get there.
+    """
+    state, body = State(qpos), Body(scene, taker, State(qpos))
+    hand, torso_rad = taking(Stage(scene, state), body, thing, side)
+    way = sampled([body.hand(state, side), *body.raising(side), open_level(hand), hand])[1:]
+    states = followed(body, state, side, way, torso_rad=torso_rad, phase="out", role="target")
+    motion = paced(body, side, states, start_s=0.0, tempo=1.0, duration_s=None)
+    times_s = np.arange(0.0, motion.end_s + CLOSING_S, 1.0 / RATE_HZ)
+    frames = np.tile(qpos, (len(times_s), 1))
+    frames[:, body.columns] = np.clip(motion.at(times_s), *body.ranges_rad.T)
+    return frames
+
+
+def sides_by_distance(performer: Performer, qpos: Array, thing: str, taker: str) -> tuple[str, ...]:
+    """Sides of a taker's hands, that of the nearest shoulder first."""
+    stage = Stage(performer.scene, State(qpos))
+    agent, place = performer.scene.agent(taker), stage.body_position(performer.scene.object_body(thing))
+    away_m = {arm.profile.side: float(np.linalg.norm(stage.shoulder(arm).position - place)) for arm in agent.arms}
+    return tuple(sorted(away_m, key=lambda side: (round(away_m[side], 6), side != "right")))
