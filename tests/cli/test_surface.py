@@ -21,6 +21,10 @@ SURFACE: dict[str, set[str]] = {
     "check": {"recordings"},
     "facts": {"recording", "--agent", "--object", "--at", "--every", "--relations"},
     "learn": {"demonstrations", "--knowledge", "-k", "--replace"},
+    "perform": {
+        *("task", "where", "--knowledge", "-k", "--robot", "--for", "--object", "--out", "-o", "--ways"),
+        *("--attention", "--allow", "--prefer", "--seed", "--at", "--replace"),
+    },
     "explain": {"task", "--knowledge", "-k", "--why", "--band"},
     "agent check": {"profile", "--out", "-o", "--replace"},
     "see": {"where", "--agent", "--at", "--object", "--out", "-o", "--replace"},

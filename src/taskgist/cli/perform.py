@@ -66,9 +66,9 @@ def perform(
     it there; carries that out, audits every motion, and judges what happened by the facts that explain demonstrations.
     The exit code is 1 if there is no way; what stood in the way is told.
 
-    Example: taskgist perform hide room.toml -k knowledge.db --robot PR2 --for P2 --object tape -o done.mcap
+    Example: taskgist perform hide room.toml --robot PR2 --for P2 --object cup
 
-    Example: taskgist perform "put away" room.toml --robot PR2 --for P2 --object cup --allow shelf --ways 3
+    Example: taskgist perform give room.toml --robot J --for P2 --object cup
     """
     if attention not in ATTENTIONS:
         raise UnknownNameError("attention", attention, ATTENTIONS, where="--attention")

@@ -1,0 +1,141 @@
+"""Robots perform what tasks mean, in a room that no demonstration showed, and the facts say so."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+
+from taskgist.facts import vocabulary as v
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.values import NEGLIGIBLE
+from taskgist.language.performing import chosen, refused, steps
+from taskgist.learning.understanding import Clause, Literal
+from taskgist.pipeline.performing import Outcome, perform
+from taskgist.planning.planner import Request
+from taskgist.world import Scene, Stage
+from taskgist_lab.simulator.room import TABLE, Person, Room, on_table
+
+AT_REST = {"placement.status.1": v.ON_SUPPORT, "motion.status.2": v.STATIC}
+FREE_HANDS = {"hands.class": v.MANIP_AVOIDED}
+TASKS = {
+    "show": AT_REST | FREE_HANDS | {"visibility.class": v.INCREASED, "see.action.2": v.NO_ACTION},
+    "hide": AT_REST
+    | FREE_HANDS
+    | {"visibility.score.2": NEGLIGIBLE, "see.class": v.BECOMES_DIFFICULT, "placement.status.2": v.ON_SUPPORT},
+    "make accessible": AT_REST
+    | FREE_HANDS
+    | {"reach.class": v.BECOMES_EASIER, "grasp.class": v.BECOMES_EASIER, "placement.status.2": v.ON_SUPPORT},
+    "give": AT_REST | {"hands.class": v.MANIP_GAINED, "placement.status.2": v.IN_HAND},
+    "put away": AT_REST
+    | FREE_HANDS
+    | {"reach.class": v.BECOMES_DIFFICULT, "grasp.class": v.BECOMES_DIFFICULT, "placement.status.2": v.ON_SUPPORT},
+    "hide away": AT_REST
+    | FREE_HANDS
+    | {
+        "reach.class": v.BECOMES_DIFFICULT,
+        "see.class": v.BECOMES_DIFFICULT,
+        "visibility.score.2": NEGLIGIBLE,
+        "placement.status.2": v.ON_SUPPORT,
+    },
+}
+"""What the six tasks mean, roughly as the study teaches it."""
+
+
+def clause(task: str) -> Clause:
+    nodes = [STANDARD_TREE.node(name) for name in TASKS[task]]
+    values = TASKS[task].values()
+    return Clause(
+        task,
+        tuple(Literal(node.name, node.title, value, node.instant) for node, value in zip(nodes, values, strict=True)),
+    )
+
+
+@cache
+def scene(robot: str) -> Scene:
+    people = (
+        Person("R", 1.5, (-1.6, 0.0), 0.0, "standing", profile=robot),
+        Person("P2", 1.7, (0.75, 0.0), math.pi, "sitting"),
+    )
+    return Room("room", people, (on_table("cup", -0.2, 0.3), on_table("white_box", 0.0, -0.2)), TABLE).scene()
+
+
+@cache
+def performed(robot: str, task: str) -> Outcome:
+    return perform(scene(robot), Request(clause(task), "R", "P2", "cup"))
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_a_robot_performs_every_task(task: str) -> None:
+    (found,) = performed("jido", task).performances
+    assert found.audit.clean
+    assert found.strict is True
+    assert found.explanation.nodes["posture.class"].value == v.MAINTAINED
+    assert found.plan.side == "right"
+    last = found.execution.recording.qpos[-1]
+    column = scene("jido").object_slice("cup")
+    assert np.linalg.norm(last[column][:3] - found.plan.candidate.pose[:3]) < 0.010, "where it was planned"
+
+
+def test_so_does_another_robot() -> None:
+    (found,) = performed("pr2", "hide").performances
+    assert found.strict is True
+
+
+def test_only_the_performer_its_load_and_a_takers_arm_move() -> None:
+    (found,) = performed("jido", "give").performances
+    qpos, room = np.array(found.execution.recording.qpos), scene("jido")
+    moving = np.flatnonzero(np.ptp(qpos, axis=0) > 1e-9)
+    robot, taker = room.agent("R"), room.agent("P2")
+    robots = {*range(robot.base.start, robot.base.stop), *robot.joints.values()}
+    takers = {taker.joints[name] for name in taker.joints if "hip" not in name and "knee" not in name}
+    cup = room.object_slice("cup")
+    assert set(moving.tolist()) <= robots | takers | set(range(cup.start, cup.stop))
+    assert {hold.agent for hold in found.execution.holds[-1]} == {"P2"}
+
+
+def test_what_is_given_is_held_by_nobody_else_in_the_end() -> None:
+    (found,) = performed("jido", "give").performances
+    stage = Stage(scene("jido"), found.execution.recording.state(-1))
+    assert "cup" not in {hold.object for hold in found.execution.holds[0]}
+    assert stage.scene.agent("P2").name == found.plan.target
+
+
+def test_the_same_request_has_the_same_plan() -> None:
+    first = performed("jido", "hide").performances[0].execution.recording
+    again = perform(scene("jido"), Request(clause("hide"), "R", "P2", "cup")).performances[0].execution.recording
+    assert np.array_equal(first.qpos, again.qpos)
+
+
+def test_different_ways_end_at_different_places() -> None:
+    outcome = perform(scene("jido"), Request(clause("put away"), "R", "P2", "cup"), ways=2)
+    one, other = (found.plan.candidate.pose[:3] for found in outcome.performances)
+    assert np.linalg.norm(one - other) > 0.03
+
+
+def test_sentences_say_what_was_chosen() -> None:
+    (found,) = performed("jido", "put away").performances
+    assert chosen(found.plan).startswith(f"R puts the cup on the {found.plan.candidate.carrier}, its middle at (")
+    assert steps(found.plan)[0].startswith("drives to the cup (")
+
+
+def test_what_cannot_be_is_told_at_once() -> None:
+    nobody = Clause("lift", (Literal("motion.status.2", "Object_Final_Motion_Status", v.MOVING, 2),))
+    outcome = perform(scene("jido"), Request(nobody, "R", "P2", "cup"))
+    assert not outcome.performances
+    assert outcome.search.places == 0
+    told = refused(outcome.request, outcome.goal, outcome.search, outcome.spoiled, STANDARD_TREE)
+    assert told == ("what is performed ends at rest: (Object_Final_Motion_Status = Moving) cannot be",)
+
+
+def test_a_refusal_counts_every_place_once() -> None:
+    outcome = perform(scene("jido"), Request(clause("hide"), "R", "P2", "cup", allow=("white_box",)))
+    search = outcome.search
+    assert not outcome.performances
+    assert search.places == sum(search.missed.values()) + search.wanted
+    assert search.tried == sum(search.refusals.values()) + len(outcome.spoiled)
+    told = refused(outcome.request, outcome.goal, search, outcome.spoiled, STANDARD_TREE)
+    assert told[0] == f"{search.wanted} of {search.places} places would do"
+    assert "sees next to nothing" in told[1]
