@@ -134,8 +134,28 @@ def test_a_refusal_counts_every_place_once() -> None:
     outcome = perform(scene("jido"), Request(clause("hide"), "R", "P2", "cup", allow=("white_box",)))
     search = outcome.search
     assert not outcome.performances
-    assert search.places == sum(search.missed.values()) + search.wanted
+    assert search.places == sum(search.missed.values()) + search.out_of_hand + search.wanted
     assert search.tried == sum(search.refusals.values()) + len(outcome.spoiled)
     told = refused(outcome.request, outcome.goal, search, outcome.spoiled, STANDARD_TREE)
     assert told[0] == f"{search.wanted} of {search.places} places would do"
     assert "sees next to nothing" in told[1]
+
+
+@cache
+def table_for_two() -> Scene:
+    people = (Person("P1", 1.75, (-0.67, 0.2), 0.0), Person("P2", 1.7, (0.75, 0.0), math.pi))
+    return Room("room", people, (on_table("cup", -0.1, 0.3), on_table("white_box", 0.05, -0.2)), TABLE).scene()
+
+
+@pytest.mark.parametrize("task", ["give", "hide"])
+def test_so_does_a_person(task: str) -> None:
+    (found,) = perform(table_for_two(), Request(clause(task), "P1", "P2", "cup")).performances
+    assert found.audit.clean
+    assert found.strict is True
+
+
+def test_a_person_does_not_get_to_the_sideboard() -> None:
+    outcome = perform(table_for_two(), Request(clause("put away"), "P1", "P2", "cup", allow=("sideboard",)))
+    assert not outcome.performances
+    assert outcome.search.tried == 0
+    assert outcome.search.refusals == {"from where it is, P1 does not reach so far": outcome.search.wanted}

@@ -99,8 +99,10 @@ def refused(
         nearest = search.nearest.get(literal)
         miss = f", the nearest with {_found(nearest.found)}" if nearest is not None else ""
         told.append(f"at {count} of them it fails that {_said(literal, tree)}{miss}")
+    if search.out_of_hand:
+        told.append(f"at {search.out_of_hand} of them {request.target} could not take it")
     for reason, count in search.refusals.most_common():
-        told.append(f"{count} of the {search.tried} that were tried with {request.performer}: {reason}")
+        told.append(f"{count} of those {search.wanted} {request.performer} does not bring about: {reason}")
     told += [f"1 plan was thrown away: {reason}" for reason in spoiled]
     return tuple(told)
 

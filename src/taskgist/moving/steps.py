@@ -115,7 +115,7 @@ class HoldUp:
 
     def play(self, acting: Acting) -> None:
         """Carry it there, look at the target agent, hold still."""
-        goal, _ = _carried_to(acting, np.array(self.place_m))
+        goal, _ = carried_to(acting, np.array(self.place_m))
         carry_to(acting, goal, lower=False)
         acting.look(acting.target)
         acting.wait(self.seconds)
@@ -135,7 +135,7 @@ class PutDown:
         """Carry it over the place, lower it, open the hand."""
         half_m = half_height_m(Stage(acting.scene), acting.holding().thing)
         middle = np.array(self.place_m) + half_m * UP
-        goal, rest = _carried_to(acting, middle)
+        goal, rest = carried_to(acting, middle)
         carry_to(acting, goal, lower=True)
         acting.release(rest)
         acting.wait(CLOSING_S)
@@ -158,7 +158,7 @@ def _open(hand: HandPose) -> HandPose:
     return hand.off(aside_m=OPEN_ASIDE_M, back_m=OPEN_BACK_M, up_m=OPEN_UP_M)
 
 
-def _carried_to(acting: Acting, middle: Array) -> tuple[HandPose, Array]:
+def carried_to(acting: Acting, middle: Array) -> tuple[HandPose, Array]:
     """The hand that brings what it holds to a place, and the thing's pose (7) there; both turn about the vertical."""
     carry, body = acting.holding(), acting.body
     ahead = body.heading_to(acting.state, carry.side, middle)

@@ -11,6 +11,7 @@ and the next one is asked for; only what is clean and judged true is returned::
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -23,7 +24,7 @@ from taskgist.learning.explanation import Explanation
 from taskgist.learning.understanding import Literal
 from taskgist.performing.audit import audit
 from taskgist.performing.execution import Execution, carried_out
-from taskgist.performing.findings import Audit, MotionLimits
+from taskgist.performing.findings import Audit, MotionLimits, Tolerances
 from taskgist.pipeline.explain import explain_recording
 from taskgist.planning.goal import Goal
 from taskgist.planning.performer import Performer
@@ -32,6 +33,9 @@ from taskgist.planning.planner import Planner, Request, Search
 from taskgist.settings import DEFAULT, Planning, Settings
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
+
+SOFT_HANDS = Tolerances(drift_m=0.006, drift_rad=math.radians(5.0))
+"""What moves in a person's hand by no more than that is as firm as people hold things (ours)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +127,16 @@ def _tried(
     execution = carried_out(scene, plan, attention=request.attention)
     recording = execution.recording
     limits = {request.performer: limits_of(planner.performer, settings.planning)}
-    found = audit(scene, recording.times_s, recording.qpos, execution.holds, limits, contact=settings.contact)
+    tolerances = SOFT_HANDS if planner.performer is None else None
+    found = audit(
+        scene,
+        recording.times_s,
+        recording.qpos,
+        execution.holds,
+        limits,
+        tolerances=tolerances,
+        contact=settings.contact,
+    )
     if not found.clean:
         return f"the audit found: {found.findings[0].text}"
     explanation = explain_recording(recording, tree=tree, settings=settings, predicates=predicates)
@@ -138,8 +151,10 @@ def _controllable(goal: Goal) -> Iterator[Literal]:
     return (literal for wanted in goal.wanted for literal in wanted.literals)
 
 
-def limits_of(performer: Performer, planning: Planning) -> MotionLimits:
-    """How fast a robot may move by the settings: its arms, its lifts and its base."""
+def limits_of(performer: Performer | None, planning: Planning) -> MotionLimits:
+    """How fast a robot may move by the settings: its arms, its lifts and its base; people move as they do."""
+    if performer is None:
+        return MotionLimits()
     speeds, accelerations = dict[str, float](), dict[str, float]()
     for chain in map(performer.chain, performer.sides):
         for name, lifts in zip(chain.names, chain.lifts.tolist(), strict=True):

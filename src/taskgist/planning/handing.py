@@ -9,14 +9,17 @@ from __future__ import annotations
 import numpy as np
 
 from taskgist.common.arrays import Array
-from taskgist.moving.body import Body, followed, paced
+from taskgist.errors import SceneError
+from taskgist.moving.body import LARGEST_ERROR_M, Body, followed, paced
 from taskgist.moving.hand_pose import sampled
 from taskgist.moving.steps import CLOSING_S, open_level, taking
-from taskgist.planning.performer import Performer
 from taskgist.planning.plan import RATE_HZ
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
-from taskgist.world.state import State
+from taskgist.world.state import Hold, State
+
+ITERATIONS = 60
+"""Most steps of the fit that brings a hand to a thing."""
 
 
 def taking_motion(scene: Scene, qpos: Array, thing: str, taker: str, side: str) -> Array:
@@ -43,9 +46,30 @@ def taking_motion(scene: Scene, qpos: Array, thing: str, taker: str, side: str) 
     return frames
 
 
-def sides_by_distance(performer: Performer, qpos: Array, thing: str, taker: str) -> tuple[str, ...]:
-    """Sides of a taker's hands, that of the nearest shoulder first."""
-    stage = Stage(performer.scene, State(qpos))
-    agent, place = performer.scene.agent(taker), stage.body_position(performer.scene.object_body(thing))
+def taken(scene: Scene, state: State, thing: str, taker: str) -> State | None:
+    """A state in which a thing is in a taker's hand, where it is; None if neither hand gets there.
+
+    Args:
+        scene: The scene.
+        state: Where everything is, the thing where it is handed over.
+        thing: The thing.
+        taker: Who takes it.
+    """
+    for side in sides_by_distance(scene, state.qpos, thing, taker):
+        try:
+            body = Body(scene, taker, state)
+            hand, torso_rad = taking(Stage(scene, state), body, thing, side)
+            reached, error_m = body.reaching(state, side, hand, torso_rad, iterations=ITERATIONS)
+        except SceneError:
+            continue
+        if error_m <= LARGEST_ERROR_M:
+            return reached.with_holding([Hold(taker, side, thing)])
+    return None
+
+
+def sides_by_distance(scene: Scene, qpos: Array, thing: str, name: str) -> tuple[str, ...]:
+    """Sides of an agent's hands, that whose shoulder is nearest to a thing first."""
+    stage = Stage(scene, State(qpos))
+    agent, place = scene.agent(name), stage.body_position(scene.object_body(thing))
     away_m = {arm.profile.side: float(np.linalg.norm(stage.shoulder(arm).position - place)) for arm in agent.arms}
     return tuple(sorted(away_m, key=lambda side: (round(away_m[side], 6), side != "right")))

@@ -146,7 +146,7 @@ class Motions:
         performer = self._performer
         grip = at.held.grip if at.held else None
         failed = ""
-        for side in sides_by_distance(performer, at.qpos, thing, taker):
+        for side in sides_by_distance(performer.scene, at.qpos, thing, taker):
             try:
                 qpos = taking_motion(performer.scene, at.qpos, thing, taker, side)
             except SceneError as error:

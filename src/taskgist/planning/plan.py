@@ -8,11 +8,11 @@ from typing import Literal
 import numpy as np
 
 from taskgist.common.arrays import Array
+from taskgist.moving.acting import RATE_HZ
 from taskgist.planning.candidates import Candidate
 from taskgist.world.state import Hold
 
-RATE_HZ = 30.0
-"""Frames of a plan, and of its recording, in a second."""
+__all__ = ["RATE_HZ", "Phase", "PhaseName", "Plan"]
 
 PhaseName = Literal[
     "drive",

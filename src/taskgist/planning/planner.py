@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 from typing import NamedTuple
@@ -25,11 +25,13 @@ from taskgist.observe.attributes import resting_snapshot
 from taskgist.planning.candidates import Candidate, Means, candidates
 from taskgist.planning.goal import Goal
 from taskgist.planning.grasping import Grasping
+from taskgist.planning.handing import sides_by_distance, taken
 from taskgist.planning.judging import Attention, Judge, Verdict
 from taskgist.planning.motions import Motions, NoMotionError
 from taskgist.planning.performer import Performer
+from taskgist.planning.persons import moves_itself, phases_of, why_out_of_reach
 from taskgist.planning.plan import Phase, Plan
-from taskgist.planning.transfer import Transfers
+from taskgist.planning.transfer import Transfer, Transfers
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
@@ -42,6 +44,8 @@ ENDS: Mapping[Means, str] = {
     "hand_over": v.IN_HAND,
 }
 """Where a thing is in the end, by how it gets there."""
+Attempt = tuple[str, Callable[[], tuple[Phase, ...]]]
+"""A hand, and what makes the phases with it, or raises ``NoMotionError``."""
 MOST_PLACES = 1000
 """Candidates that are judged at most."""
 MOST_TRIED = 12
@@ -89,15 +93,17 @@ class Search:
     Attributes:
         places: How many were judged.
         missed: How many failed at each literal.
+        out_of_hand: How many are where the target agent's hand does not get to take the thing.
         nearest: The nearest miss at each literal whose attribute is a number or a level.
         wanted: How many satisfy the goal.
-        tried: How many of these were tried with the robot.
-        refusals: Why these were not brought about, each with its number.
+        tried: How many of these were tried with the performer's body.
+        refusals: Why the performer does not bring these about, each with its number.
     """
 
     places: int = 0
     missed: Counter[Literal] = field(default_factory=Counter)
     nearest: dict[Literal, Missed] = field(default_factory=dict)
+    out_of_hand: int = 0
     wanted: int = 0
     tried: int = 0
     refusals: Counter[str] = field(default_factory=Counter)
@@ -117,7 +123,7 @@ class Planner:
     Attributes:
         scene: As given.
         request: As given.
-        performer: The performer's body.
+        performer: The performing robot; None for a person.
         goal: What is wanted, given, impossible.
         search: What became of the candidates until now.
 
@@ -137,7 +143,8 @@ class Planner:
         predicates: Sequence[Predicate] = (),
     ) -> None:
         self.scene, self._state, self.request, self._settings = scene, state, request, settings
-        self.performer = Performer(scene, request.performer, settings, start=state)
+        person = moves_itself(scene.agent(request.performer))
+        self.performer = None if person else Performer(scene, request.performer, settings, start=state)
         start = resting_snapshot(
             Stage(scene, state), agent=request.target, name=request.thing, settings=settings, predicates=predicates
         )
@@ -154,6 +161,7 @@ class Planner:
             performer=request.performer,
         )
         self.search = Search()
+        self._refusal: str | None = None
 
     def plans(self, progress: Progress = silent) -> Iterator[Plan]:
         """Plans, the nearest to the candidates' order first, each for another place.
@@ -166,6 +174,11 @@ class Planner:
         for candidate in self._wanted(progress):
             if self.search.tried == MOST_TRIED:
                 return
+            if self.performer is None:
+                out = why_out_of_reach(self.scene, candidate, self.request.performer, self._settings)
+                if out is not None:
+                    self.search.refusals[out] += 1
+                    continue
             self.search.tried += 1
             progress(f"how {self.request.performer} gets the {self.request.thing} there", self._share())
             plan = self._plan_to(candidate)
@@ -191,7 +204,13 @@ class Planner:
         )
         for candidate in islice(all_of_them, MOST_PLACES):
             search.places += 1
-            verdict = self._judge.verdict(candidate.state)
+            state: State | None = candidate.state
+            if candidate.means == "hand_over":
+                state = taken(self.scene, candidate.state, request.thing, request.target)
+            if state is None:
+                search.out_of_hand += 1
+                continue
+            verdict = self._judge.verdict(state)
             if verdict.failed is not None:
                 search.missed[verdict.failed] += 1
                 self._note(verdict.failed, verdict.values)
@@ -202,9 +221,13 @@ class Planner:
                 progress(f"{search.places} places judged", self._share())
 
     def _means(self) -> tuple[Means, ...]:
-        """Means that may bring about the placement that is wanted."""
-        wanted = self.goal.wants("placement")
-        return tuple(means for means, placement in ENDS.items() if wanted is None or placement in (wanted.values or ()))
+        """Means that may bring about the placement, and the target's hands, that are wanted."""
+        placement, hands = self.goal.wants("placement"), self.goal.wants("hands")
+        found = [means for means, end in ENDS.items() if placement is None or end in (placement.values or ())]
+        if hands is not None and hands.values is not None:
+            taken = [v.HOLDING_OBJECT in final.values() for final in hands.values if isinstance(final, Mapping)]
+            found = [means for means in found if (means == "hand_over") in taken]
+        return tuple(found)
 
     def _note(self, literal: Literal, values: Mapping[str, Raw]) -> None:
         """Keep the nearest miss of a literal."""
@@ -216,28 +239,54 @@ class Planner:
                     self.search.nearest[literal] = Missed(off, found)
 
     def _plan_to(self, candidate: Candidate) -> Plan | None:
-        """How the robot brings the thing to a place; None if it does not, which is counted."""
-        request = self.request
-        grasping = Grasping(self.performer, self._state, request.thing, candidate.pose)
-        transfers, motions = Transfers(grasping), Motions(self.performer, self._settings.planning, seed=request.seed)
+        """How the performer brings the thing to a place; None if it does not, which is counted."""
         failed = ""
-        for transfer in islice(transfers, TRANSFERS_A_PLACE):
+        for side, attempt in self._by_person(candidate) if self.performer is None else self._by_robot(candidate):
             try:
-                phases = self._in_nobodys_way(motions, motions.of(transfer, candidate.means, request.target))
+                phases = attempt()
             except NoMotionError as error:
                 failed = str(error)
                 continue
+            request = self.request
             return Plan(
                 task=request.clause.task,
                 performer=request.performer,
                 target=request.target,
                 thing=request.thing,
-                side=transfer.pick.side,
+                side=side,
                 candidate=candidate,
                 phases=phases,
             )
-        self.search.refusals[failed or transfers.refusal or "no way was found"] += 1
+        self.search.refusals[failed or self._refusal or "no way was found"] += 1
         return None
+
+    def _by_person(self, candidate: Candidate) -> Iterator[Attempt]:
+        """Attempts of a person, the nearer hand first."""
+        request, scene = self.request, self.scene
+        for side in sides_by_distance(scene, self._state.qpos, request.thing, request.performer):
+
+            def attempt(side: str = side) -> tuple[Phase, ...]:
+                phases = phases_of(
+                    scene, self._state, request.performer, request.target, candidate, side, seed=request.seed
+                )
+                return self._ends_well(phases)
+
+            yield side, attempt
+
+    def _by_robot(self, candidate: Candidate) -> Iterator[Attempt]:
+        """Attempts of a robot: grasps and stands for both ends, as they are found."""
+        request = self.request
+        assert self.performer is not None
+        grasping = Grasping(self.performer, self._state, request.thing, candidate.pose)
+        transfers = Transfers(grasping)
+        motions = Motions(self.performer, self._settings.planning, seed=request.seed)
+        for transfer in islice(transfers, TRANSFERS_A_PLACE):
+
+            def attempt(transfer: Transfer = transfer) -> tuple[Phase, ...]:
+                return self._in_nobodys_way(motions, motions.of(transfer, candidate.means, request.target))
+
+            yield transfer.pick.side, attempt
+        self._refusal = transfers.refusal
 
     def _in_nobodys_way(self, motions: Motions, phases: tuple[Phase, ...]) -> tuple[Phase, ...]:
         """The phases, and if the robot would spoil the end where it stands, its way back.
@@ -245,15 +294,22 @@ class Planner:
         Raises:
             NoMotionError: It spoils the end either way.
         """
-        verdict = self._ends(phases)
-        if verdict.holds is True:
-            return phases
-        if any(hold.agent == self.request.performer for hold in phases[-1].holds):
-            raise NoMotionError(f"with {self.request.performer} where it holds it, {verdict.failed} fails")
-        phases = (*phases, *motions.back(phases[-1].qpos[-1], phases[-1].holds, self.performer.base(self._state.qpos)))
+        assert self.performer is not None
+        holds = phases[-1].holds
+        if self._ends(phases).holds is True or any(hold.agent == self.request.performer for hold in holds):
+            return self._ends_well(phases)
+        back = motions.back(phases[-1].qpos[-1], holds, self.performer.base(self._state.qpos))
+        return self._ends_well((*phases, *back))
+
+    def _ends_well(self, phases: tuple[Phase, ...]) -> tuple[Phase, ...]:
+        """The phases.
+
+        Raises:
+            NoMotionError: With all as it is in the end, the goal is not satisfied.
+        """
         verdict = self._ends(phases)
         if verdict.holds is not True:
-            raise NoMotionError(f"with {self.request.performer} where it stands in the end, {verdict.failed} fails")
+            raise NoMotionError(f"with {self.request.performer} where it is in the end, {verdict.failed} fails")
         return phases
 
     def _ends(self, phases: tuple[Phase, ...]) -> Verdict:

@@ -1,0 +1,117 @@
+"""People as performers: the engine's own moving bodies, which demonstrate, do it (``moving``).
+
+A person stays where it sits or stands: it takes the thing, brings it to its place or to another's hand, and takes the
+hand back, the torso helping where the arm alone is too short.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from taskgist.common.arrays import Array
+from taskgist.errors import SceneError
+from taskgist.moving.acting import Acting, filmed
+from taskgist.moving.steps import HandOver, HoldUp, PutDown, Take, Withdraw, carried_to, carry_to
+from taskgist.perspective.effort import LEAN, NO_KNOWN_LEVEL, TURN, stretch
+from taskgist.perspective.scene_efforts import SceneEfforts
+from taskgist.planning.candidates import Candidate
+from taskgist.planning.handing import sides_by_distance
+from taskgist.planning.motions import NoMotionError
+from taskgist.planning.plan import Phase, PhaseName
+from taskgist.settings import Settings
+from taskgist.world.bodies.agent import Agent
+from taskgist.world.contacts import object_points
+from taskgist.world.scene import Scene
+from taskgist.world.stage import Stage
+from taskgist.world.state import Hold, State
+
+HOLDING_S = 0.5
+POINT_SPACING_M = 0.02
+
+
+def moves_itself(agent: Agent) -> bool:
+    """Whether an agent is moved as people are: it has a torso that turns and leans, legs, and two arms."""
+    profile = agent.profile
+    return profile.turn is not None and profile.lean is not None and bool(profile.legs.feet) and len(agent.arms) == 2
+
+
+def why_out_of_reach(scene: Scene, candidate: Candidate, performer: str, settings: Settings) -> str | None:
+    """Why a person does not get at a place from where it sits or stands, by its own effort; None if it does."""
+    agent = scene.agent(performer)
+    actions = (*(stretch(side) for side in agent.sides), TURN, LEAN)
+    state = candidate.state.with_holding(None)
+    effort = SceneEfforts(Stage(scene, state), settings).effort(performer, candidate.thing, "reach", actions)
+    if effort.level is not None and effort.level < NO_KNOWN_LEVEL:
+        return None
+    return f"from where it is, {performer} does not reach so far"
+
+
+def phases_of(
+    scene: Scene, state: State, performer: str, target: str, candidate: Candidate, side: str, *, seed: int = 0
+) -> tuple[Phase, ...]:
+    """What a person does to bring a thing to its place.
+
+    Args:
+        scene: The scene.
+        state: Where everything is.
+        performer: The person.
+        target: For whom, and to whom a thing is handed over.
+        candidate: Where the thing goes.
+        side: The person's hand.
+        seed: Of natural variation.
+
+    Raises:
+        NoMotionError: The hand does not get there.
+    """
+    acting = Acting(scene, performer, target, np.random.default_rng(seed))
+    acting.begin(state)
+    marks: list[tuple[PhaseName, float]] = []
+    try:
+        Take(candidate.thing, side).play(acting)
+        marks.append(("reach", acting.now_s))
+        _bring(acting, candidate, target)
+        marks.append(("transfer", acting.now_s))
+        if candidate.means != "hold_up":
+            Withdraw().play(acting)
+            marks.append(("retreat", acting.now_s))
+    except SceneError as error:
+        raise NoMotionError(f"{performer} does not get there: {error}") from error
+    times_s, frames = filmed(acting)
+    ends = [int(np.searchsorted(times_s, end_s)) for _, end_s in marks]
+    return tuple(
+        phase
+        for (name, _), first, last in zip(marks, [0, *ends], ends, strict=False)
+        for phase in _by_holds(acting, name, times_s[first:last], frames[first:last])
+    )
+
+
+def _bring(acting: Acting, candidate: Candidate, target: str) -> None:
+    """Put the thing down, hold it up, or hand it over."""
+    stage = Stage(acting.scene, candidate.state)
+    x, y, z = (float(value) for value in stage.body_position(acting.scene.object_body(candidate.thing)))
+    if candidate.means == "hold_up":
+        HoldUp((x, y, z), HOLDING_S).play(acting)
+    elif candidate.means == "hand_over":
+        goal, _ = carried_to(acting, np.array((x, y, z)))
+        carry_to(acting, goal, lower=True)  # down to it from above: there may be a table on the way
+        side, *_ = sides_by_distance(acting.scene, candidate.state.qpos, candidate.thing, target)
+        HandOver(side).play(acting)
+    else:
+        bottom_m = float(object_points(stage, candidate.thing, POINT_SPACING_M)[:, 2].min())
+        PutDown((x, y, bottom_m)).play(acting)
+
+
+def _by_holds(acting: Acting, name: PhaseName, times_s: Array, frames: Array) -> list[Phase]:
+    """A phase for each time that nobody takes, or lets go of, anything."""
+    holds = [
+        frozenset(
+            Hold(carry.agent or acting.performer, carry.side, carry.thing)
+            for carry in acting.carries
+            if carry.from_s <= time_s < carry.until_s
+        )
+        for time_s in times_s
+    ]
+    cuts = [0, *(i for i in range(1, len(holds)) if holds[i] != holds[i - 1]), len(holds)]
+    return [Phase(name, frames[first:last], holds[first]) for first, last in pairwise(cuts) if last > first]
