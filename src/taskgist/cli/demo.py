@@ -10,16 +10,24 @@ from rich.text import Text
 
 from taskgist.cli.common import JsonOption, ReplaceOption, command, console, make_folder, print_json, progress_bar
 from taskgist.cli.explain import print_understanding, understanding_document
+from taskgist.cli.perform import outcome_document, print_outcome
+from taskgist.errors import InputError
 from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.knowledge import Knowledge
+from taskgist.learning.understanding import clause_of
 from taskgist.pipeline.explain import explain_all, label_of
-from taskgist.pipeline.shipped import shipped_recordings
-from taskgist.recording.mcap import read
+from taskgist.pipeline.performing import perform, planners
+from taskgist.pipeline.shipped import shipped_recordings, shipped_room
+from taskgist.planning.planner import Request
+from taskgist.recording.mcap import read, write
 from taskgist.recording.recording import Recording
+from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
 
+PERFORMED = "hide"
+"""The task that a robot performs in the end."""
 RULE = "─" * 80
 TASKS = {
     "give": "five real handovers between people (KTH, MIT licence)",
@@ -36,9 +44,10 @@ def demo(
     replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Learn give, show and hide from the shipped recordings.
+    """Learn give, show and hide from the shipped recordings, and let a robot hide something.
 
-    Prints what each means and how that was found, and saves pictures of what the target agents see.
+    Prints what each means and how that was found, and saves pictures of what the target agents see. In the end a robot
+    performs what was learned a moment before, in a room that no demonstration showed.
 
     Example: taskgist demo -o /tmp/demo
     """
@@ -56,8 +65,9 @@ def demo(
         knowledge = knowledge.add(*explanations)
         documents[task] = _report(knowledge, task, source, explanations, picture, as_json=as_json)
     update(out / "knowledge.db", knowledge.explanations)
+    performed = _perform(knowledge, out, replace=replace, as_json=as_json)
     if as_json:
-        print_json({"knowledge": str(out / "knowledge.db"), "tasks": documents})
+        print_json({"knowledge": str(out / "knowledge.db"), "tasks": documents, "performed": performed})
     else:
         console.print(f"knowledge kept in {out / 'knowledge.db'}; try: taskgist explain show -k {out / 'knowledge.db'}")
 
@@ -76,6 +86,36 @@ def _report(
         console.print(f"picture: {picture}")
         console.print()
     return {**understanding_document(understanding), "picture": str(picture)}
+
+
+def _perform(knowledge: Knowledge, out: Path, *, replace: bool, as_json: bool) -> dict[str, Any] | None:
+    """Let the robot of the shipped room hide the cup, if that was learned and OMPL is there."""
+    if PERFORMED not in knowledge.tasks:
+        return None
+    try:
+        planners()
+    except InputError as error:
+        if not as_json:
+            console.print(f"{PERFORMED} is not performed: {error}")
+        return None
+    tree, scene = with_predicates(STANDARD_TREE), Scene.load(shipped_room())
+    clause = clause_of(knowledge.understand(PERFORMED, tree))
+    with progress_bar(quiet=as_json) as progress:
+        outcome = perform(scene, Request(clause, "Jido", "P2", "cup"), tree=tree, progress=progress)
+    if not as_json:
+        console.print(
+            Text.assemble((PERFORMED, "bold"), f": performed by a robot in a room that it never saw\n{RULE}")
+        )
+    paths = [out / f"{PERFORMED}_performed.mcap"] if outcome.performances else []
+    for path, found in zip(paths, outcome.performances, strict=False):
+        write(found.execution.recording, path, replace=replace)
+        picture = _picture(found.execution.recording, path.with_suffix(".png"))
+    if not as_json:
+        print_outcome(outcome, tuple(paths))
+        if paths:
+            console.print(f"picture: {picture}")
+        console.print()
+    return outcome_document(outcome, [str(path) for path in paths])
 
 
 def _picture(recording: Recording, path: Path) -> Path:

@@ -112,7 +112,7 @@ def perform(
     if as_json:
         print_json(outcome_document(outcome, [str(path) for path in paths]))
     else:
-        _print(outcome, paths)
+        print_outcome(outcome, paths)
     return OK if outcome.performances else FAILED
 
 
@@ -142,7 +142,8 @@ def _clause(knowledge: str, task: str) -> Clause:
     return clause
 
 
-def _print(outcome: Outcome, paths: tuple[Path, ...]) -> None:
+def print_outcome(outcome: Outcome, paths: tuple[Path, ...]) -> None:
+    """Print what was chosen and done, way by way; or why there is none."""
     from taskgist.language.performing import assumed, chosen, not_as_demonstrated, refused, steps
 
     tree, request = with_predicates(STANDARD_TREE), outcome.request

@@ -6,7 +6,11 @@ from .explain import explain_all as explain_all
 from .explain import explain_recording as explain_recording
 from .explain import label_of as label_of
 from .explain import learn as learn
+from .performing import Outcome as Outcome
+from .performing import Performance as Performance
+from .performing import perform as perform
 from .shipped import shipped_recordings as shipped_recordings
+from .shipped import shipped_room as shipped_room
 from .shipped import shipped_study as shipped_study
 from .timelines import Timeline as Timeline
 from .timelines import attribute_nodes as attribute_nodes

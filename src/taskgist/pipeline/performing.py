@@ -15,6 +15,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from taskgist.common.extras import door
 from taskgist.common.workers import Progress, silent
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.standard import STANDARD_TREE
@@ -106,6 +107,8 @@ def perform(
     """
     state = scene.initial if state is None else state
     planner = Planner(scene, state, request, tree=tree, settings=settings, predicates=predicates)
+    if planner.performer is not None:
+        planners()  # before any long work
     found, spoiled = list[Performance](), list[str]()
     for plan in planner.plans(progress):
         progress("carrying the plan out", 1.0)
@@ -117,6 +120,16 @@ def perform(
         if len(found) == ways:
             break
     return Outcome(request, planner.goal, tuple(found), planner.search, tuple(spoiled))
+
+
+def planners() -> None:
+    """See that what robots' ways are planned with is there.
+
+    Raises:
+        InputError: OMPL or toppra, the extra ``planning``, is not installed.
+    """
+    for module in ("ompl", "toppra"):
+        door(module, "planning")
 
 
 def _tried(

@@ -1,4 +1,4 @@
-"""The recordings that come with taskgist: the paper's study, simulated, and real handovers."""
+"""What comes with taskgist: recordings of the study, simulated, real handovers, and a room to perform in."""
 
 from __future__ import annotations
 
@@ -31,6 +31,11 @@ def shipped_recordings(task: str) -> tuple[Path, ...]:
 def shipped_study() -> Mapping[str, tuple[Path, ...]]:
     """Paths of the 23 simulated recordings of the paper's study by task, in its order."""
     return {task: _recordings(_root() / "study" / task.replace(" ", "_")) for task in TASKS}
+
+
+def shipped_room() -> Path:
+    """Path of a living room with a robot, Jido, and a person, P2, in which what was learned can be performed."""
+    return _root().with_name("rooms") / "living_room.toml"
 
 
 def _root() -> Path:
