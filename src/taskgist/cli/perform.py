@@ -214,6 +214,7 @@ def outcome_document(outcome: Outcome, paths: list[str]) -> dict[str, Any]:
             "places": search.places,
             "wanted": search.wanted,
             "tried": search.tried,
+            "out_of_hand": search.out_of_hand,
             "failed": [{"literal": str(literal), "count": count} for literal, count in search.missed.most_common()],
             "refusals": [{"reason": reason, "count": count} for reason, count in search.refusals.most_common()],
             "thrown_away": list(outcome.spoiled),
