@@ -8,7 +8,8 @@ and returns a value of its attribute, a truth value, an ``Observation``, or ``UN
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import cast
 
 from taskgist.common.frozen import Json
@@ -16,12 +17,22 @@ from taskgist.errors import FactsError
 from taskgist.facts import vocabulary as v
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.values import UNKNOWN, Observation, Raw
-from taskgist.observe.observer import HandStatus, Observer
-from taskgist.perspective.effort import ABILITIES, Effort, evidence_document
+from taskgist.observe.observer import (
+    POSTURES,
+    HandStatus,
+    Observer,
+    Placement,
+    hand_status_in,
+    held_in,
+    placement_in,
+)
+from taskgist.perspective.effort import ABILITIES, Effort, Visibility, evidence_document
+from taskgist.perspective.image import visibility
 from taskgist.perspective.search import effort_from
 from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.settings import DEFAULT, Settings
-from taskgist.world.stage import Stage
+from taskgist.world.contacts import holding_of
+from taskgist.world.stage import Stage, posture_of
 
 Snapshot = dict[str, Observation[Raw]]
 """What was observed at one instant, by attribute."""
@@ -43,15 +54,18 @@ def ability_observations(stage: Stage, agent: str, name: str, settings: Settings
     observations: Snapshot = {}
     here = Viewpoint(stage, agent, settings)
     for ability in ABILITIES:
-        observations |= _effort_observations(effort_from(here, name, ability, explained=True), settings)
-    seen = here.visibility(name)
-    observations["visibility.score"] = (
-        Observation(UNKNOWN) if seen is None else Observation(seen.score, _plain(evidence_document(seen)))
-    )
+        observations |= effort_observations(effort_from(here, name, ability, explained=True), settings)
+    observations["visibility.score"] = score_observation(here.visibility(name))
     return observations
 
 
-def _effort_observations(effort: Effort, settings: Settings) -> Snapshot:
+def score_observation(seen: Visibility | None) -> Observation[Raw]:
+    """The attribute *visibility score*; None is unknown."""
+    return Observation(UNKNOWN) if seen is None else Observation(seen.score, _plain(evidence_document(seen)))
+
+
+def effort_observations(effort: Effort, settings: Settings) -> Snapshot:
+    """The attributes effort, state and action of an ability, with the effort's evidence."""
     ability = effort.ability
     names = ("effort", "state", "action")
     evidence = _plain(effort.evidence_document)
@@ -100,30 +114,34 @@ def snapshot(
     observations |= status_observations(observer, agent, name, stage.state.time_s)
     for predicate in predicates:
         if predicate.observe is not None:
-            observations[predicate.subtree.attribute.name] = _observed(predicate, stage, agent, name)
+            observations[predicate.subtree.attribute.name] = predicate_observation(predicate, stage, agent, name)
     return observations
 
 
 def status_observations(observer: Observer, agent: str, name: str, time_s: float) -> Snapshot:
     """The attributes that need time but no perspective: posture, hands, placement, motion."""
-    placement = observer.placement(name).at(time_s)
     hands = [f"{hold.agent}'s {hold.side} hand" for hold in observer.holds(time_s) if hold.object == name]
+    placement = observer.placement(name).at(time_s) or Placement(None)
+    statuses = {side: observer.hand(agent, side).at(time_s) for side in observer.scene.agent(agent).sides}
     return {
         "posture": Observation(observer.posture(agent).at(time_s) or UNKNOWN),
-        "hands": _hands(observer, agent, name, time_s),
-        "placement": Observation(
-            (placement and placement.symbol) or UNKNOWN, {"by": hands or list(placement.by if placement else ())}
-        ),
+        "hands": _hands(statuses, name),
+        "placement": placement_observation(replace(placement, by=tuple(hands) or placement.by)),
         "motion": Observation(observer.motion(name).at(time_s) or UNKNOWN),
     }
 
 
-def _hands(observer: Observer, agent: str, name: str, time_s: float) -> Observation[Raw]:
+def placement_observation(placement: Placement) -> Observation[Raw]:
+    """The attribute *placement*, and by what the object is there."""
+    return Observation(placement.symbol or UNKNOWN, {"by": list(placement.by)})
+
+
+def _hands(statuses: Mapping[str, HandStatus | None], name: str) -> Observation[Raw]:
     """Status of each hand: does it hold this object, or another? What it holds or rests on is evidence."""
     symbols: dict[str, str | None] = {}
     evidence: dict[str, str] = {}
-    for side in observer.scene.agent(agent).sides:
-        status = observer.hand(agent, side).at(time_s) or HandStatus(None)
+    for side, status in statuses.items():
+        status = status or HandStatus(None)
         holds_other = status.symbol == v.HOLDING_OBJECT and status.thing != name
         symbols[side] = v.HOLDING_OTHER if holds_other else status.symbol
         if status.thing:
@@ -131,7 +149,12 @@ def _hands(observer: Observer, agent: str, name: str, time_s: float) -> Observat
     return Observation(symbols or UNKNOWN, evidence)
 
 
-def _observed(predicate: Predicate, stage: Stage, agent: str, name: str) -> Observation[Raw]:
+def predicate_observation(predicate: Predicate, stage: Stage, agent: str, name: str) -> Observation[Raw]:
+    """What a user's own predicate, which has a function, observes in the state that the stage shows.
+
+    Raises:
+        FactsError: The function gives something else than it should.
+    """
     assert predicate.observe is not None
     value = predicate.observe(stage, agent, name)
     if isinstance(value, Observation):
@@ -143,3 +166,70 @@ def _observed(predicate: Predicate, stage: Stage, agent: str, name: str) -> Obse
         field=predicate.subtree.name,
         value=value,
     )
+
+
+# --- One state alone, as if all had stood still in it for a while: how a planner judges what it has not brought about.
+#
+# Nothing slips in the hand that is near to it, nothing moves, and what is so lasts: time confirms all of it.
+
+
+def resting_snapshot(
+    stage: Stage,
+    *,
+    agent: str,
+    name: str,
+    settings: Settings = DEFAULT,
+    predicates: Iterable[Predicate] = (),
+) -> Snapshot:
+    """Every attribute in a state in which all stands still: what ``snapshot`` says of it once it has lasted.
+
+    Args:
+        stage: The scene in a state; afterwards it shows the same state, with who holds what left to distances.
+        agent: From whose perspective.
+        name: The object.
+        settings: All settings.
+        predicates: A user's own predicates to observe too.
+    """
+    stage.show(stage.state.with_holding(None))
+    observations = ability_observations(stage, agent, name, settings)
+    for attribute, observe in RESTING.items():
+        observations[attribute] = observe(stage, agent, name, settings)
+    for predicate in predicates:
+        if predicate.observe is not None:
+            observations[predicate.subtree.attribute.name] = predicate_observation(predicate, stage, agent, name)
+    return observations
+
+
+def _resting_posture(stage: Stage, agent: str, _name: str, settings: Settings) -> Observation[Raw]:
+    posture = posture_of(stage, stage.scene.agent(agent), settings.contact)
+    return Observation(POSTURES[posture] if posture else UNKNOWN)
+
+
+def _resting_hands(stage: Stage, agent: str, name: str, settings: Settings) -> Observation[Raw]:
+    contact = settings.contact
+    things = {side: held_in(stage, agent, side, contact) for side in stage.scene.agent(agent).sides}
+    statuses = {side: hand_status_in(stage, agent, side, thing, contact) for side, thing in things.items()}
+    return _hands(statuses, name)
+
+
+def _resting_placement(stage: Stage, _agent: str, name: str, settings: Settings) -> Observation[Raw]:
+    holding = holding_of(stage, name, settings.contact)
+    return placement_observation(placement_in(stage, name, holding, settings.contact))
+
+
+def _resting_motion(stage: Stage, _agent: str, name: str, _settings: Settings) -> Observation[Raw]:
+    return Observation(v.STATIC if stage.state.known([name]) else UNKNOWN)
+
+
+def _resting_score(stage: Stage, agent: str, name: str, settings: Settings) -> Observation[Raw]:
+    return score_observation(visibility(stage, agent, name, settings))
+
+
+RESTING: Mapping[str, Callable[[Stage, str, str, Settings], Observation[Raw]]] = {
+    "placement": _resting_placement,
+    "motion": _resting_motion,
+    "posture": _resting_posture,
+    "hands": _resting_hands,
+    "visibility.score": _resting_score,
+}
+"""What observes each attribute that needs no search, in a state in which all stands still, the cheapest first."""

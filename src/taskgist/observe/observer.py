@@ -24,8 +24,18 @@ from taskgist.common.arrays import Array
 from taskgist.facts import vocabulary as v
 from taskgist.observe.carrying import Carrying
 from taskgist.observe.frames import KEPT_FRAMES, Confirmed, FrameSequence, Hysteresis, Refined, velocity
-from taskgist.settings import DEFAULT, Settings, Timing
-from taskgist.world.contacts import POINT_SPACING_M, hand_known, hook_of, object_points, rests_on, wearer_of
+from taskgist.settings import DEFAULT, Contact, Settings, Timing
+from taskgist.world.contacts import (
+    POINT_SPACING_M,
+    Holding,
+    hand_known,
+    holding_of,
+    hook_of,
+    object_points,
+    possible_holds,
+    rests_on,
+    wearer_of,
+)
 from taskgist.world.geometry.transforms import Pose, matrix_from_wxyz
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage, posture_of
@@ -53,6 +63,62 @@ class HandStatus:
 
     symbol: str | None
     thing: str | None = None
+
+
+def placement_in(stage: Stage, name: str, holding: Holding | None, settings: Contact) -> Placement:
+    """Where an object is in one state, for what is known of who holds it: the first that applies (5.3.1).
+
+    Args:
+        stage: The scene in the state.
+        name: The object.
+        holding: Who holds it, and what it rests on or lies in; None if it was not tracked.
+        settings: Distances.
+    """
+    if holding is None:
+        return Placement(None)
+    if holding.container:
+        return Placement(v.INSIDE_CONTAINER, (holding.container,))
+    if holding.support:
+        return Placement(v.ON_SUPPORT, (holding.support,))
+    if holding.hands:
+        return Placement(v.IN_HAND, tuple(f"{agent}'s {side} hand" for agent, side in holding.hands))
+    if not holding.complete:
+        return Placement(None)
+    # The last three are ours: the paper has what is on an agent, or hangs, in the air.
+    wearer, sure = wearer_of(stage, name, settings)
+    if wearer or not sure:
+        return Placement(v.ON_AGENT, (wearer,)) if wearer else Placement(None)
+    hook = hook_of(stage, name, settings)
+    return Placement(v.HANGING, (hook,)) if hook else Placement(v.IN_AIR)
+
+
+def hand_status_in(stage: Stage, agent: str, side: str, thing: str | None, settings: Contact) -> HandStatus:
+    """What one hand does in one state (Eq. 16); holding comes before resting.
+
+    Args:
+        stage: The scene in the state.
+        agent: Whose hand.
+        side: Which.
+        thing: The object that it holds, if any.
+        settings: Distances.
+    """
+    body = stage.scene.agent(agent)
+    arm = body.arm(side)
+    if not hand_known(stage, body, arm):
+        return HandStatus(None)
+    if thing:
+        return HandStatus(v.HOLDING_OBJECT, thing)
+    support = rests_on(stage, arm, settings)
+    return HandStatus(v.RESTING_ON_SUPPORT, support) if support else HandStatus(v.FREE_OF_OBJECT)
+
+
+def held_in(stage: Stage, agent: str, side: str, settings: Contact) -> str | None:
+    """The object that a hand holds in a state in which all stands still, so that a hand that is near does not slip."""
+    near = {hold.object for hold in possible_holds(stage, settings) if (hold.agent, hold.side) == (agent, side)}
+    for name in stage.scene.objects:
+        if name in near and (holding := holding_of(stage, name, settings)) and (agent, side) in holding.hands:
+            return name
+    return None
 
 
 def held(status: HandStatus) -> tuple[bool | None, str | None]:
@@ -219,35 +285,12 @@ class Observer:
     # What is so in a single frame, before time confirms it:
 
     def _placement(self, name: str, index: int) -> Placement:
-        """The first that applies (5.3.1; ours: On_Agent, Hanging)."""
         holding = self._carrying.holding(index, name)
-        if holding is None:
-            return Placement(None)
-        if holding.container:
-            return Placement(v.INSIDE_CONTAINER, (holding.container,))
-        if holding.support:
-            return Placement(v.ON_SUPPORT, (holding.support,))
-        if holding.hands:
-            return Placement(v.IN_HAND, tuple(f"{agent}'s {side} hand" for agent, side in holding.hands))
-        if not holding.complete:
-            return Placement(None)
-        stage = self._stage.show(self._frames.state(index))
-        wearer, sure = wearer_of(stage, name, self._contact)
-        if wearer or not sure:
-            return Placement(v.ON_AGENT, (wearer,)) if wearer else Placement(None)
-        hook = hook_of(stage, name, self._contact)
-        return Placement(v.HANGING, (hook,)) if hook else Placement(v.IN_AIR)
+        return placement_in(self._stage.show(self._frames.state(index)), name, holding, self._contact)
 
     def _hand(self, name: str, side: str, index: int) -> HandStatus:
-        """What one hand does (Eq. 16); holding comes before resting."""
-        agent, stage = self.scene.agent(name), self._stage
-        arm = agent.arm(side)
-        if not hand_known(stage.show(self._frames.state(index)), agent, arm):
-            return HandStatus(None)
-        if thing := self._carrying.held(index, name, side):
-            return HandStatus(v.HOLDING_OBJECT, thing)
-        support = rests_on(stage.show(self._frames.state(index)), arm, self._contact)
-        return HandStatus(v.RESTING_ON_SUPPORT, support) if support else HandStatus(v.FREE_OF_OBJECT)
+        thing = self._carrying.held(index, name, side)
+        return hand_status_in(self._stage.show(self._frames.state(index)), name, side, thing, self._contact)
 
     def _motion_of(self, name: str, timing: Timing) -> Callable[[int], str | None]:
         stage, body = self._stage.show(self.scene.initial), self.scene.object_body(name)
