@@ -64,11 +64,11 @@ def score_observation(seen: Visibility | None) -> Observation[Raw]:
     return Observation(UNKNOWN) if seen is None else Observation(seen.score, _plain(evidence_document(seen)))
 
 
-def effort_observations(effort: Effort, settings: Settings) -> Snapshot:
-    """The attributes effort, state and action of an ability, with the effort's evidence."""
+def effort_observations(effort: Effort, settings: Settings, *, explained: bool = True) -> Snapshot:
+    """The attributes effort, state and action of an ability, with the effort's evidence or without it."""
     ability = effort.ability
     names = ("effort", "state", "action")
-    evidence = _plain(effort.evidence_document)
+    evidence = _plain(effort.evidence_document if explained else {})
     if effort.level is None:
         unknown: Observation[Raw] = Observation(UNKNOWN, evidence)
         return {f"{ability}.{name}": unknown for name in names}

@@ -30,7 +30,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.perspective.effort import ABILITIES, NO_ACTION, NO_KNOWN_LEVEL, Ability, Effort
-from taskgist.perspective.search import able, effort_from, least_effort
+from taskgist.perspective.search import able, effort_from, least_effort, level_from
 from taskgist.perspective.target import Region, Target, crossed, touched
 from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.settings import DEFAULT, Settings
@@ -124,6 +124,20 @@ class SceneEfforts:
             answers[name, ability] = Answer(effort, noted.bounds, noted.postures, noted.floor_m)
             self.asked_count += 1
         return answers[name, ability].effort
+
+    def level(self, agent: str, name: str, ability: Ability, *, up_to: int) -> int | None:
+        """The level of an effort, told exactly up to one level; what is greater is told as the next one.
+
+        Raises:
+            UnknownNameError: There is no such agent, object or ability.
+        """
+        who: Who = (agent, None)
+        known = self._answers.setdefault(who, {}).get((name, ability))
+        if known is None:
+            self.asked_count += 1
+            return level_from(self._viewpoint(who), name, ability, up_to=up_to)
+        level = known.effort.level
+        return None if level is None else min(level, up_to + 1)
 
     def all(self, abilities: Iterable[Ability] = ABILITIES) -> dict[Question, Effort]:
         """The least effort of every agent for every object, by agent, object and ability."""

@@ -242,10 +242,34 @@ def able(
         return False if len(known) == len(levels) else None
 
 
+def level_from(here: Viewpoint, name: str, ability: Ability, *, up_to: int) -> int | None:
+    """The level of ``effort_from``, looked for only as far as somebody wants to know it.
+
+    Args:
+        here: Whose ability, and from where.
+        name: The object.
+        ability: ``see``, ``reach`` or ``grasp``.
+        up_to: The greatest level that is told exactly, −1 to 4; what is greater is told as the next one.
+
+    Returns:
+        None where ``effort_from`` has none, whatever was asked.
+
+    Raises:
+        UnknownNameError: There is no such object or ability.
+    """
+    with here.stage.showing(here.state):
+        here.recorder.begin()
+        level = _searched(here, name, ability, brief=True, up_to=up_to)[0]
+    return None if level is None else min(level, up_to + 1)
+
+
 def _searched(
-    here: Viewpoint, name: str, ability: Ability, *, brief: bool
+    here: Viewpoint, name: str, ability: Ability, *, brief: bool, up_to: int = NO_KNOWN_LEVEL
 ) -> tuple[int | None, Solution | None, list[FindMiss]]:
-    """The level found, None if unknown; how it is attained, if it is; and why not with less, level by level."""
+    """The level found, None if unknown; how it is attained, if it is; and why not with less, level by level.
+
+    Beyond ``up_to`` levels are only tried where one of them may turn out to be unknown.
+    """
     judge, misses = _judge(here, name, ability), list[FindMiss]()
     if judge is None:
         why = "has no shape" if name in here.stage.scene.shapeless else "not tracked"
@@ -254,6 +278,8 @@ def _searched(
     target = here.target(name).middle
     for level in range(NO_KNOWN_LEVEL):
         unknown = judge.unknown(level)
+        if level > up_to and not any(map(judge.unknown, range(level, NO_KNOWN_LEVEL))):
+            return level, None, misses
         if unknown is not None:
             return None, None, [*misses, partial(Miss, Reason.UNTRACKED, unknown)]
         result = least(here, judge, level, target)

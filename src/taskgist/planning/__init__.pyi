@@ -1,0 +1,10 @@
+from .goal import Given as Given
+from .goal import Goal as Goal
+from .goal import Impossible as Impossible
+from .goal import Span as Span
+from .goal import Unjudged as Unjudged
+from .goal import Wanted as Wanted
+from .judging import ATTENTIONS as ATTENTIONS
+from .judging import Attention as Attention
+from .judging import Judge as Judge
+from .judging import Verdict as Verdict
