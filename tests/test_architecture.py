@@ -20,6 +20,7 @@ PERSPECTIVE = WORLD | {"perspective"}
 RECORDING = WORLD | {"recording"}
 OBSERVE = PERSPECTIVE | {"facts", "observe"}
 RECOGNITION = OBSERVE | RECORDING | {"recognition"}
+PLANNING = OBSERVE | {"learning", "moving", "maps", "planning"}
 LANGUAGE = LEARNING | {"perspective", "language"}
 PIPELINE = RECOGNITION | LANGUAGE | {"store", "moving", "maps", "importing", "pipeline"}
 SIMULATOR = RECORDING | {"moving", "lab simulator"}
@@ -43,6 +44,7 @@ ROOMS: dict[str, set[str]] = {
     "recording": RECORDING,
     "importing": RECORDING | {"importing"},
     "recognition": RECOGNITION,
+    "planning": PLANNING,
     "language": LANGUAGE,
     "pipeline": PIPELINE,
     "view": PIPELINE | {"view"},
@@ -70,6 +72,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "recording": {"numpy", "mcap", "zstandard", "lz4"},
     "importing": {"numpy", "mujoco"},
     "recognition": set(),
+    "planning": {"numpy", "mujoco", "mink", "ompl", "toppra"},
     "language": set(),
     "pipeline": {"numpy"},
     "view": {"numpy", "matplotlib"},
