@@ -7,6 +7,7 @@ from .attention import mutual_gaze as mutual_gaze
 from .attention import sight as sight
 from .attributes import Snapshot as Snapshot
 from .attributes import ability_observations as ability_observations
+from .attributes import resting_snapshot as resting_snapshot
 from .attributes import snapshot as snapshot
 from .attributes import state_symbol as state_symbol
 from .attributes import status_observations as status_observations
