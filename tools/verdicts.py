@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import functools
+import itertools
 import multiprocessing
 import os
 import sys
@@ -43,7 +44,7 @@ def compare(numbered: tuple[str, int], attention: Attention) -> Outcome:
         number,
         differ,
         Counter(str(each.holds) for each in lazy),
-        *(b - a for a, b in zip(times_s, times_s[1:])),
+        *(b - a for a, b in itertools.pairwise(times_s)),
     )
 
 

@@ -44,7 +44,7 @@ class JudgedRoom:
         )
 
     def candidates(self, count: int, seed: int = 0) -> list[State]:
-        """States in which the thing is elsewhere: on, in and over whatever is there, in hands, on bodies, in the air."""
+        """States in which the thing is elsewhere: on, in, over whatever is there, in hands, on bodies, in the air."""
         rng, stage, at = np.random.default_rng(seed), Stage(self.scene, self.start), self.scene.object_slice(self.thing)
         pose = np.array(self.start.qpos[at])
         lowest = stage.bounds(self.scene.seen_geoms(self.thing))[0, 2] - pose[2]
