@@ -50,10 +50,14 @@ def literal(node: str, value: str, tree: HypothesisTree = STANDARD_TREE) -> Lite
 
 
 def goal_of(
-    *literals: Literal | tuple[str, str], tree: HypothesisTree = STANDARD_TREE, without: str = "", **start: Raw
+    *literals: Literal | tuple[str, str],
+    tree: HypothesisTree = STANDARD_TREE,
+    without: str = "",
+    start: Mapping[str, Raw] | None = None,
+    **changes: Raw,
 ) -> Goal:
     """The goal of some literals; the start differs by what is named, with ``__`` for the dot."""
-    values = dict(START) | {name.replace("__", "."): raw for name, raw in start.items()}
+    values = dict(START) | dict(start or {}) | {name.replace("__", "."): raw for name, raw in changes.items()}
     values.pop(without, None)
     clause = Clause("test", tuple(each if isinstance(each, Literal) else literal(*each, tree) for each in literals))
     return Goal.of(clause, {name: Observation(raw) for name, raw in values.items()}, tree)
@@ -89,8 +93,7 @@ def effort_cases() -> Iterator[tuple[Node, str, int]]:
 def test_efforts(node: Node, value: str, before: int) -> None:
     ability = node.name.split(".")[0]
     ladder = ABILITIES[ability]
-    start: dict[str, Raw] = {f"{ability}__effort": ladder[before]}
-    goal = goal_of((node.name, value), **start)
+    goal = goal_of((node.name, value), start={f"{ability}.effort": ladder[before]})
     expected = tuple(
         after
         for after in range(6)
@@ -117,14 +120,13 @@ def test_efforts(node: Node, value: str, before: int) -> None:
 )
 def test_placements(node: Node, value: str, before: str) -> None:
     goal = goal_of((node.name, value), placement=before)
-    texts = {
-        "placement.status.2": lambda after: after,
-        "placement.nature": lambda after: f"Supportive({after})",
-        "placement.class": lambda after: (
-            f"Maintaining({after})" if after == before else f"Gaining({after}) & Losing({before})"
-        ),
-    }
-    expected = tuple(after for after in v.PLACEMENTS if texts[node.name](after) == value)
+
+    def text(after: str) -> str:
+        if node.name == "placement.class":
+            return f"Maintaining({after})" if after == before else f"Gaining({after}) & Losing({before})"
+        return after if node.instant == 2 else f"Supportive({after})"
+
+    expected = tuple(after for after in v.PLACEMENTS if text(after) == value)
     assert kinds(goal) == ((0, 1, 0, 0) if expected else (0, 0, 1, 0))
     assert expected == (only(goal).values if expected else ())
 
@@ -302,6 +304,9 @@ def test_what_was_unknown_at_the_start_is_told() -> None:
     assert goal_of(("posture.class", "Maintained"), posture=UNKNOWN).given_hold is UNKNOWN
     hands = goal_of(("hands.class", v.MANIP_GAINED), hands={"left": None, "right": FREE})
     assert kinds(hands) == (0, 0, 0, 1)
+    lost = goal_of(("hands.class", v.MANIP_GAINED), ("hands.status.2", HOLDS), hands=UNKNOWN)
+    assert [each.literal.node for each in lost.unjudged] == ["hands.class"]
+    assert only(lost).truths_of({"left": HOLDS, "right": HOLDS}) == (True,)
 
 
 def test_what_nobody_observes_or_no_tree_has_is_told() -> None:
@@ -334,7 +339,8 @@ def test_each_literal_of_a_learned_clause_has_one_fate(task: str) -> None:
     goal = goal_of(*clause.literals)
     told = [
         *(each.literal for each in goal.given),
-        *(one for each in (*goal.wanted, *goal.impossible) for one in each.literals),
+        *(one for each in goal.wanted for one in each.literals),
+        *(one for each in goal.impossible for one in each.literals),
         *(each.literal for each in goal.unjudged),
     ]
     assert sorted(map(str, told)) == sorted(map(str, clause.literals))

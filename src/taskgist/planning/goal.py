@@ -315,7 +315,7 @@ class Goal:
     @property
     def given_hold(self) -> Truth:
         """Whether what is given is as the clause has it."""
-        return conjunction(each.holds for each in iter(self.given))
+        return conjunction(each.holds for each in self.given)
 
     def wants(self, attribute: str) -> Wanted | None:
         """What is wanted of an attribute; None if nothing is."""
@@ -350,7 +350,11 @@ def _inverted(aspect: Aspect, at_rest: Nodes) -> Iterator[Given | Wanted | Impos
     """What becomes of the literals on one attribute: each is wanted, given, impossible or not to be judged."""
     finals = _finals(aspect)
     if finals is None:
-        yield Wanted(aspect, None)
+        compared = [literal for literal in aspect.literals if literal.instant is None and aspect.initial is UNKNOWN]
+        yield from (_unknown_at_the_start(literal, aspect) for literal in compared)
+        rest = aspect.of(literal for literal in aspect.literals if literal not in compared)
+        if rest.literals:
+            yield Wanted(rest, None)
         return
     table = {final: truths_with(aspect, raw) for final, raw in finals.items()}
     kept = list[int]()
@@ -359,7 +363,7 @@ def _inverted(aspect: Aspect, at_rest: Nodes) -> Iterator[Given | Wanted | Impos
         if True in column or (UNKNOWN in column and literal.instant == 2):
             kept.append(number)  # where the value alone leaves it open, the action or the state below decides
         elif UNKNOWN in column:
-            yield Unjudged(literal, f"what {aspect.attribute.name} was at the start is not known")
+            yield _unknown_at_the_start(literal, aspect)
         elif _up_to_the_agent(aspect.of([literal])):
             yield _given(literal, at_rest)
         else:
@@ -370,6 +374,10 @@ def _inverted(aspect: Aspect, at_rest: Nodes) -> Iterator[Given | Wanted | Impos
     rest = aspect.of(aspect.literals[number] for number in kept)
     wanted = Wanted(rest, FrozenMap(rows))
     yield wanted if wanted.values else Impossible(aspect.attribute.name, rest.literals, aspect.initial)
+
+
+def _unknown_at_the_start(literal: Literal, aspect: Aspect) -> Unjudged:
+    return Unjudged(literal, f"what {aspect.attribute.name} was at the start is not known")
 
 
 def _finals(aspect: Aspect) -> Mapping[Final, Raw] | None:

@@ -80,7 +80,7 @@ class Judge:
         performer: The performing agent; only needed if the target agent looks at it.
 
     Raises:
-        UnknownNameError: There is no such agent, object or kind of attention.
+        UnknownNameError: There is no such agent, object or kind of attention, or nobody observes what is wanted.
         InputError: The target agent shall look at a performer that is not named.
     """
 
@@ -107,7 +107,10 @@ class Judge:
         if performer is not None:
             scene.agent(performer)
         self.goal, self._settings = goal, settings
-        self._predicates = {each.subtree.attribute.name: each for each in predicates}
+        self._predicates = {each.subtree.attribute.name: each for each in predicates if each.observe is not None}
+        for wanted in goal.wanted:
+            if not (_ability(wanted.attribute) or wanted.attribute in (*RESTING, *self._predicates)):
+                raise self._unobserved(wanted.attribute)
         self._stage = Stage(scene, start)
         self._efforts = SceneEfforts(Stage(scene, self.assumed(start)), replace(settings, following=EXACT))
 
@@ -189,10 +192,9 @@ class Judge:
         stage = self._stage.show(state)
         if attribute in RESTING:
             return RESTING[attribute](stage, self._agent.name, self._thing, self._settings)
-        predicate = self._predicates.get(attribute)
-        if predicate is None or predicate.observe is None:
+        if attribute not in self._predicates:
             raise self._unobserved(attribute)
-        return predicate_observation(predicate, stage, self._agent.name, self._thing)
+        return predicate_observation(self._predicates[attribute], stage, self._agent.name, self._thing)
 
     def _unobserved(self, attribute: str) -> UnknownNameError:
         efforts = (f"{ability}.{part}" for ability in ABILITIES for part in ("effort", "state", "action"))
