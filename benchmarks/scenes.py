@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from benchmarks.timing import once, seconds, share
 from taskgist.perspective import ABILITIES, Viewpoint, effort_from
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.perspective.target import Target
-from taskgist.settings import DEFAULT
+from taskgist.settings import DEFAULT, Following
 from taskgist.world import Scene, Stage, State
 
 AGENTS, OBJECTS = 4, 50
@@ -44,7 +45,8 @@ def from_nothing() -> Figure:
 def following() -> Iterator[Figure]:
     """The same while a tracker reports one agent and one object moved in every frame."""
     scene = furnished(AGENTS, OBJECTS)
-    follower = SceneEfforts(Stage(scene))
+    exact = replace(DEFAULT, following=Following(place_m=0.0, turn_rad=0.0))  # every frame taken as it is
+    follower = SceneEfforts(Stage(scene), exact)
     follower.all()
     taken, asked = [], []
     for state in frames(scene):

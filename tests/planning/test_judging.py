@@ -170,6 +170,21 @@ def test_attention_turns_the_head(attention: Attention, *, seen: bool) -> None:
     assert {*changed.tolist()} <= {body.joints[profile.pan.joint], body.joints[profile.tilt.joint]}
 
 
+@pytest.mark.parametrize("profile", ["jido", "hrp2"])
+def test_robots_turn_their_heads_as_well(profile: str) -> None:
+    where, _ = watcher(profile)
+    judge = Judge(where, where.initial, "P2", "cup", goal_of(where, "P2"), attention="thing")
+    stage = Stage(where)
+    cup = stage.body_position(where.object_body("cup"))
+
+    def off_rad(state: State) -> float:
+        eye = stage.show(state).eye(where.agent("P2"))
+        line = cup - eye.position
+        return float(np.arccos(np.clip(eye.matrix[:, 0] @ line / np.linalg.norm(line), -1.0, 1.0)))
+
+    assert off_rad(judge.assumed(where.initial)) < np.radians(5.0) < off_rad(where.initial)
+
+
 def test_a_head_turns_no_farther_than_heads_do() -> None:
     where, _ = watcher()
     judge = Judge(where, where.initial, "P2", "cup", goal_of(where, "P2"), attention="thing")

@@ -156,11 +156,9 @@ class Judge:
     def assumed(self, state: State) -> State:
         """A final state as it is judged: the target agent's head turned to what it is assumed to look at.
 
-        Who holds the thing is left to distances, unless the state says it: nothing slips where all stands still. A
-        head that cannot turn stays.
+        Who holds what is left to distances: nothing slips where all stands still. A head that cannot turn stays.
         """
-        if not any(hold.object == self._thing for hold in state.holding or ()):
-            state = state.with_holding(None)
+        state = state.with_holding(None)
         pan, tilt = self._agent.profile.pan, self._agent.profile.tilt
         if self._looks_at is None or pan is None or tilt is None:
             return state
