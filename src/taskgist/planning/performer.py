@@ -1,0 +1,276 @@
+"""A robot, or a person, of a scene as a planner needs it: joints by what they do, collisions, inverse kinematics.
+
+Everything comes from the body's profile and its model; nothing here knows a robot's name::
+
+    performer = Performer(scene, "PR2")
+    qpos = performer.at(scene.initial.qpos, (1.0, 0.4, 3.1))             # base on the floor
+    for found in performer.ik("right", palm, qpos):                      # whole configurations, nearest first
+        if performer.blocking(found) is None: ...
+
+Configurations are positions of the whole scene in MuJoCo's order, (nq,), so that what is found can be shown, recorded
+and judged as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from taskgist.common.arrays import Array, Indices
+from taskgist.errors import SceneError
+from taskgist.perspective.effort import LEAN, MOVE, TURN, Blocking, stretch
+from taskgist.perspective.effort import LIFT as LIFT_TORSO
+from taskgist.planning.gripper import Gripper
+from taskgist.planning.inverse_kinematics import ArmKinematics, Chain, chain_of_arm
+from taskgist.planning.whole_body import TOLERANCE_M, Grip, WholeBody
+from taskgist.settings import DEFAULT, Settings
+from taskgist.world.bodies.agent import Agent
+from taskgist.world.geometry.transforms import Pose, turned_about_z, yaw_of
+from taskgist.world.scene import Scene
+from taskgist.world.stage import Stage
+from taskgist.world.state import State
+
+Base = tuple[float, float, float]
+"""Where a body stands: x and y in metres, yaw in radians."""
+
+__all__ = ["TOLERANCE_M", "Base", "Chain", "Grip", "Gripper", "Performer"]
+
+
+class Performer:
+    """A body of a scene that is to perform something.
+
+    Args:
+        scene: The scene.
+        agent_name: Whose body.
+        settings: All settings.
+        start: The state from which it starts, whose contacts count as usual; by default the scene's own.
+
+    Attributes:
+        scene: As given.
+        agent: The agent.
+        settings: As given.
+        start: As given.
+        body: Its collisions.
+
+    Raises:
+        UnknownNameError: There is no such agent.
+        SceneError: It has no arm, or no hand that grasps.
+    """
+
+    def __init__(
+        self, scene: Scene, agent_name: str, settings: Settings = DEFAULT, *, start: State | None = None
+    ) -> None:
+        self.scene, self.settings = scene, settings
+        self.agent: Agent = scene.agent(agent_name)
+        self.start = scene.initial if start is None else start
+        if not self.agent.arms or self.agent.profile.hand is None:
+            lacks = "no arm" if not self.agent.arms else "no hand that grasps"
+            raise SceneError(f"{agent_name} has {lacks}", where=scene.name, hint="its profile says [[arms]] and [hand]")
+        self.body = WholeBody(scene, self.agent, self.start)
+        self._stage = Stage(scene, self.start)
+        self._chains: dict[str, Chain] = {}
+        self._arms: dict[tuple[str, bytes], ArmKinematics] = {}
+        self._grippers: dict[str, Gripper] = {}
+
+    # --- Joints by what they do.
+
+    @property
+    def sides(self) -> tuple[str, ...]:
+        """Sides on which it has an arm."""
+        return self.agent.sides
+
+    def chain(self, side: str) -> Chain:
+        """The joints that move the palm of a side: lifts, then the arm, with their positions in qpos and limits."""
+        if side not in self._chains:
+            self._chains[side] = chain_of_arm(self._stage.show(self.start), self.agent, self.agent.arm(side))
+        return self._chains[side]
+
+    def gripper(self, side: str) -> Gripper:
+        """The hand of a side."""
+        if side not in self._grippers:
+            hand = self.agent.profile.hand
+            assert hand is not None
+            self._grippers[side] = Gripper(self._stage.show(self.start), self.agent, self.agent.arm(side), hand)
+        return self._grippers[side]
+
+    def opened(self, qpos: Array, side: str, opening_m: float) -> Array:
+        """A configuration with the hand of a side so wide open, as near as it gets."""
+        gripper = self.gripper(side)
+        return with_values(qpos, gripper.positions, gripper.opened(opening_m))
+
+    @cached_property
+    def folded(self) -> Array:
+        """Positions of the arms at rest, as the profile gives them, in the order of ``agent.arm_positions``, (n,).
+
+        Fingers are as the start has them.
+        """
+        rest = {**dict(self.agent.profile.rest_rad), **dict(self.agent.profile.rest_m)}
+        model = self.scene.model
+        positions = self.agent.arm_positions
+        names = {position: name for name, position in self.agent.joints.items()}
+        values = [rest.get(names[int(position)], float(model.qpos0[position])) for position in positions]
+        moved = np.concatenate([self.chain(side).positions for side in self.sides])
+        return np.where(np.isin(positions, moved), values, self.start.qpos[positions])
+
+    def at_rest(self, qpos: Array) -> Array:
+        """A configuration with the arms folded."""
+        return with_values(qpos, self.agent.arm_positions, self.folded)
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Joints of its torso that would bring an arm farther, and that nothing here moves."""
+        axes = (self.agent.profile.turn, self.agent.profile.lean)
+        return tuple(axis.joint for axis in axes if axis is not None)
+
+    @property
+    def actions(self) -> tuple[str, ...]:
+        """The virtual actions (Eq. 1-6) that it can carry out: arms stretched out, torso lifted, base moved."""
+        arms = tuple(stretch(side) for side in self.sides)
+        lifted = (LIFT_TORSO,) if self.agent.lifts else ()
+        return (*arms, *lifted, *((MOVE,) if self.agent.profile.moves else ()))
+
+    @property
+    def torso_actions(self) -> tuple[str, ...]:
+        """Those of its torso that it has and that nothing here carries out."""
+        axes = ((TURN, self.agent.profile.turn), (LEAN, self.agent.profile.lean))
+        return tuple(name for name, axis in axes if axis is not None)
+
+    # --- Where it stands.
+
+    def base(self, qpos: Array) -> Base:
+        """Where it stands in a configuration."""
+        x, y = (float(value) for value in qpos[self.agent.base][:2])
+        return x, y, yaw_of(qpos[self.agent.base][3:])
+
+    def at(self, qpos: Array, base: Base) -> Array:
+        """A configuration with the body moved over the floor and turned about the vertical."""
+        moved = np.array(qpos)
+        whole = moved[self.agent.base]
+        whole[:2] = base[:2]
+        whole[3:] = turned_about_z(whole[3:], base[2] - yaw_of(whole[3:]))
+        return moved
+
+    # --- Collisions.
+
+    def blocking(self, qpos: Array, grip: Grip | None = None) -> Blocking | None:
+        """The first pair that collides in a configuration: a part of the robot or its load, and what it is in.
+
+        Args:
+            qpos: Positions of the whole scene, (nq,).
+            grip: What it holds; that goes with the palm.
+
+        Returns:
+            None if the whole robot and its load are free.
+        """
+        return self.body.blocking(qpos, grip)
+
+    def grip(self, qpos: Array, thing: str, side: str) -> Grip:
+        """A thing, where it is, in a hand, where that is."""
+        return self.body.grip(qpos, thing, side)
+
+    def carried(self, qpos: Array, grip: Grip) -> Array:
+        """A configuration with the held thing where the hand has it."""
+        return self.body.carried(self._stage.show(self._state(qpos)), grip)
+
+    # --- The palm, and what brings it somewhere.
+
+    def palm(self, qpos: Array, side: str) -> Pose:
+        """The palm in the world."""
+        return self._stage.show(self._state(qpos)).site(self.agent.arm(side).palm_site)
+
+    def ik(
+        self,
+        side: str,
+        palm: Pose,
+        qpos: Array,
+        *,
+        lift: bool = True,
+        starts: int = 6,
+        most: int = 3,
+        seed: int = 0,
+    ) -> list[Array]:
+        """Configurations, (nq,) each, that bring a palm to a pose within 2 mm and 1°; the nearest one first.
+
+        Only the joints of that arm, and lifts, differ from the configuration given. Collisions are not looked at.
+
+        Args:
+            side: Whose palm.
+            palm: Where to, in the world.
+            qpos: The present configuration; its base stays.
+            lift: Whether lifts may move.
+            starts: From how many configurations of the arm's capability map to start, and half as many at random.
+            most: Enough of them.
+            seed: Of what is drawn.
+
+        Returns:
+            None of them: it is out of reach, as far as is known.
+        """
+        arm, chain = self._arm(side, qpos), self.chain(side)
+        target, now = self._in_root(palm, qpos), qpos[chain.positions]
+        found = arm.solve(target, now, lift=lift, starts=starts, most=most, seed=seed)
+        return [with_values(qpos, chain.positions, values) for values in found]
+
+    def follow(self, side: str, palms: Sequence[Pose], qpos: Array, *, lift: bool = False) -> Array | None:
+        """Joints of a chain, (n, k), that bring a palm to one pose after the other without a jump; None if none do.
+
+        Args:
+            side: Whose palm.
+            palms: Where to, in the world; a few millimetres apart.
+            qpos: The configuration before the first.
+            lift: Whether lifts may move.
+        """
+        chain = self.chain(side)
+        targets = [self._in_root(palm, qpos) for palm in palms]
+        return self._arm(side, qpos).follow(targets, qpos[chain.positions], lift=lift)
+
+    def within_reach(self, side: str, palm: Pose, qpos: Array) -> bool:
+        """Whether the arm's capability map knows a configuration near to a pose: quick, and mostly right."""
+        return self._arm(side, qpos).reaches(self._in_root(palm, qpos), qpos[self.chain(side).positions])
+
+    def shoulder(self, qpos: Array, side: str) -> Array:
+        """The shoulder and the frame that carries it, a row of 12 for compiled functions."""
+        pose = self._stage.show(self._state(qpos)).shoulder(self.agent.arm(side))
+        return np.concatenate((pose.position, pose.matrix.reshape(9)))
+
+    def _state(self, qpos: Array) -> State:
+        return State(qpos, untracked=self.start.untracked)
+
+    def _in_root(self, pose: Pose, qpos: Array) -> Pose:
+        root = self._root(qpos)
+        return Pose(root.to_local(pose.position), root.matrix.T @ pose.matrix)
+
+    def _root(self, qpos: Array) -> Pose:
+        return self._stage.show(self._state(qpos)).body(self.agent.root_body)
+
+    def _arm(self, side: str, qpos: Array) -> ArmKinematics:
+        """The kinematics of an arm whose links are as the other joints of a configuration have them."""
+        chain = self.chain(side)
+        others = np.setdiff1d(self._own_joints, chain.positions)
+        key = (side, np.round(qpos[others], 6).tobytes())
+        if key not in self._arms:
+            stage = self._stage.show(self._state(qpos))
+            self._arms[key] = ArmKinematics(stage, self.agent, self.agent.arm(side), chain)
+        return self._arms[key]
+
+    @cached_property
+    def _own_joints(self) -> Indices:
+        """Positions of the joints that carry its arms, but those of the arms, and its arms' girdles."""
+        model = self.scene.model
+        found: set[int] = set()
+        for arm in self.agent.arms:
+            body = int(model.site_bodyid[arm.palm_site])
+            while body not in (self.agent.root_body, 0):
+                joints = range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body])
+                found |= {int(model.jnt_qposadr[joint]) for joint in joints}
+                body = int(model.body_parentid[body])
+        own = {position for side in self.sides for position in self.chain(side).positions.tolist()}
+        return np.array(sorted(found - own), dtype=np.intp)
+
+
+def with_values(qpos: Array, positions: Indices, values: Array) -> Array:
+    """Positions of the whole scene, (nq,), with some replaced."""
+    changed = np.array(qpos)
+    changed[positions] = values
+    return changed
