@@ -1,0 +1,495 @@
+"""How a robot picks a thing up, and puts it down, from where it stands: grasps, and the lines of the hand around them.
+
+Grasps are those that perspective explains the ability to grasp with: sampled on the thing, in its own frame, so that the
+one with which it is picked up is the one with which it is put down. For each of them one question comes after the other,
+the cheap ones first, and what fails is counted at the first gate that it fails:
+
+1. the hand is free where the thing lies, and where it is to lie (boxes of the hand, as perspective has them);
+2. the arm reaches (capability map), its gripper opens so wide;
+3. inverse kinematics: the palm is at the grasp, and the whole robot, as its model has it, is free;
+4. the hand comes 10 cm along the approach, open, every few millimetres free, without a jump of the arm;
+5. it rises with the thing in it, as free.
+
+Putting down is the same way backwards: down with the thing, then back with the open hand.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from functools import cached_property
+
+import numpy as np
+
+from taskgist.common.arrays import Array, Indices
+from taskgist.errors import SceneError
+from taskgist.perspective.constraints import Collisions
+from taskgist.perspective.effort import Blocking, Miss, Reason
+from taskgist.perspective.grasp_sampling import Grasps, grasps_in_object, hand_frames
+from taskgist.perspective.grasp_trials import GraspTrials
+from taskgist.perspective.points_in_reach import grasps_in_reach
+from taskgist.perspective.target import Recorder
+from taskgist.planning.performer import Grip, Performer, with_values
+from taskgist.planning.whole_body import Pair, pose_of
+from taskgist.world.bodies.hands import Hand
+from taskgist.world.geometry.transforms import Pose
+from taskgist.world.stage import Stage
+from taskgist.world.state import State
+
+BACK_M, STEP_M = 0.10, 0.005
+"""Length of the approach, and how far apart the configurations along a line are."""
+RISE_M, LEAST_RISE_M = 0.08, 0.05
+"""How far a thing is lifted straight up; and how far at least, where something is above."""
+AWAY_M = 1e4
+"""Where a robot is put that is in nobody's way."""
+MOST_TRIED = 40
+"""Grasps that are solved from one stand, those that come from other sides first (ours)."""
+OPENING_STEP_M = 0.002
+"""Openings of a hand are rounded up to this."""
+NAMED = 2
+
+
+class Gate(Enum):
+    """Where a grasp fails first, in the order of the questions; ``{thing}`` and ``{others}`` are filled in."""
+
+    HAND_AT_START = "approaches to the {thing} where it lies are blocked by {others}"
+    HAND_AT_GOAL = "approaches to the {thing} where it is to be are blocked by {others}"
+    REACH = "grasps of the {thing} are out of the arm's reach"
+    OPENING = "grasps of the {thing} are too wide for the fingers: {others}"
+    KINEMATICS = "grasps of the {thing} are at angles to which the arm does not turn the hand"
+    BODY = "grasps of the {thing} bring the robot against {others}"
+    APPROACH = "approaches to the {thing} are blocked by {others}"
+    JUMP = "approaches to the {thing} are more than the arm follows without a jump"
+    RISE = "ways up with the {thing} are blocked by {others}"
+
+
+@dataclass(frozen=True, eq=False)
+class Tally:
+    """How many grasps failed at each gate, and what was in the way."""
+
+    counts: Counter[Gate] = field(default_factory=Counter)
+    met: dict[Gate, Counter[str]] = field(default_factory=dict)
+
+    def add(self, gate: Gate, other: str | None = None, count: int = 1) -> None:
+        """Count grasps that failed at a gate."""
+        self.counts[gate] += count
+        if other is not None:
+            self.met.setdefault(gate, Counter())[other] += count
+
+    def text(self, thing: str) -> str:
+        """A sentence: "every one of 48 approaches to the tape is blocked by the table"."""
+        total = sum(self.counts.values())
+        parts = []
+        for gate in Gate:
+            if count := self.counts[gate]:
+                others = " and ".join(name for name, _ in self.met.get(gate, Counter()).most_common(NAMED))
+                much = "all" if count == total else f"{count} of {total}"
+                parts.append(f"{much} {gate.value.format(thing=thing, others=others)}")
+        return "; ".join(parts)
+
+
+@dataclass(frozen=True, eq=False)
+class HandWay:
+    """A hand at a thing, and its lines to and from there, by the joints of its arm's chain.
+
+    Attributes:
+        thing: What it grasps.
+        side: The hand's side.
+        grasp: Which of the thing's grasps.
+        positions: Indices into qpos of the chain's joints, (k,).
+        before: All positions before the arm moves, at the stand, with the thing where it is grasped or put, (nq,).
+        line: From 10 cm off along the approach to the grasp, the hand open, (n, k).
+        rise: From the grasp up, the thing in the hand, (m, k).
+        open_hand: Joint values of the open hand, (f,).
+        closed_hand: Those of the hand around the thing, (f,).
+        hand_positions: Indices into qpos of the hand's joints, (f,).
+        grip: The thing in the hand.
+    """
+
+    thing: str
+    side: str
+    grasp: int
+    positions: Indices
+    before: Array
+    line: Array
+    rise: Array
+    open_hand: Array
+    closed_hand: Array
+    hand_positions: Indices
+    grip: Grip
+
+    def opened(self, values: Array) -> Array:
+        """All positions, (nq,), with the arm so and the hand open; the thing stays where it is."""
+        return with_values(with_values(self.before, self.positions, values), self.hand_positions, self.open_hand)
+
+    def closed(self, values: Array) -> Array:
+        """All positions, (nq,), with the arm so and the hand closed; the held thing is elsewhere: see ``carried``."""
+        return with_values(with_values(self.before, self.positions, values), self.hand_positions, self.closed_hand)
+
+
+class PickPose(HandWay):
+    """How a thing is picked up."""
+
+    @property
+    def pre_grasp(self) -> Array:
+        """All positions with the open hand before the thing, (nq,)."""
+        return self.opened(self.line[0])
+
+    @property
+    def grasped(self) -> Array:
+        """All positions with the open hand at the thing, (nq,)."""
+        return self.opened(self.line[-1])
+
+    @property
+    def approach(self) -> Array:
+        """Joints of the chain towards the thing, the hand open, (n, k)."""
+        return self.line
+
+    @property
+    def lift(self) -> Array:
+        """Joints of the chain upwards, the thing in the hand, (m, k)."""
+        return self.rise
+
+
+class PlacePose(HandWay):
+    """How a thing is put down."""
+
+    @property
+    def above(self) -> Array:
+        """All positions with the thing in the hand above its place, (nq,); the thing itself is as ``carried`` has it."""
+        return self.closed(self.rise[-1])
+
+    @property
+    def lower(self) -> Array:
+        """Joints of the chain downwards, the thing in the hand, (m, k)."""
+        return self.rise[::-1]
+
+    @property
+    def retreat(self) -> Array:
+        """Joints of the chain back from the thing, the hand open, (n, k)."""
+        return self.line[::-1]
+
+
+class Grasping:
+    """The grasps of one thing by one robot, at the place where it lies and at the one where it is to lie.
+
+    Args:
+        performer: The robot.
+        state: Where everything is.
+        thing: What is grasped.
+        goal: Where the thing's body is to be: position in metres and wxyz, (7,); None if it need not be put down.
+
+    Attributes:
+        tally: Where grasps failed until now.
+        miss: Why the hand closes on the thing nowhere, wherever it lies; None if it does.
+
+    Raises:
+        UnknownNameError: There is no such thing.
+    """
+
+    def __init__(self, performer: Performer, state: State, thing: str, goal: Array | None = None) -> None:
+        self.performer, self.thing, self.tally = performer, thing, Tally()
+        scene = performer.scene
+        self._slice = scene.object_slice(thing)
+        self.start = state
+        self.goal = None if goal is None else state.replace(at=self._slice, to=goal)
+        assert performer.agent.profile.hand is not None
+        self._hand: Hand = performer.agent.profile.hand
+        self._stage = Stage(scene, state)
+        self.grasps: Grasps = grasps_in_object(self._stage, thing, self._hand, performer.settings.grasp)
+        self.miss = None if len(self.grasps) else self._no_grasp()
+        self._touches: dict[bytes, dict[Pair, float]] = {}
+
+    @cached_property
+    def free(self) -> Indices:
+        """Grasps with which the hand is free at both places, those from other sides first; others are counted."""
+        rows = self._free_of_others(self.start, np.arange(len(self.grasps)), Gate.HAND_AT_START)
+        if self.goal is not None:
+            rows = self._free_of_others(self.goal, rows, Gate.HAND_AT_GOAL)
+        return self._spread(rows)
+
+    def centers(self, place: State) -> Array:
+        """Where the free grasps are while the thing is where a state has it, metres, (n, 3)."""
+        return pose_of(place.qpos[self._slice]).to_world(self.grasps.centers[self.free])
+
+    def in_reach(self, side: str, qpos: Array, place: State, lifts: Sequence[float] = (0.0,)) -> Indices:
+        """Which of the free grasps an arm reaches, by its capability map, in their order.
+
+        Args:
+            side: The arm.
+            qpos: Positions of the scene with the robot where it stands.
+            place: Where the thing is.
+            lifts: How far the shoulder is lifted from there, metres, each tried.
+        """
+        return self.reached_from(self.performer.shoulder(qpos, side), side, place, lifts)
+
+    def reached_from(self, shoulder: Array, side: str, place: State, lifts: Sequence[float] = (0.0,)) -> Indices:
+        """The same, from where a shoulder is and how what carries it is turned, (12,)."""
+        settings, arm = self.performer.settings, self.performer.agent.arm(side)
+        pose = pose_of(place.qpos[self._slice])
+        centers, approaches = self.centers(place), self.grasps.approaches[self.free] @ pose.matrix.T
+        reached = np.zeros(len(self.free), dtype=bool)
+        for up_m in lifts:
+            lifted = shoulder.copy()
+            lifted[2] += up_m
+            found = grasps_in_reach(
+                lifted, arm, centers, approaches, settings.grasp.facing, model=settings.reach.model
+            )
+            reached[found] = True
+        return self.free[reached]
+
+    def lifts(self, qpos: Array, side: str) -> tuple[float, ...]:
+        """How far a shoulder can be lifted from where it is: not at all, to both ends, and half-way, metres."""
+        chain = self.performer.chain(side)
+        if not chain.lifts.any():
+            return (0.0,)
+        now = float(qpos[chain.positions][chain.lifts].sum())
+        low, high = float(chain.low[chain.lifts].sum()), float(chain.high[chain.lifts].sum())
+        return tuple(sorted({0.0, low - now, (low + high) / 2 - now, high - now}))
+
+    def picks(self, qpos: Array, *, most_tried: int = MOST_TRIED) -> Iterator[PickPose]:
+        """Ways to pick the thing up from where the robot stands.
+
+        Args:
+            qpos: Positions of the scene with the robot at its stand; only its own count, (nq,).
+            most_tried: Grasps that are tried at most.
+        """
+        before = with_values(qpos, np.arange(self._slice.start, self._slice.stop), self.start.qpos[self._slice])
+        for side, row in self._to_try(before, self.start, most_tried):
+            way = self._pick(side, row, before)
+            if way is not None:
+                yield way
+
+    def places(self, qpos: Array, pick: PickPose) -> Iterator[PlacePose]:
+        """Ways to put the thing down where it is to lie, as it was picked up.
+
+        Args:
+            qpos: Positions of the scene with the robot at its stand; only its own count, (nq,).
+            pick: How it was picked up.
+
+        Raises:
+            SceneError: The thing is not to be put down.
+        """
+        if self.goal is None:
+            raise SceneError(f"{self.thing} is to be put down nowhere", hint="give Grasping a goal")
+        place = self.goal
+        before = with_values(qpos, np.arange(self._slice.start, self._slice.stop), place.qpos[self._slice])
+        pose = pose_of(place.qpos[self._slice])
+        palm = Pose(
+            pose.to_world(-pick.grip.in_palm.matrix.T @ pick.grip.in_palm.position),
+            pose.matrix @ pick.grip.in_palm.matrix.T,
+        )
+        usual_m = self._merged(pick.grip.usual_m, self._touching(before))
+        for way in self._ways(pick.side, pick.grasp, before, palm, replace(pick.grip, usual_m=usual_m)):
+            yield PlacePose(**vars(way))
+
+    # --- What the hand meets at the thing.
+
+    def _no_grasp(self) -> Miss:
+        """Why the hand closes on the thing nowhere."""
+        narrowest_m = self.grasps.narrowest_m
+        if narrowest_m is None:
+            return Miss(Reason.NO_OPPOSITE_FACES, f"the {self.thing} has no two opposite faces to close a hand on")
+        if narrowest_m > self._hand.opening_m:
+            widths = f"{narrowest_m:.3f} m > {self._hand.opening_m:.3f} m"
+            return Miss(Reason.TOO_WIDE, f"the {self.thing} is too wide for the hand ({widths})")
+        return Miss(Reason.TOO_NARROW, f"the {self.thing} is too narrow for all fingers to meet it")
+
+    def _free_of_others(self, place: State, rows: Indices, gate: Gate) -> Indices:
+        """Those grasps with which the hand meets nothing where the thing is, the robot itself left aside."""
+        performer, scene = self.performer, self.performer.scene
+        agent = performer.agent
+        away = np.array(place.qpos)
+        away[agent.base][:2] += AWAY_M
+        with self._stage.showing(place.replace(at=agent.base, to=away[agent.base])) as stage:
+            collisions = Collisions(stage, agent, performer.settings, (), Recorder())
+            pose = stage.body(scene.object_body(self.thing))
+            trials = GraspTrials(stage, agent, pose, self.grasps, self._hand, collisions)
+            free, rest = [], rows
+            while len(rest):
+                found = trials.first_free(rest, agent.arms[0].ghosts)
+                if found is None:
+                    break
+                free.append(found)
+                rest = rest[int(np.flatnonzero(rest == found)[0]) + 1 :]
+            owners = [*(scene.owners[geom] for geom in trials.others.tolist()), self.thing]
+        for row in np.setdiff1d(rows, free):
+            met = int(trials.met[row])
+            self.tally.add(gate, f"the {owners[met]}" if met >= 0 else None)
+        return np.array(free, dtype=np.intp)
+
+    def _spread(self, rows: Indices) -> Indices:
+        """Grasps in the order in which they are tried: one from each side in turn, each time nearest to the middle."""
+        if not len(rows):
+            return rows
+        grasps = self.grasps.only(rows)
+        points = self._stage.show(self.start).bounds(self._stage.scene.seen_geoms(self.thing)).mean(axis=0)
+        middle = pose_of(self.start.qpos[self._slice]).to_local(points)
+        away_m = np.round(np.linalg.norm(grasps.centers - middle, axis=1), 6)
+        sides = np.round(np.concatenate((grasps.approaches, np.abs(grasps.closings)), axis=1) * 1.5)
+        turns: dict[bytes, int] = {}
+        keys = []
+        for row in np.lexsort((rows, away_m)):
+            side = (sides[row] + 0.0).tobytes()
+            turns[side] = turns.get(side, -1) + 1
+            keys.append((turns[side], float(away_m[row]), int(rows[row])))
+        return np.array([row for _, _, row in sorted(keys)], dtype=np.intp)
+
+    # --- One grasp after the other.
+
+    def _to_try(self, qpos: Array, place: State, most: int) -> Iterator[tuple[str, int]]:
+        """Grasps within reach, and whose hand reaches them, in their order; the others are counted."""
+        sides = self.performer.sides
+        reached = {side: set(self.in_reach(side, qpos, place, self.lifts(qpos, side)).tolist()) for side in sides}
+        tried = 0
+        for row in self.free.tolist():
+            able = [side for side in sides if row in reached[side]]
+            if not able:
+                self.tally.add(Gate.REACH)
+            for side in able:
+                tried += 1
+                if tried <= most:
+                    yield side, row
+
+    def _pick(self, side: str, row: int, before: Array) -> PickPose | None:
+        """How a hand picks the thing up by a grasp; None if it does not, which is counted."""
+        gripper = self.performer.gripper(side)
+        too_narrow = gripper.too_narrow(float(self.grasps.widths_m[row]))
+        if too_narrow is not None:
+            self.tally.add(Gate.OPENING, too_narrow)
+            return None
+        in_hand = gripper.palm_in_hand(self._hands(side, row)[0])
+        pose = pose_of(before[self._slice])
+        failed: list[tuple[Gate, str | None]] = []
+        for turned in (1.0,) if self._hand.one_sided else (1.0, -1.0):
+            axes = pose.matrix @ hand_frames(self.grasps.only(np.array([row])))[0] * (1.0, turned, turned)
+            at = Pose(pose.to_world(self.grasps.centers[row]), axes)
+            palm = Pose(at.to_world(in_hand.position), at.matrix @ in_hand.matrix)
+            for way in self._ways(side, row, before, palm, None, failed):
+                return PickPose(**vars(way))
+        self.tally.add(*max(failed, key=lambda each: list(Gate).index(each[0])))
+        return None
+
+    def _hands(self, side: str, row: int) -> tuple[Array, Array]:
+        """Joint values of the hand before it closes and around the thing."""
+        gripper, width_m = self.performer.gripper(side), float(self.grasps.widths_m[row])
+        wanted_m = width_m + 2 * float(self.grasps.gaps_m[row])
+        steps = np.ceil(np.array((wanted_m, width_m)) / OPENING_STEP_M - 1e-6)
+        open_m, closed_m = (steps * OPENING_STEP_M).tolist()
+        return gripper.opened(min(open_m, gripper.widest_m)), gripper.opened(closed_m)
+
+    def _ways(
+        self,
+        side: str,
+        row: int,
+        before: Array,
+        palm: Pose,
+        grip: Grip | None,
+        failed: list[tuple[Gate, str | None]] | None = None,
+    ) -> Iterator[HandWay]:
+        """Ways of a hand to a palm's pose and up from there.
+
+        Args:
+            side: The hand.
+            row: The grasp.
+            before: All positions at the stand, the thing where it is grasped or put.
+            palm: Where the palm is at the grasp.
+            grip: The thing in the hand; None if it is as it comes to be grasped.
+            failed: Filled with where each configuration failed; None: counted.
+        """
+        performer, gripper, chain = self.performer, self.performer.gripper(side), self.performer.chain(side)
+        failed = [] if failed is None else failed
+        open_hand, closed_hand = self._hands(side, row)
+        ready = with_values(before, gripper.positions, open_hand)
+        solutions = performer.ik(side, palm, ready)
+        if not solutions:
+            failed.append((Gate.KINEMATICS, None))
+        for found in solutions:
+            blocked = performer.blocking(found)
+            if blocked is not None:
+                failed.append((Gate.BODY, _named(blocked)))
+                continue
+            line = self._line(side, palm, gripper.axes[:, 0], found)
+            if line is None:
+                failed.append((Gate.JUMP, None))
+                continue
+            blocked = self._first_blocked(ready, chain.positions, line[:-1])
+            if blocked is not None:
+                failed.append((Gate.APPROACH, _named(blocked)))
+                continue
+            shut = with_values(found, gripper.positions, closed_hand)
+            held = grip or replace(performer.grip(shut, self.thing, side), usual_m=self._touching(before))
+            rise = self._rise(side, palm, shut, held, failed)
+            if rise is None:
+                continue
+            yield HandWay(
+                thing=self.thing,
+                side=side,
+                grasp=row,
+                positions=chain.positions,
+                before=before,
+                line=line,
+                rise=rise,
+                open_hand=open_hand,
+                closed_hand=closed_hand,
+                hand_positions=gripper.positions,
+                grip=held,
+            )
+
+    def _line(self, side: str, palm: Pose, approach_in_palm: Array, found: Array) -> Array | None:
+        """Joints of the chain along the approach, the grasp last, (n, k); None if the arm does not follow."""
+        back = -(palm.matrix @ approach_in_palm)
+        steps = np.arange(1, round(BACK_M / STEP_M) + 1) * STEP_M
+        palms = [Pose(palm.position + far * back, palm.matrix) for far in steps]
+        way = self.performer.follow(side, palms, found)
+        if way is None:
+            return None
+        return np.concatenate((way[::-1], found[self.performer.chain(side).positions][None]))
+
+    def _rise(
+        self, side: str, palm: Pose, shut: Array, held: Grip, failed: list[tuple[Gate, str | None]]
+    ) -> Array | None:
+        """Joints of the chain upwards from the grasp, as far as it is free, at least 5 cm; None if that is blocked."""
+        performer, positions = self.performer, self.performer.chain(side).positions
+        way, last, blocked = [shut[positions]], shut, performer.blocking(shut, held)
+        for up in np.arange(1, round(RISE_M / STEP_M) + 1) * STEP_M:
+            if blocked is not None:
+                break
+            values = performer.follow(side, [Pose(palm.position + (0.0, 0.0, up), palm.matrix)], last)
+            if values is None:
+                break
+            last = with_values(shut, positions, values[0])
+            blocked = performer.blocking(last, held)
+            if blocked is None:
+                way.append(values[0])
+        if (len(way) - 1) * STEP_M >= LEAST_RISE_M - 1e-9:
+            return np.array(way)
+        failed.append((Gate.JUMP, None) if blocked is None else (Gate.RISE, _named(blocked)))
+        return None
+
+    def _first_blocked(self, qpos: Array, positions: Indices, way: Array) -> Blocking | None:
+        """What is first in the way of a line, (n, k), looked at from its end."""
+        each = (self.performer.blocking(with_values(qpos, positions, values)) for values in way[::-1])
+        return next((blocked for blocked in each if blocked is not None), None)
+
+    def _touching(self, before: Array) -> dict[Pair, float]:
+        """How deep the thing is in what carries it, where it is."""
+        key = before[self._slice].tobytes()
+        if key not in self._touches:
+            self._touches[key] = self.performer.body.touches(before, self.thing)
+        return self._touches[key]
+
+    @staticmethod
+    def _merged(one: Iterable[Pair] | dict[Pair, float], other: dict[Pair, float]) -> dict[Pair, float]:
+        merged = dict(one)
+        for pair, depth_m in other.items():
+            merged[pair] = max(depth_m, merged.get(pair, 0.0))
+        return merged
+
+
+def _named(blocked: Blocking) -> str:
+    """What a collision is with, for people."""
+    owner, _, part = blocked.other.partition("/")
+    return f"{owner}'s {part.replace('_', ' ')}" if part else f"the {owner}"
