@@ -16,7 +16,7 @@ Putting down is the same way backwards: down with the thing, then back with the 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cached_property
@@ -182,7 +182,9 @@ class Grasping:
         goal: Where the thing's body is to be: position in metres and wxyz, (7,); None if it need not be put down.
 
     Attributes:
-        tally: Where grasps failed until now.
+        tally: Where grasps failed until now, when the thing was to be picked up.
+        place_tally: Where they failed when it was to be put down, once for each stand.
+        thing_slice: Where the thing's body is in qpos.
         miss: Why the hand closes on the thing nowhere, wherever it lies; None if it does.
 
     Raises:
@@ -190,11 +192,12 @@ class Grasping:
     """
 
     def __init__(self, performer: Performer, state: State, thing: str, goal: Array | None = None) -> None:
-        self.performer, self.thing, self.tally = performer, thing, Tally()
+        self.performer, self.thing = performer, thing
+        self.tally, self.place_tally = Tally(), Tally()
         scene = performer.scene
-        self._slice = scene.object_slice(thing)
+        self.thing_slice = scene.object_slice(thing)
         self.start = state
-        self.goal = None if goal is None else state.replace(at=self._slice, to=goal)
+        self.goal = None if goal is None else state.replace(at=self.thing_slice, to=goal)
         assert performer.agent.profile.hand is not None
         self._hand: Hand = performer.agent.profile.hand
         self._stage = Stage(scene, state)
@@ -212,7 +215,7 @@ class Grasping:
 
     def centers(self, place: State) -> Array:
         """Where the free grasps are while the thing is where a state has it, metres, (n, 3)."""
-        return pose_of(place.qpos[self._slice]).to_world(self.grasps.centers[self.free])
+        return pose_of(place.qpos[self.thing_slice]).to_world(self.grasps.centers[self.free])
 
     def in_reach(self, side: str, qpos: Array, place: State, lifts: Sequence[float] = (0.0,)) -> Indices:
         """Which of the free grasps an arm reaches, by its capability map, in their order.
@@ -228,7 +231,7 @@ class Grasping:
     def reached_from(self, shoulder: Array, side: str, place: State, lifts: Sequence[float] = (0.0,)) -> Indices:
         """The same, from where a shoulder is and how what carries it is turned, (12,)."""
         settings, arm = self.performer.settings, self.performer.agent.arm(side)
-        pose = pose_of(place.qpos[self._slice])
+        pose = pose_of(place.qpos[self.thing_slice])
         centers, approaches = self.centers(place), self.grasps.approaches[self.free] @ pose.matrix.T
         reached = np.zeros(len(self.free), dtype=bool)
         for up_m in lifts:
@@ -249,15 +252,18 @@ class Grasping:
         low, high = float(chain.low[chain.lifts].sum()), float(chain.high[chain.lifts].sum())
         return tuple(sorted({0.0, low - now, (low + high) / 2 - now, high - now}))
 
-    def picks(self, qpos: Array, *, most_tried: int = MOST_TRIED) -> Iterator[PickPose]:
+    def picks(
+        self, qpos: Array, *, among: Container[int] | None = None, most_tried: int = MOST_TRIED
+    ) -> Iterator[PickPose]:
         """Ways to pick the thing up from where the robot stands.
 
         Args:
             qpos: Positions of the scene with the robot at its stand; only its own count, (nq,).
+            among: The grasps that are asked for, such as those within reach where the thing is to lie; None: all.
             most_tried: Grasps that are tried at most.
         """
-        before = with_values(qpos, np.arange(self._slice.start, self._slice.stop), self.start.qpos[self._slice])
-        for side, row in self._to_try(before, self.start, most_tried):
+        before = with_values(qpos, np.arange(self.thing_slice.start, self.thing_slice.stop), self.start.qpos[self.thing_slice])
+        for side, row in self._to_try(before, self.start, among, most_tried):
             way = self._pick(side, row, before)
             if way is not None:
                 yield way
@@ -275,15 +281,19 @@ class Grasping:
         if self.goal is None:
             raise SceneError(f"{self.thing} is to be put down nowhere", hint="give Grasping a goal")
         place = self.goal
-        before = with_values(qpos, np.arange(self._slice.start, self._slice.stop), place.qpos[self._slice])
-        pose = pose_of(place.qpos[self._slice])
-        palm = Pose(
-            pose.to_world(-pick.grip.in_palm.matrix.T @ pick.grip.in_palm.position),
-            pose.matrix @ pick.grip.in_palm.matrix.T,
-        )
+        before = with_values(qpos, np.arange(self.thing_slice.start, self.thing_slice.stop), place.qpos[self.thing_slice])
         usual_m = self._merged(pick.grip.usual_m, self._touching(before))
-        for way in self._ways(pick.side, pick.grasp, before, palm, replace(pick.grip, usual_m=usual_m)):
+        grip, failed, done = replace(pick.grip, usual_m=usual_m), [], False
+        for way in self._ways(pick.side, pick.grasp, before, self._palm_at(place, pick.grip), grip, failed):
+            done = True
             yield PlacePose(**vars(way))
+        if failed and not done:
+            self.place_tally.add(*_farthest(failed))
+
+    def _palm_at(self, place: State, grip: Grip) -> Pose:
+        """Where the palm is when the held thing is at a place."""
+        pose, in_palm = pose_of(place.qpos[self.thing_slice]), grip.in_palm
+        return Pose(pose.to_world(-in_palm.matrix.T @ in_palm.position), pose.matrix @ in_palm.matrix.T)
 
     # --- What the hand meets at the thing.
 
@@ -326,7 +336,7 @@ class Grasping:
             return rows
         grasps = self.grasps.only(rows)
         points = self._stage.show(self.start).bounds(self._stage.scene.seen_geoms(self.thing)).mean(axis=0)
-        middle = pose_of(self.start.qpos[self._slice]).to_local(points)
+        middle = pose_of(self.start.qpos[self.thing_slice]).to_local(points)
         away_m = np.round(np.linalg.norm(grasps.centers - middle, axis=1), 6)
         sides = np.round(np.concatenate((grasps.approaches, np.abs(grasps.closings)), axis=1) * 1.5)
         turns: dict[bytes, int] = {}
@@ -339,12 +349,16 @@ class Grasping:
 
     # --- One grasp after the other.
 
-    def _to_try(self, qpos: Array, place: State, most: int) -> Iterator[tuple[str, int]]:
+    def _to_try(
+        self, qpos: Array, place: State, among: Container[int] | None, most: int
+    ) -> Iterator[tuple[str, int]]:
         """Grasps within reach, and whose hand reaches them, in their order; the others are counted."""
         sides = self.performer.sides
         reached = {side: set(self.in_reach(side, qpos, place, self.lifts(qpos, side)).tolist()) for side in sides}
         tried = 0
         for row in self.free.tolist():
+            if among is not None and row not in among:
+                continue
             able = [side for side in sides if row in reached[side]]
             if not able:
                 self.tally.add(Gate.REACH)
@@ -361,7 +375,7 @@ class Grasping:
             self.tally.add(Gate.OPENING, too_narrow)
             return None
         in_hand = gripper.palm_in_hand(self._hands(side, row)[0])
-        pose = pose_of(before[self._slice])
+        pose = pose_of(before[self.thing_slice])
         failed: list[tuple[Gate, str | None]] = []
         for turned in (1.0,) if self._hand.one_sided else (1.0, -1.0):
             axes = pose.matrix @ hand_frames(self.grasps.only(np.array([row])))[0] * (1.0, turned, turned)
@@ -369,7 +383,7 @@ class Grasping:
             palm = Pose(at.to_world(in_hand.position), at.matrix @ in_hand.matrix)
             for way in self._ways(side, row, before, palm, None, failed):
                 return PickPose(**vars(way))
-        self.tally.add(*max(failed, key=lambda each: list(Gate).index(each[0])))
+        self.tally.add(*_farthest(failed))
         return None
 
     def _hands(self, side: str, row: int) -> tuple[Array, Array]:
@@ -387,7 +401,7 @@ class Grasping:
         before: Array,
         palm: Pose,
         grip: Grip | None,
-        failed: list[tuple[Gate, str | None]] | None = None,
+        failed: list[tuple[Gate, str | None]],
     ) -> Iterator[HandWay]:
         """Ways of a hand to a palm's pose and up from there.
 
@@ -397,10 +411,9 @@ class Grasping:
             before: All positions at the stand, the thing where it is grasped or put.
             palm: Where the palm is at the grasp.
             grip: The thing in the hand; None if it is as it comes to be grasped.
-            failed: Filled with where each configuration failed; None: counted.
+            failed: Filled with where each configuration failed.
         """
         performer, gripper, chain = self.performer, self.performer.gripper(side), self.performer.chain(side)
-        failed = [] if failed is None else failed
         open_hand, closed_hand = self._hands(side, row)
         ready = with_values(before, gripper.positions, open_hand)
         solutions = performer.ik(side, palm, ready)
@@ -476,17 +489,22 @@ class Grasping:
 
     def _touching(self, before: Array) -> dict[Pair, float]:
         """How deep the thing is in what carries it, where it is."""
-        key = before[self._slice].tobytes()
+        key = before[self.thing_slice].tobytes()
         if key not in self._touches:
             self._touches[key] = self.performer.body.touches(before, self.thing)
         return self._touches[key]
 
     @staticmethod
-    def _merged(one: Iterable[Pair] | dict[Pair, float], other: dict[Pair, float]) -> dict[Pair, float]:
+    def _merged(one: Mapping[Pair, float], other: Mapping[Pair, float]) -> dict[Pair, float]:
         merged = dict(one)
         for pair, depth_m in other.items():
             merged[pair] = max(depth_m, merged.get(pair, 0.0))
         return merged
+
+
+def _farthest(failed: Sequence[tuple[Gate, str | None]]) -> tuple[Gate, str | None]:
+    """Of the gates at which a grasp's configurations failed, that which is passed last."""
+    return max(failed, key=lambda each: list(Gate).index(each[0]))
 
 
 def _named(blocked: Blocking) -> str:

@@ -26,7 +26,7 @@ from taskgist.perspective.floor import Floor, Place
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.perspective.target import Recorder
 from taskgist.planning.grasping import Grasping
-from taskgist.planning.performer import Base, Grip
+from taskgist.planning.performer import Base, with_values
 from taskgist.world.geometry.transforms import wrapped
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
@@ -41,6 +41,7 @@ ENOUGH = 24
 """Grasps within reach beyond which more make a stand no better."""
 WAY_COST = 0.15
 """How many shares of those a metre of way costs (ours)."""
+NAMED = 3
 APART_M, APART_RAD = 0.15, math.radians(25.0)
 """Stands nearer to one that was yielded than this, and turned alike, are the same for what fails there."""
 
@@ -53,13 +54,13 @@ class Stand:
         base: x, y in metres and yaw in radians.
         qpos: All positions with the robot there, arms folded, (nq,).
         way_m: Length of the way over the floor, roughly.
-        in_reach: How many of the thing's free grasps are within reach of an arm.
+        in_reach: Which of the thing's free grasps are within reach of an arm.
     """
 
     base: Base
     qpos: Array
     way_m: float
-    in_reach: int
+    in_reach: frozenset[int]
 
 
 class Stands:
@@ -68,8 +69,7 @@ class Stands:
     Args:
         grasping: The robot's grasps of the thing.
         where: Whether the thing is picked up, or put down.
-        qpos: Positions of the scene from where the robot drives, (nq,); by default its start.
-        grip: What it holds meanwhile; its arms are then as ``qpos`` has them, else they are folded.
+        qpos: Positions of the scene from where the robot drives, (nq,); by default its start. Its arms are folded.
 
     Attributes:
         rejected: What blocked candidates until now, by what they met.
@@ -82,15 +82,14 @@ class Stands:
         where: Literal["start", "goal"] = "start",
         *,
         qpos: Array | None = None,
-        grip: Grip | None = None,
     ) -> None:
         self._grasping, self._performer = grasping, grasping.performer
         place = grasping.start if where == "start" else grasping.goal
         assert place is not None, "a thing that is not to be put down has no such stands"
         self._place: State = place
-        self._now = np.array(self._performer.start.qpos if qpos is None else qpos)
-        self._carrying = self._now if grip is not None else self._performer.at_rest(self._now)
-        self._grip = grip
+        self._now = self._performer.at_rest(self._performer.start.qpos if qpos is None else qpos)
+        of_thing = np.arange(*grasping.thing_slice.indices(len(self._now))[:2])
+        self._now = with_values(self._now, of_thing, place.qpos[of_thing])
         self.rejected: Counter[str] = Counter()
         self.looked_at = 0
 
@@ -130,42 +129,49 @@ class Stands:
                     yield stand
             waiting = [base for index, base in enumerate(waiting) if index not in near]
 
+    def none_free(self, what: str) -> str:
+        """A sentence on why no candidate was one: "PR2 can stand nowhere to pick the tape up: ..."."""
+        name = self._performer.agent.name
+        if not self.looked_at:
+            return f"{name} can stand nowhere to {what}: it gets to no place from where an arm reaches a grasp"
+        counts = ", ".join(f"{other} ({count})" for other, count in self.rejected.most_common(NAMED))
+        return f"{name} can stand nowhere to {what}: at all {self.looked_at} places something is in the way: {counts}"
+
     def _checked(self, base: Base, way_m: float) -> Stand | None:
         """A stand, if something is in reach from there and the whole robot is free."""
-        reached = self._count(base)
+        reached = self._reached(base)
         if not reached:
             return None
         self.looked_at += 1
-        qpos = self._performer.at(self._carrying, base)
-        blocked = self._performer.blocking(qpos, self._grip)
+        qpos = self._performer.at(self._now, base)
+        blocked = self._performer.blocking(qpos)
         if blocked is not None:
             self.rejected[blocked.other] += 1
             return None
         return Stand(base, qpos, way_m, reached)
 
     def _cost(self, base: Base, way_m: float) -> float:
-        return WAY_COST * way_m - min(self._count(base), ENOUGH) / ENOUGH
+        return WAY_COST * way_m - min(len(self._reached(base)), ENOUGH) / ENOUGH
 
-    def _count(self, base: Base) -> int:
-        """How many free grasps an arm reaches from a base; of several arms, the one that reaches most."""
-        if base not in self._counts:
-            best = 0
+    def _reached(self, base: Base) -> frozenset[int]:
+        """Which free grasps an arm reaches from a base."""
+        if base not in self._reached_from:
+            found: set[int] = set()
             for side, shoulder in self._shoulders.items():
-                lifts = self._grasping.lifts(self._carrying, side)
-                best = max(best, len(self._grasping.reached_from(_moved(shoulder, base), side, self._place, lifts)))
-            self._counts[base] = best
-        return self._counts[base]
+                lifts = self._grasping.lifts(self._now, side)
+                found |= set(self._grasping.reached_from(_moved(shoulder, base), side, self._place, lifts).tolist())
+            self._reached_from[base] = frozenset(found)
+        return self._reached_from[base]
 
     @cached_property
-    def _counts(self) -> dict[Base, int]:
+    def _reached_from(self) -> dict[Base, frozenset[int]]:
         return {}
 
     @cached_property
     def _shoulders(self) -> dict[str, Array]:
         """Each shoulder's row, (12,), with the base at the origin of the floor."""
-        at_origin = self._performer.at(self._carrying, (0.0, 0.0, 0.0))
-        sides = self._performer.sides if self._grip is None else (self._grip.side,)
-        return {side: self._performer.shoulder(at_origin, side) for side in sides}
+        at_origin = self._performer.at(self._now, (0.0, 0.0, 0.0))
+        return {side: self._performer.shoulder(at_origin, side) for side in self._performer.sides}
 
     def _candidates(self) -> list[Base]:
         """Where the robot stands now, and bases around the thing from where an arm may reach it."""
@@ -178,7 +184,7 @@ class Stands:
             longest_m = float(self._performer.agent.arm(side).reach.map.radius_m) * self._performer.agent.arm(
                 side
             ).reach.scale
-            lifts = self._grasping.lifts(self._carrying, side)
+            lifts = self._grasping.lifts(self._now, side)
             high = [abs(float(target[2] - shoulder[2]) - up_m) for up_m in lifts]
             level_m = math.sqrt(max(longest_m**2 - min(high) ** 2, 0.0))
             for share, bearing, number in itertools.product(SHARES, BEARINGS_RAD, range(DIRECTIONS)):
@@ -196,9 +202,8 @@ class Stands:
         agent, settings = self._performer.agent, self._performer.settings
         if not agent.profile.moves:
             return
-        stage = Stage(self._performer.scene, State(self._carrying, untracked=self._place.untracked))
-        held = () if self._grip is None else (self._grip.thing,)
-        collisions = Collisions(stage, agent, settings, held, Recorder())
+        stage = Stage(self._performer.scene, State(self._now, untracked=self._place.untracked))
+        collisions = Collisions(stage, agent, settings, (), Recorder())
         yield from Floor(stage.state, agent, settings.efforts, collisions.footprint()).batches()
 
     def _near(self, places: list[Place], bases: list[Base]) -> dict[int, float]:
