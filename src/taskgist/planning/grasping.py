@@ -29,7 +29,6 @@ from taskgist.perspective.constraints import Collisions
 from taskgist.perspective.effort import Blocking, Miss, Reason
 from taskgist.perspective.grasp_sampling import Grasps, grasps_in_object, hand_frames
 from taskgist.perspective.grasp_trials import GraspTrials
-from taskgist.perspective.points_in_reach import grasps_in_reach
 from taskgist.perspective.target import Recorder
 from taskgist.planning.performer import Grip, Performer, with_values
 from taskgist.planning.whole_body import Pair, pose_of
@@ -46,8 +45,6 @@ AWAY_M = 1e4
 """Where a robot is put that is in nobody's way."""
 MOST_TRIED = 40
 """Grasps that are solved from one stand, those that come from other sides first (ours)."""
-OPENING_STEP_M = 0.002
-"""Openings of a hand are rounded up to this."""
 NAMED = 2
 
 
@@ -230,18 +227,25 @@ class Grasping:
 
     def reached_from(self, shoulder: Array, side: str, place: State, lifts: Sequence[float] = (0.0,)) -> Indices:
         """The same, from where a shoulder is and how what carries it is turned, (12,)."""
-        settings, arm = self.performer.settings, self.performer.agent.arm(side)
-        pose = pose_of(place.qpos[self.thing_slice])
-        centers, approaches = self.centers(place), self.grasps.approaches[self.free] @ pose.matrix.T
-        reached = np.zeros(len(self.free), dtype=bool)
+        pose, (palms, ahead) = pose_of(place.qpos[self.thing_slice]), self._palms[side]
+        pointing, reached = self.performer.pointing(side), np.zeros(len(self.free), dtype=bool)
         for up_m in lifts:
             lifted = shoulder.copy()
             lifted[2] += up_m
-            found = grasps_in_reach(
-                lifted, arm, centers, approaches, settings.grasp.facing, model=settings.reach.model
-            )
-            reached[found] = True
+            reached |= pointing.able(lifted, pose.to_world(palms), ahead @ pose.matrix.T)
         return self.free[reached]
+
+    @cached_property
+    def _palms(self) -> Mapping[str, tuple[Array, Array]]:
+        """Where each side's palm is in the free grasps, and where its hand points, in the thing's frame, (n, 3) each."""
+        grasps = self.grasps.only(self.free)
+        frames = hand_frames(grasps)
+        found = {}
+        for side in self.performer.sides:
+            in_hand = self.performer.gripper(side).palm_in_hand(float(np.median(grasps.widths_m)))
+            ahead = in_hand.matrix @ self.performer.ahead_in_palm(side)
+            found[side] = grasps.centers + frames @ in_hand.position, frames @ ahead
+        return found
 
     def lifts(self, qpos: Array, side: str) -> tuple[float, ...]:
         """How far a shoulder can be lifted from where it is: not at all, to both ends, and half-way, metres."""
@@ -374,7 +378,7 @@ class Grasping:
         if too_narrow is not None:
             self.tally.add(Gate.OPENING, too_narrow)
             return None
-        in_hand = gripper.palm_in_hand(self._hands(side, row)[0])
+        in_hand = gripper.palm_in_hand(self._openings(side, row)[0])
         pose = pose_of(before[self.thing_slice])
         failed: list[tuple[Gate, str | None]] = []
         for turned in (1.0,) if self._hand.one_sided else (1.0, -1.0):
@@ -386,13 +390,10 @@ class Grasping:
         self.tally.add(*_farthest(failed))
         return None
 
-    def _hands(self, side: str, row: int) -> tuple[Array, Array]:
-        """Joint values of the hand before it closes and around the thing."""
-        gripper, width_m = self.performer.gripper(side), float(self.grasps.widths_m[row])
-        wanted_m = width_m + 2 * float(self.grasps.gaps_m[row])
-        steps = np.ceil(np.array((wanted_m, width_m)) / OPENING_STEP_M - 1e-6)
-        open_m, closed_m = (steps * OPENING_STEP_M).tolist()
-        return gripper.opened(min(open_m, gripper.widest_m)), gripper.opened(closed_m)
+    def _openings(self, side: str, row: int) -> tuple[float, float]:
+        """How wide the hand is open before it closes, and around the thing, metres."""
+        width_m = float(self.grasps.widths_m[row])
+        return min(width_m + 2 * float(self.grasps.gaps_m[row]), self.performer.gripper(side).widest_m), width_m
 
     def _ways(
         self,
@@ -414,7 +415,7 @@ class Grasping:
             failed: Filled with where each configuration failed.
         """
         performer, gripper, chain = self.performer, self.performer.gripper(side), self.performer.chain(side)
-        open_hand, closed_hand = self._hands(side, row)
+        open_hand, closed_hand = (gripper.opened(wide_m) for wide_m in self._openings(side, row))
         ready = with_values(before, gripper.positions, open_hand)
         solutions = performer.ik(side, palm, ready)
         if not solutions:

@@ -11,6 +11,7 @@ The frame of a hand is that of ``world.bodies.hands``: x along the approach, y f
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -23,8 +24,8 @@ from taskgist.world.geometry.transforms import Pose
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
-BISECTIONS = 20
-"""Halvings of the share of the joints' ranges: a thousandth of a millimetre, at least."""
+OPENINGS = 17
+"""Openings that are measured, from closed to wide; what lies between them is interpolated, to about 0.1 mm."""
 PAD_M = (0.002, 0.010, 0.018)
 """How far behind the tips rays look for the pads (ours: pads are about two centimetres long)."""
 TRACED, MET_M, FAR_M = 40, 1e-4, 0.3
@@ -67,7 +68,6 @@ class Gripper:
         model = stage.scene.model
         self._joints = _finger_joints(model, arm)
         self.positions: Indices = model.jnt_qposadr[self._joints].astype(np.intp)
-        self._pads: dict[bytes, Pads] = {}
         with stage.showing(stage.state):
             self.axes = self._hand_axes()
             self.closed, self.wide = self._ends()
@@ -83,26 +83,31 @@ class Gripper:
 
     def opened(self, opening_m: float) -> Array:
         """Joint values, (n,), at which the pads are so far apart; the nearest that there are."""
-        low, high = 0.0, 1.0
-        for _ in range(BISECTIONS if len(self.positions) else 0):
-            middle = (low + high) / 2
-            wider = self.pads(self._at(middle)).opening_m < opening_m
-            low, high = (middle, high) if wider else (low, middle)
-        return self._at(high)
+        shares, pads = self._measures
+        return self._at(float(np.interp(opening_m, [each.opening_m for each in pads], shares)))
 
-    def palm_in_hand(self, values: Array) -> Pose:
-        """The palm's frame in the hand's, whose origin is the point that the pads close on, with such joint values."""
-        pads = self.pads(values)
-        point = self.axes @ (pads.tips_m - self._hand.tips_m, pads.middle_m, 0.0)
+    def palm_in_hand(self, opening_m: float) -> Pose:
+        """The palm's frame in the hand's, whose origin is the point that the pads close on, when so wide open."""
+        _, pads = self._measures
+        known = [each.opening_m for each in pads]
+        tips_m, middle_m = (
+            float(np.interp(opening_m, known, values))
+            for values in ([each.tips_m for each in pads], [each.middle_m for each in pads])
+        )
+        point = self.axes @ (tips_m - self._hand.tips_m, middle_m, 0.0)
         return Pose(-self.axes.T @ point, self.axes.T)
 
+    @cached_property
+    def _measures(self) -> tuple[Array, list[Pads]]:
+        """Shares of the way from closed to wide, and where the pads are then."""
+        shares = np.linspace(0.0, 1.0, OPENINGS if len(self.positions) else 1)
+        with self._stage.showing(self._stage.state):
+            return shares, [self.pads(self._at(float(share))) for share in shares]
+
     def pads(self, values: Array) -> Pads:
-        """Where the pads are with such joint values, (n,); measured once."""
-        key = np.round(values, 9).tobytes()
-        if key not in self._pads:
-            with self._stage.showing(self._with(values)) as stage:
-                self._pads[key] = self._measured(stage)
-        return self._pads[key]
+        """Where the pads are with such joint values, (n,)."""
+        with self._stage.showing(self._with(values)) as stage:
+            return self._measured(stage)
 
     def _at(self, share: float) -> Array:
         """Joint values so far from closed to wide open."""

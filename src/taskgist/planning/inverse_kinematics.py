@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import mink
 import mujoco
@@ -24,8 +24,9 @@ from numpy.typing import NDArray
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled
 from taskgist.world.bodies.agent import Agent, ArmIndices
-from taskgist.world.bodies.arm_chain import GIRDLE_M, LOW, SPAN, STEPS, put_frames, within_limits
-from taskgist.world.geometry.transforms import Pose, wxyz_from_matrix
+from taskgist.world.bodies.arm_chain import GIRDLE_M, LOW, SPAN, STEPS, put, put_frames, within_limits
+from taskgist.world.bodies.capability import DIRECTIONS, SPREAD, CapabilityMap, pointing
+from taskgist.world.geometry.transforms import Pose, normalized, wxyz_from_matrix
 from taskgist.world.stage import Stage
 
 NEAR_M, NEAR_RAD = 0.002, math.radians(1.0)
@@ -38,6 +39,8 @@ DAMPING, LEVER_M = 1e-4, 0.15
 """Damping of a step; and the lever with which an error of direction (radians) counts like one of place (metres)."""
 TURN_RAD = 2 * math.pi
 """A joint without end is put at most one turn off its zero."""
+POINTING_COS = math.cos(math.radians(60.0))
+"""A configuration from which the hand would have to be turned farther is no start: the map knows nearer ones, if any."""
 LIFT_STEPS = 7
 """Heights of a lift at which the capability map is asked."""
 LIFT_WEIGHT = 5.0
@@ -126,6 +129,7 @@ class ArmKinematics:
             self._shoulder = Pose(root.to_local(shoulder), root.matrix.T @ carrier)
             joints = [stage.scene.model.joint(f"{agent.name}/{name}").id for name, on in _lifts(chain) if on]
             self._up = np.array([stage.screw(int(joint))[1] @ root.matrix for joint in joints]).reshape(-1, 3)
+            self._ahead = ahead_in_palm(stage, arm)
         self._zero = _zero(stage, chain)
         self._order = order
         self._configuration = mink.Configuration(self._model)
@@ -184,10 +188,6 @@ class ArmKinematics:
             found.append(values)
         return np.array(found[1:])
 
-    def reaches(self, target: Pose, now: Array, *, lift: bool = True) -> bool:
-        """Whether the capability map knows a configuration near to a pose."""
-        return bool(self._starts(target, now, lift=lift, count=1))
-
     def _descend(self, target: Pose, start: Array, *, lift: bool) -> Array | None:
         """The configuration at which steps from a start arrive; None if they do not."""
         configuration, task = self._configuration, self._task
@@ -233,6 +233,8 @@ class ArmKinematics:
             for arm_values in self._near(shoulder.to_local(target.position)):
                 values = np.concatenate((lifts + self._zero[self.chain.lifts], arm_values))
                 palm = self.palm(values)
+                if float(palm.matrix @ self._ahead @ (target.matrix @ self._ahead)) < POINTING_COS:
+                    continue
                 cosine = (np.trace(palm.matrix.T @ target.matrix) - 1) / 2
                 off = float(np.linalg.norm(palm.position - target.position))
                 off += LEVER_M * math.acos(float(np.clip(cosine, -1.0, 1.0)))
@@ -268,6 +270,12 @@ class ArmKinematics:
             yield drawn if lift else np.where(self.chain.lifts, now, drawn)
 
 
+def ahead_in_palm(stage: Stage, arm: ArmIndices) -> Array:
+    """Which way the hand points, from where it begins to the palm, in the palm's frame, a unit vector (3,)."""
+    palm = stage.site(arm.palm_site)
+    return normalized(-palm.to_local(stage.body_position(arm.hand_body)))
+
+
 def _lifts(chain: Chain) -> list[tuple[str, bool]]:
     return list(zip(chain.names, chain.lifts.tolist(), strict=True))
 
@@ -275,6 +283,62 @@ def _lifts(chain: Chain) -> list[tuple[str, bool]]:
 def _zero(stage: Stage, chain: Chain) -> Array:
     """The values at which the model's bodies stand as it places them."""
     return np.array(stage.scene.model.qpos0[chain.positions])
+
+
+# --- Where a hand may be, and which way it may point there, by the capability map.
+
+
+class Pointing:
+    """Which way an arm's hand may point, at each place from its shoulder [Zacharias 2007].
+
+    Args:
+        arm: The arm.
+    """
+
+    def __init__(self, arm: ArmIndices) -> None:
+        self._reach = arm.reach
+        self._known = _directions(self._reach.map)
+
+    def able(self, shoulder: Array, places: Array, directions: Array) -> Mask:
+        """Whether a palm may be at places while it points in directions, (n,).
+
+        Args:
+            shoulder: Its position in metres and the frame that carries it, a row of 12.
+            places: Of the palm, metres, (n, 3).
+            directions: From where the hand begins to the palm, unit vectors, (n, 3).
+        """
+        found, side = self._reach.map, (1.0, -1.0 if self._reach.mirrored else 1.0, 1.0)
+        turn = shoulder[3:].reshape(3, 3) * side
+        at = (places - shoulder[:3]) @ turn / self._reach.scale
+        cells = np.floor((at - found.corner) / found.cell_m).astype(np.intp)
+        inside = ((cells >= 0) & (cells < found.shape)).all(axis=1)
+        ahead = directions @ turn
+        signs = np.sign(ahead) * (np.abs(ahead) >= SPREAD)
+        bins = ((signs + 1) @ (9, 3, 1)).astype(np.intp)
+        able = np.zeros(len(places), dtype=bool)
+        index = np.ravel_multi_index(tuple(cells[inside].T), found.shape)
+        able[inside] = self._known[index, bins[inside]]
+        return able
+
+
+@lru_cache(maxsize=8)
+def _directions(found: CapabilityMap) -> Mask:
+    """Whether the map has a configuration in a cell with the hand pointing along each of 27 directions, (cells, 27)."""
+    chain = found.chain
+    return _pointed(chain.joints, chain.palm, chain.wrist, found.configurations, found.starts)
+
+
+@compiled
+def _pointed(joints: Array, palm: Array, wrist: Array, configurations: NDArray[np.uint16], starts: Indices) -> Mask:
+    frames = np.empty((len(joints) + 1, 12))
+    known = np.zeros((len(starts) - 1, DIRECTIONS), dtype=np.bool_)
+    for cell in range(len(starts) - 1):
+        for row in range(starts[cell], starts[cell + 1]):
+            put_frames(joints, configurations[row], frames)
+            x, y, z = put(frames[len(joints)], palm[0], palm[1], palm[2])
+            wx, wy, wz = put(frames[len(joints)], wrist[0], wrist[1], wrist[2])
+            known[cell, pointing(x - wx, y - wy, z - wz)] = True
+    return known
 
 
 @compiled

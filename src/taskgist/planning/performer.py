@@ -23,7 +23,7 @@ from taskgist.errors import SceneError
 from taskgist.perspective.effort import LEAN, MOVE, TURN, Blocking, stretch
 from taskgist.perspective.effort import LIFT as LIFT_TORSO
 from taskgist.planning.gripper import Gripper
-from taskgist.planning.inverse_kinematics import ArmKinematics, Chain, chain_of_arm
+from taskgist.planning.inverse_kinematics import ArmKinematics, Chain, Pointing, ahead_in_palm, chain_of_arm
 from taskgist.planning.whole_body import TOLERANCE_M, Grip, WholeBody
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
@@ -72,6 +72,7 @@ class Performer:
         self._stage = Stage(scene, self.start)
         self._chains: dict[str, Chain] = {}
         self._arms: dict[tuple[str, bytes], ArmKinematics] = {}
+        self._pointings: dict[str, Pointing] = {}
         self._grippers: dict[str, Gripper] = {}
 
     # --- Joints by what they do.
@@ -225,9 +226,15 @@ class Performer:
         targets = [self._in_root(palm, qpos) for palm in palms]
         return self._arm(side, qpos).follow(targets, qpos[chain.positions], lift=lift)
 
-    def within_reach(self, side: str, palm: Pose, qpos: Array) -> bool:
-        """Whether the arm's capability map knows a configuration near to a pose: quick, and mostly right."""
-        return self._arm(side, qpos).reaches(self._in_root(palm, qpos), qpos[self.chain(side).positions])
+    def pointing(self, side: str) -> Pointing:
+        """Which way the hand of a side may point, at each place from its shoulder, by its capability map."""
+        if side not in self._pointings:
+            self._pointings[side] = Pointing(self.agent.arm(side))
+        return self._pointings[side]
+
+    def ahead_in_palm(self, side: str) -> Array:
+        """Which way the hand points, in the palm's frame, a unit vector (3,)."""
+        return ahead_in_palm(self._stage.show(self.start), self.agent.arm(side))
 
     def shoulder(self, qpos: Array, side: str) -> Array:
         """The shoulder and the frame that carries it, a row of 12 for compiled functions."""
