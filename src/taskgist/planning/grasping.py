@@ -16,7 +16,7 @@ Putting down is the same way backwards: down with the thing, then back with the 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from functools import cached_property
@@ -60,6 +60,12 @@ class Gate(Enum):
     APPROACH = "approaches to the {thing} are blocked by {others}"
     JUMP = "approaches to the {thing} are more than the arm follows without a jump"
     RISE = "ways up with the {thing} are blocked by {others}"
+
+
+Among = Callable[[str, int], bool]
+"""Whether the hand of a side and a grasp are asked for."""
+Failures = list[tuple[Gate, str | None]]
+"""At which gates configurations failed, and what was in the way."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,16 +263,16 @@ class Grasping:
         return tuple(sorted({0.0, low - now, (low + high) / 2 - now, high - now}))
 
     def picks(
-        self, qpos: Array, *, among: Container[int] | None = None, most_tried: int = MOST_TRIED
+        self, qpos: Array, *, among: Among | None = None, most_tried: int = MOST_TRIED
     ) -> Iterator[PickPose]:
         """Ways to pick the thing up from where the robot stands.
 
         Args:
             qpos: Positions of the scene with the robot at its stand; only its own count, (nq,).
-            among: The grasps that are asked for, such as those within reach where the thing is to lie; None: all.
+            among: Whether a side's hand and a grasp are asked for: those that do where the thing is to lie; None: all.
             most_tried: Grasps that are tried at most.
         """
-        before = with_values(qpos, np.arange(self.thing_slice.start, self.thing_slice.stop), self.start.qpos[self.thing_slice])
+        before = self._at(self.start, qpos)
         for side, row in self._to_try(before, self.start, among, most_tried):
             way = self._pick(side, row, before)
             if way is not None:
@@ -285,14 +291,42 @@ class Grasping:
         if self.goal is None:
             raise SceneError(f"{self.thing} is to be put down nowhere", hint="give Grasping a goal")
         place = self.goal
-        before = with_values(qpos, np.arange(self.thing_slice.start, self.thing_slice.stop), place.qpos[self.thing_slice])
+        before = self._at(place, qpos)
         usual_m = self._merged(pick.grip.usual_m, self._touching(before))
-        grip, failed, done = replace(pick.grip, usual_m=usual_m), [], False
+        grip, done = replace(pick.grip, usual_m=usual_m), False
+        failed: Failures = []
         for way in self._ways(pick.side, pick.grasp, before, self._palm_at(place, pick.grip), grip, failed):
             done = True
             yield PlacePose(**vars(way))
         if failed and not done:
-            self.place_tally.add(*_farthest(failed))
+            self.place_tally.add(*farthest(failed))
+
+    def fits(self, qpos: Array, side: str, row: int, failed: Failures) -> bool:
+        """Whether a hand comes to a grasp where the thing is to lie, its lines left aside: quicker than a whole way.
+
+        Args:
+            qpos: Positions of the scene with the robot at its stand, (nq,).
+            side: The hand.
+            row: The grasp.
+            failed: Filled with where its configurations failed.
+        """
+        assert self.goal is not None
+        gripper, before = self.performer.gripper(side), self._at(self.goal, qpos)
+        ready = with_values(before, gripper.positions, gripper.opened(self._openings(side, row)[0]))
+        for palm in self._palms_in(side, row, self.goal):
+            solutions = self.performer.ik(side, palm, ready)
+            if not solutions:
+                failed.append((Gate.KINEMATICS, None))
+            for found in solutions:
+                blocked = self.performer.blocking(found)
+                if blocked is None:
+                    return True
+                failed.append((Gate.BODY, _named(blocked)))
+        return False
+
+    def _at(self, place: State, qpos: Array) -> Array:
+        """Positions of the scene, (nq,), with the thing where a state has it."""
+        return with_values(qpos, np.arange(self.thing_slice.start, self.thing_slice.stop), place.qpos[self.thing_slice])
 
     def _palm_at(self, place: State, grip: Grip) -> Pose:
         """Where the palm is when the held thing is at a place."""
@@ -354,21 +388,19 @@ class Grasping:
     # --- One grasp after the other.
 
     def _to_try(
-        self, qpos: Array, place: State, among: Container[int] | None, most: int
+        self, qpos: Array, place: State, among: Among | None, most: int
     ) -> Iterator[tuple[str, int]]:
         """Grasps within reach, and whose hand reaches them, in their order; the others are counted."""
         sides = self.performer.sides
         reached = {side: set(self.in_reach(side, qpos, place, self.lifts(qpos, side)).tolist()) for side in sides}
         tried = 0
         for row in self.free.tolist():
-            if among is not None and row not in among:
-                continue
             able = [side for side in sides if row in reached[side]]
             if not able:
                 self.tally.add(Gate.REACH)
             for side in able:
-                tried += 1
-                if tried <= most:
+                if tried < most and (among is None or among(side, row)):
+                    tried += 1
                     yield side, row
 
     def _pick(self, side: str, row: int, before: Array) -> PickPose | None:
@@ -378,17 +410,20 @@ class Grasping:
         if too_narrow is not None:
             self.tally.add(Gate.OPENING, too_narrow)
             return None
-        in_hand = gripper.palm_in_hand(self._openings(side, row)[0])
-        pose = pose_of(before[self.thing_slice])
-        failed: list[tuple[Gate, str | None]] = []
-        for turned in (1.0,) if self._hand.one_sided else (1.0, -1.0):
-            axes = pose.matrix @ hand_frames(self.grasps.only(np.array([row])))[0] * (1.0, turned, turned)
-            at = Pose(pose.to_world(self.grasps.centers[row]), axes)
-            palm = Pose(at.to_world(in_hand.position), at.matrix @ in_hand.matrix)
+        failed: Failures = []
+        for palm in self._palms_in(side, row, self.start):
             for way in self._ways(side, row, before, palm, None, failed):
                 return PickPose(**vars(way))
-        self.tally.add(*_farthest(failed))
+        self.tally.add(*farthest(failed))
         return None
+
+    def _palms_in(self, side: str, row: int, place: State) -> Iterator[Pose]:
+        """Where the palm is in a grasp, in the world; with fingers and thumb changed over, too, if that is the same."""
+        in_hand = self.performer.gripper(side).palm_in_hand(self._openings(side, row)[0])
+        pose, axes = pose_of(place.qpos[self.thing_slice]), hand_frames(self.grasps.only(np.array([row])))[0]
+        for turned in (1.0,) if self._hand.one_sided else (1.0, -1.0):
+            at = Pose(pose.to_world(self.grasps.centers[row]), pose.matrix @ axes * (1.0, turned, turned))
+            yield Pose(at.to_world(in_hand.position), at.matrix @ in_hand.matrix)
 
     def _openings(self, side: str, row: int) -> tuple[float, float]:
         """How wide the hand is open before it closes, and around the thing, metres."""
@@ -402,7 +437,7 @@ class Grasping:
         before: Array,
         palm: Pose,
         grip: Grip | None,
-        failed: list[tuple[Gate, str | None]],
+        failed: Failures,
     ) -> Iterator[HandWay]:
         """Ways of a hand to a palm's pose and up from there.
 
@@ -463,7 +498,7 @@ class Grasping:
         return np.concatenate((way[::-1], found[self.performer.chain(side).positions][None]))
 
     def _rise(
-        self, side: str, palm: Pose, shut: Array, held: Grip, failed: list[tuple[Gate, str | None]]
+        self, side: str, palm: Pose, shut: Array, held: Grip, failed: Failures
     ) -> Array | None:
         """Joints of the chain upwards from the grasp, as far as it is free, at least 5 cm; None if that is blocked."""
         performer, positions = self.performer, self.performer.chain(side).positions
@@ -503,7 +538,7 @@ class Grasping:
         return merged
 
 
-def _farthest(failed: Sequence[tuple[Gate, str | None]]) -> tuple[Gate, str | None]:
+def farthest(failed: Failures) -> tuple[Gate, str | None]:
     """Of the gates at which a grasp's configurations failed, that which is passed last."""
     return max(failed, key=lambda each: list(Gate).index(each[0]))
 

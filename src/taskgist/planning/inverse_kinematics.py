@@ -145,7 +145,7 @@ class ArmKinematics:
         return Pose(data.site_xpos[0].copy(), data.site_xmat[0].reshape(3, 3).copy())
 
     def solve(
-        self, target: Pose, now: Array, *, lift: bool = True, starts: int = 6, most: int = 3, seed: int = 0
+        self, target: Pose, now: Array, *, lift: bool = True, starts: int = 2, most: int = 3, seed: int = 0
     ) -> list[Array]:
         """Configurations that bring the palm to a pose within 2 mm and 1°, the nearest to the present one first.
 

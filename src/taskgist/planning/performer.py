@@ -188,7 +188,7 @@ class Performer:
         qpos: Array,
         *,
         lift: bool = True,
-        starts: int = 6,
+        starts: int = 2,
         most: int = 3,
         seed: int = 0,
     ) -> list[Array]:

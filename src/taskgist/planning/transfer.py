@@ -1,9 +1,8 @@
 """Picking a thing up and putting it down elsewhere: one grasp that does for both, one stand for each.
 
-A grasp with which a thing is easily taken may be of no use where it is to lie, so the far end is asked first: which
-grasps are within reach of stands around the goal. Only these are solved at the start, one after the other, and each pick
-is tried at the stands of the goal that have its grasp within reach, until both ends have a configuration, with its lines
-up and down, in which the whole robot is free.
+A grasp with which a thing is easily taken may be of no use where it is to lie, so the far end is asked first: only
+grasps for which the robot has a free configuration at some stand around the goal are solved at the start, with their
+lines. Each pick is then tried at these stands of the goal, until both ends have all that they need.
 """
 
 from __future__ import annotations
@@ -12,13 +11,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
 
-from taskgist.planning.grasping import Grasping, PickPose, PlacePose
+from taskgist.planning.grasping import Failures, Gate, Grasping, PickPose, PlacePose, farthest
 from taskgist.planning.stands import Stand, Stands
 
 STANDS_AT_START, STANDS_AT_GOAL = 8, 32
 """Stands that are looked at, at most."""
-PICKS_A_STAND, PLACES_A_PICK = 12, 4
-"""Picks that are solved from one stand, and stands of the goal at which each is tried (ours)."""
+PICKS_A_STAND, GOALS_A_GRASP = 12, 6
+"""Picks that are solved from one stand, and stands of the goal at which each grasp is tried (ours)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,24 +55,33 @@ class Transfers:
         self.starts: list[Stand] = []
         self.goals: list[Stand] = []
         self.picked = 0
+        self._known: dict[tuple[str, int], list[Stand]] = {}
 
     def __iter__(self) -> Iterator[Transfer]:
         if self._at_start.refusal is not None or self._at_goal.refusal is not None:
             return
         self.goals = list(islice(self._at_goal, STANDS_AT_GOAL))
-        within = frozenset().union(*(stand.in_reach for stand in self.goals))
         for start in islice(self._at_start, STANDS_AT_START):
             self.starts.append(start)
-            if not within & start.in_reach:
-                continue
-            for pick in islice(self._grasping.picks(start.qpos, among=within), PICKS_A_STAND):
+            picks = self._grasping.picks(start.qpos, among=lambda side, row: bool(self._fitting(side, row)))
+            for pick in islice(picks, PICKS_A_STAND):
                 self.picked += 1
-                goals = (stand for stand in self.goals if pick.grasp in stand.in_reach)
-                for goal in islice(goals, PLACES_A_PICK):
+                for goal in self._fitting(pick.side, pick.grasp):
                     place = next(self._grasping.places(goal.qpos, pick), None)
                     if place is not None:
                         yield Transfer(start, pick, goal, place)
                         break
+
+    def _fitting(self, side: str, row: int) -> list[Stand]:
+        """Stands of the goal at which a hand comes to a grasp; the first of those that have it within reach."""
+        if (side, row) not in self._known:
+            grasping = self._grasping
+            failed: Failures = []
+            asked = islice((stand for stand in self.goals if row in stand.in_reach), GOALS_A_GRASP)
+            self._known[side, row] = [stand for stand in asked if grasping.fits(stand.qpos, side, row, failed)]
+            if not self._known[side, row]:
+                grasping.place_tally.add(*(farthest(failed) if failed else (Gate.REACH, None)))
+        return self._known[side, row]
 
     @property
     def refusal(self) -> str | None:
