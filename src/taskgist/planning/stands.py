@@ -54,13 +54,13 @@ class Stand:
         base: x, y in metres and yaw in radians.
         qpos: All positions with the robot there, arms folded, (nq,).
         way_m: Length of the way over the floor, roughly.
-        in_reach: Which of the thing's free grasps are within reach of an arm.
+        in_reach: Which of the thing's free grasps are within reach of which arm: side and grasp.
     """
 
     base: Base
     qpos: Array
     way_m: float
-    in_reach: frozenset[int]
+    in_reach: frozenset[tuple[str, int]]
 
 
 class Stands:
@@ -153,18 +153,19 @@ class Stands:
     def _cost(self, base: Base, way_m: float) -> float:
         return WAY_COST * way_m - min(len(self._reached(base)), ENOUGH) / ENOUGH
 
-    def _reached(self, base: Base) -> frozenset[int]:
-        """Which free grasps an arm reaches from a base."""
+    def _reached(self, base: Base) -> frozenset[tuple[str, int]]:
+        """Which free grasps arms reach from a base: side and grasp."""
         if base not in self._reached_from:
-            found: set[int] = set()
+            found: set[tuple[str, int]] = set()
             for side, shoulder in self._shoulders.items():
                 lifts = self._grasping.lifts(self._now, side)
-                found |= set(self._grasping.reached_from(_moved(shoulder, base), side, self._place, lifts).tolist())
+                rows = self._grasping.reached_from(_moved(shoulder, base), side, self._place, lifts)
+                found |= {(side, row) for row in rows.tolist()}
             self._reached_from[base] = frozenset(found)
         return self._reached_from[base]
 
     @cached_property
-    def _reached_from(self) -> dict[Base, frozenset[int]]:
+    def _reached_from(self) -> dict[Base, frozenset[tuple[str, int]]]:
         return {}
 
     @cached_property

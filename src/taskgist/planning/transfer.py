@@ -77,7 +77,7 @@ class Transfers:
         if (side, row) not in self._known:
             grasping = self._grasping
             failed: Failures = []
-            asked = islice((stand for stand in self.goals if row in stand.in_reach), GOALS_A_GRASP)
+            asked = islice((stand for stand in self.goals if (side, row) in stand.in_reach), GOALS_A_GRASP)
             self._known[side, row] = [stand for stand in asked if grasping.fits(stand.qpos, side, row, failed)]
             if not self._known[side, row]:
                 grasping.place_tally.add(*(farthest(failed) if failed else (Gate.REACH, None)))
