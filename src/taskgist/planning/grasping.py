@@ -15,7 +15,7 @@ Putting down is the same way backwards: down with the thing, then back with the 
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
@@ -273,9 +273,20 @@ class Grasping:
             most_tried: Grasps that are tried at most.
         """
         before = self._at(self.start, qpos)
-        for side, row in self._to_try(before, self.start, among, most_tried):
-            way = self._pick(side, row, before)
-            if way is not None:
+        order = self._within_reach(before, self.start)
+        failures: Counter[tuple[str, bytes]] = Counter()
+        for _ in range(most_tried):
+            # Where grasps of a kind failed, those of other kinds come first: alike ones mostly fail alike.
+            kind = min(order, key=lambda kind: (failures[kind], order[kind][0][0]), default=None)
+            if kind is None:
+                return
+            _, row = order[kind].popleft()
+            if not order[kind]:
+                del order[kind]
+            way = self._pick(kind[0], row, before) if among is None or among(kind[0], row) else None
+            if way is None:
+                failures[kind] += 1
+            else:
                 yield way
 
     def places(self, qpos: Array, pick: PickPose) -> Iterator[PlacePose]:
@@ -376,32 +387,33 @@ class Grasping:
         points = self._stage.show(self.start).bounds(self._stage.scene.seen_geoms(self.thing)).mean(axis=0)
         middle = pose_of(self.start.qpos[self.thing_slice]).to_local(points)
         away_m = np.round(np.linalg.norm(grasps.centers - middle, axis=1), 6)
-        sides = np.round(np.concatenate((grasps.approaches, np.abs(grasps.closings)), axis=1) * 1.5)
         turns: dict[bytes, int] = {}
         keys = []
-        for row in np.lexsort((rows, away_m)):
-            side = (sides[row] + 0.0).tobytes()
+        for row in np.lexsort((rows, away_m)).tolist():
+            side = self._kind(int(rows[row]))
             turns[side] = turns.get(side, -1) + 1
             keys.append((turns[side], float(away_m[row]), int(rows[row])))
         return np.array([row for _, _, row in sorted(keys)], dtype=np.intp)
 
+    def _kind(self, row: int) -> bytes:
+        """What grasps of a kind share: roughly from where they come, and along which line they close."""
+        directions = np.concatenate((self.grasps.approaches[row], np.abs(self.grasps.closings[row])))
+        return (np.round(1.5 * directions) + 0.0).tobytes()
+
     # --- One grasp after the other.
 
-    def _to_try(
-        self, qpos: Array, place: State, among: Among | None, most: int
-    ) -> Iterator[tuple[str, int]]:
-        """Grasps within reach, and whose hand reaches them, in their order; the others are counted."""
+    def _within_reach(self, qpos: Array, place: State) -> dict[tuple[str, bytes], deque[tuple[int, int]]]:
+        """Grasps within reach, by the side that reaches them and their kind, with their rank; the others are counted."""
         sides = self.performer.sides
         reached = {side: set(self.in_reach(side, qpos, place, self.lifts(qpos, side)).tolist()) for side in sides}
-        tried = 0
-        for row in self.free.tolist():
+        found: dict[tuple[str, bytes], deque[tuple[int, int]]] = {}
+        for rank, row in enumerate(self.free.tolist()):
             able = [side for side in sides if row in reached[side]]
             if not able:
                 self.tally.add(Gate.REACH)
             for side in able:
-                if tried < most and (among is None or among(side, row)):
-                    tried += 1
-                    yield side, row
+                found.setdefault((side, self._kind(row)), deque()).append((rank, row))
+        return found
 
     def _pick(self, side: str, row: int, before: Array) -> PickPose | None:
         """How a hand picks the thing up by a grasp; None if it does not, which is counted."""
@@ -421,7 +433,8 @@ class Grasping:
         """Where the palm is in a grasp, in the world; with fingers and thumb changed over, too, if that is the same."""
         in_hand = self.performer.gripper(side).palm_in_hand(self._openings(side, row)[0])
         pose, axes = pose_of(place.qpos[self.thing_slice]), hand_frames(self.grasps.only(np.array([row])))[0]
-        for turned in (1.0,) if self._hand.one_sided else (1.0, -1.0):
+        alike = self._hand.one_sided or self.performer.rolls_about(side, self.performer.gripper(side).axes[:, 0])
+        for turned in (1.0,) if alike else (1.0, -1.0):
             at = Pose(pose.to_world(self.grasps.centers[row]), pose.matrix @ axes * (1.0, turned, turned))
             yield Pose(at.to_world(in_hand.position), at.matrix @ in_hand.matrix)
 

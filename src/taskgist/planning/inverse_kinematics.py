@@ -33,7 +33,7 @@ NEAR_M, NEAR_RAD = 0.002, math.radians(1.0)
 """How near the palm comes to the pose that is asked for."""
 SHARPER = 8
 """Steps end so many times nearer than that: Newton steps are so near one step later, and lines stay straight."""
-SOLVER_STEPS, STALLED = 40, 0.9
+SOLVER_STEPS, STALLED = 40, 0.6
 """Steps from one start, and the share of the error that must be left after five of them to call it stuck."""
 DAMPING, LEVER_M = 1e-4, 0.15
 """Damping of a step; and the lever with which an error of direction (radians) counts like one of place (metres)."""
@@ -41,7 +41,7 @@ TURN_RAD = 2 * math.pi
 """A joint without end is put at most one turn off its zero."""
 POINTING_COS = math.cos(math.radians(60.0))
 """A configuration from which the hand would have to be turned farther is no start: the map knows nearer ones, if any."""
-LIFT_STEPS = 7
+LIFT_STEPS = 4
 """Heights of a lift at which the capability map is asked."""
 LIFT_WEIGHT = 5.0
 """How many radians of an arm's joint a metre of a lift counts like: lifts are slow (ours)."""
@@ -79,6 +79,11 @@ class Chain:
     def weights(self) -> Array:
         """How much a change of each counts, (n,)."""
         return np.where(self.lifts, LIFT_WEIGHT, 1.0)
+
+    @property
+    def rolls_freely(self) -> bool:
+        """Whether the last joint takes any angle."""
+        return bool(self.high[-1] - self.low[-1] >= 2 * math.pi)
 
     def nearest_turn(self, values: Array, now: Array) -> Array:
         """The same configuration with endless joints turned as little as can be from where they are now."""
@@ -140,8 +145,9 @@ class ArmKinematics:
 
     def palm(self, values: Array) -> Pose:
         """Where a configuration, (n,), brings the palm, in the frame of the robot's root."""
-        self._configuration.update(values[self._order])
         data = self._configuration.data
+        data.qpos[:] = values[self._order]
+        mujoco.mj_kinematics(self._model, data)
         return Pose(data.site_xpos[0].copy(), data.site_xmat[0].reshape(3, 3).copy())
 
     def solve(

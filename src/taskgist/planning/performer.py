@@ -35,6 +35,9 @@ from taskgist.world.state import State
 Base = tuple[float, float, float]
 """Where a body stands: x and y in metres, yaw in radians."""
 
+ALONG = 0.999
+"""Cosine of what counts as parallel."""
+
 __all__ = ["TOLERANCE_M", "Base", "Chain", "Grip", "Gripper", "Performer"]
 
 
@@ -235,6 +238,14 @@ class Performer:
     def ahead_in_palm(self, side: str) -> Array:
         """Which way the hand points, in the palm's frame, a unit vector (3,)."""
         return ahead_in_palm(self._stage.show(self.start), self.agent.arm(side))
+
+    def rolls_about(self, side: str, axis_in_palm: Array) -> bool:
+        """Whether the last joint of an arm turns the palm about an axis of its own, by any angle."""
+        chain = self.chain(side)
+        stage = self._stage.show(self.start)
+        joint = self.scene.model.joint(f"{self.agent.name}/{chain.names[-1]}").id
+        axis = stage.site(self.agent.arm(side).palm_site).matrix @ axis_in_palm
+        return chain.rolls_freely and abs(float(stage.screw(int(joint))[1] @ axis)) > ALONG
 
     def shoulder(self, qpos: Array, side: str) -> Array:
         """The shoulder and the frame that carries it, a row of 12 for compiled functions."""
