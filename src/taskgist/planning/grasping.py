@@ -87,7 +87,9 @@ class Tally:
         parts = []
         for gate in Gate:
             if count := self.counts[gate]:
-                others = " and ".join(name for name, _ in self.met.get(gate, Counter()).most_common(NAMED))
+                met = self.met.get(gate, Counter())
+                telling = Counter({name: count for name, count in met.items() if name != f"the {thing}"}) or met
+                others = " and ".join(name for name, _ in telling.most_common(NAMED))
                 much = "all" if count == total else f"{count} of {total}"
                 parts.append(f"{much} {gate.value.format(thing=thing, others=others)}")
         return "; ".join(parts)

@@ -8,13 +8,14 @@ What overlaps without anybody doing anything is no collision. Links are collided
 than they are; wheels touch the floor; tracked things sink into what carries them. Therefore a pair of shapes counts
 
 - never, if nothing moves one against the other, a joint joins them, or both are of one hand;
-- never, if they overlap in most of 300 configurations drawn over the joints' ranges;
+- never, if they overlap at the neutral configuration and in most of 300 drawn over the joints' ranges;
 - else, where they are deeper by more than a tolerance than at the start, or at the model's neutral configuration.
 """
 
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -264,15 +265,16 @@ def _sampled_pairs(form: _Form) -> tuple[Indices, Mapping[Pair, float]]:
         for a, b in near_of(stage.boxes(own), pairs, -TOLERANCE_M).tolist():
             if -stage.distance(int(own[a]), int(own[b]), limit_m=0.0) > TOLERANCE_M:
                 overlaps[a, b] += 1
-    counting = pairs[overlaps[pairs[:, 0], pairs[:, 1]] <= MOST_SHARE * SAMPLES]
     neutral = np.clip(scene.model.qpos0[positions], low, high)
     stage.show(state.replace(dict(zip(positions.tolist(), neutral.tolist(), strict=True))))
     usual_m = {}
-    for a, b in near_of(stage.boxes(own), counting, 0.0).tolist():
+    for a, b in near_of(stage.boxes(own), pairs, 0.0).tolist():
         depth_m = -stage.distance(int(own[a]), int(own[b]), limit_m=0.0)
         if depth_m > 0.0:
-            usual_m[a, b] = depth_m
-    return counting, usual_m
+            usual_m[a, b] = depth_m if overlaps[a, b] <= MOST_SHARE * SAMPLES else math.inf
+    counting = [pair for pair in map(tuple, pairs.tolist()) if usual_m.get(pair, 0.0) < math.inf]
+    left = {pair: depth_m for pair, depth_m in usual_m.items() if depth_m < math.inf}
+    return np.array(counting, dtype=np.intp).reshape(-1, 2), left
 
 
 def _movable_pairs(scene: Scene, agent: Agent, own: Indices) -> Indices:
