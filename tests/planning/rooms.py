@@ -1,4 +1,4 @@
-"""Rooms for planning: two tables, a thing on one of them, and a robot; and a judge of collisions that shares no code."""
+"""Rooms for planning: two tables, a thing on one of them, a robot; and a judge of collisions that shares no code."""
 
 from __future__ import annotations
 
@@ -114,10 +114,10 @@ class Judge:
     def _depth_m(self, a: int, b: int) -> float:
         apart = self._data.geom_xpos[a] - self._data.geom_xpos[b]
         model = self._model
-        if model.geom_rbound[a] and model.geom_rbound[b]:
-            if np.linalg.norm(apart) > model.geom_rbound[a] + model.geom_rbound[b]:
-                return 0.0
-        return -min(0.0, mujoco.mj_geomDistance(model, self._data, a, b, 0.0, None))
+        radii = model.geom_rbound[[a, b]]
+        if radii.all() and np.linalg.norm(apart) > radii.sum():
+            return 0.0
+        return float(-min(0.0, mujoco.mj_geomDistance(model, self._data, a, b, 0.0, None)))
 
     def _counts(self, a: int, b: int) -> bool:
         model = self._model

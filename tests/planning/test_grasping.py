@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.planning.grasping import Gate, Grasping, HandWay, PickPose
+from taskgist.planning.grasping import Grasping
+from taskgist.planning.hand_ways import Gate, HandWay, PickPose
 from taskgist.planning.performer import Performer
 from taskgist.planning.transfer import Transfer, Transfers
 from taskgist.world import Stage, State, holding_of
@@ -19,7 +20,9 @@ from tools.rooms import Thing
 TOO_DEEP_M = 0.002
 THINGS = {"box": box(1.5), "mug": mug(1.5, 0.1), "tape": tape(1.5, -0.1)}
 CASES = [
-    pytest.param((robot, thing), marks=needs(robot), id=f"{robot} {thing}") for robot in ("pr2", "jido") for thing in THINGS
+    pytest.param((robot, thing), marks=needs(robot), id=f"{robot} {thing}")
+    for robot in ("pr2", "jido")
+    for thing in THINGS
 ]
 
 
@@ -110,7 +113,7 @@ def test_the_same_question_has_the_same_answer() -> None:
         performer = Performer(two_tables("jido", THINGS["tape"]), "R")
         transfer = next(iter(Transfers(Grasping(performer, performer.start, "tape", goal_of(THINGS["tape"])))))
         answers.append(np.concatenate((transfer.start.base, transfer.pick.line.ravel(), transfer.place.rise.ravel())))
-    np.testing.assert_array_equal(*answers)
+    np.testing.assert_array_equal(answers[0], answers[1])
 
 
 # --- Where it fails.

@@ -100,7 +100,9 @@ def test_a_lift_that_may_not_move_stays(performer: Performer) -> None:
 def test_the_base_moves_and_turns_upright(performer: Performer) -> None:
     moved = performer.at(performer.start.qpos, (0.3, -0.2, 2.0))
     assert performer.base(moved) == pytest.approx((0.3, -0.2, 2.0))
-    before, after = (Stage(performer.scene, State(q)).body(performer.agent.root_body) for q in (performer.start.qpos, moved))
+    before, after = (
+        Stage(performer.scene, State(q)).body(performer.agent.root_body) for q in (performer.start.qpos, moved)
+    )
     assert after.position[2] == before.position[2]
     assert after.matrix[2, 2] == pytest.approx(1.0)
 
@@ -116,7 +118,10 @@ def opening_m(performer: Performer, side: str, qpos: np.ndarray) -> float:
     mujoco.mj_kinematics(scene.model, data)
     matrix = data.site_xmat[arm.palm_site].reshape(3, 3) @ gripper.axes
     tips = max(
-        float((data.geom_xpos[g] + data.geom_xmat[g].reshape(3, 3) @ corner - data.site_xpos[arm.palm_site]) @ matrix[:, 0])
+        float(
+            (data.geom_xpos[g] + data.geom_xmat[g].reshape(3, 3) @ corner - data.site_xpos[arm.palm_site])
+            @ matrix[:, 0]
+        )
         for g in arm.hand_geoms
         for corner in vertices(scene.model, int(g))
     )
@@ -138,8 +143,8 @@ def vertices(model: mujoco.MjModel, geom: int) -> np.ndarray:
     """Points of a shape that span it."""
     mesh = int(model.geom_dataid[geom])
     if mesh >= 0:
-        return model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]].astype(float)
-    return np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * model.geom_size[geom]
+        return np.array(model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]], dtype=float)
+    return np.asarray(np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * model.geom_size[geom])
 
 
 @needs("pr2")
@@ -179,12 +184,15 @@ def test_what_is_called_free_is_free_by_mujoco_alone_and_what_is_blocked_is_not(
     free = blocked = 0
     for number in range(60):
         qpos = drawn(performer, performer.sides[number % len(performer.sides)], rng)
-        qpos = performer.at(qpos, (float(rng.uniform(0.3, 1.0)), float(rng.uniform(-0.3, 0.3)), float(rng.uniform(-1, 1))))
+        qpos = performer.at(
+            qpos, (float(rng.uniform(0.5, 1.5)), float(rng.uniform(-0.3, 0.3)), float(rng.uniform(-1, 1)))
+        )
         depth_m, between = judge.deepest(qpos)
-        if performer.blocking(qpos) is None:
+        found = performer.blocking(qpos)
+        if found is None:
             assert depth_m < TOO_DEEP_M, between
             free += 1
-        else:
+        elif not found.other.startswith("R/"):  # own pairs that touch at the start count where they are deeper then
             assert depth_m > 0.0005
             blocked += 1
     assert free > 2
@@ -192,9 +200,11 @@ def test_what_is_called_free_is_free_by_mujoco_alone_and_what_is_blocked_is_not(
 
 
 def test_the_two_sides_of_a_collision_are_named(performer: Performer) -> None:
-    found = performer.blocking(performer.at(performer.start.qpos, (1.2, 0.0, 0.0)))
+    found = performer.blocking(performer.at(performer.start.qpos, (1.5, 0.0, 0.0)))
     assert found is not None
-    assert (found.part, found.other) in {(part, "table") for part in ("torso", "legs", "head")}
+    assert found.other == "table"
+    assert found.part in performer.agent.parts
+    assert found.depth_m > 0.01
 
 
 def test_an_arm_against_its_own_body_is_named(performer: Performer) -> None:
@@ -239,8 +249,6 @@ def test_an_unknown_agent_is_refused_with_those_that_are_there() -> None:
 def test_a_body_without_a_hand_is_refused() -> None:
     text = builtin_profile_text("jido").partition("[hand]")[0]
     scene = room("jido")
-    files = dict(scene.bundle)
-    files["own.profile.toml"] = text.encode()
-    files["scene.toml"] = files["scene.toml"].replace(b'profile = "jido"', b'profile = "own.profile.toml"')
+    without = Scene.from_bundle({**scene.bundle, "R.profile.toml": text.encode()})
     with pytest.raises(SceneError, match="R has no hand that grasps"):
-        Performer(Scene.from_bundle(files), "R")
+        Performer(without, "R")

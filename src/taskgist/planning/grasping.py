@@ -1,8 +1,8 @@
 """How a robot picks a thing up, and puts it down, from where it stands: grasps, and the lines of the hand around them.
 
-Grasps are those that perspective explains the ability to grasp with: sampled on the thing, in its own frame, so that the
-one with which it is picked up is the one with which it is put down. For each of them one question comes after the other,
-the cheap ones first, and what fails is counted at the first gate that it fails:
+Grasps are those that perspective explains the ability to grasp with: sampled on the thing, in its own frame, so that
+the one with which it is picked up is the one with which it is put down. For each of them one question comes after the
+other, the cheap ones first, and what fails is counted at the first gate that it fails:
 
 1. the hand is free where the thing lies, and where it is to lie (boxes of the hand, as perspective has them);
 2. the arm reaches (capability map), its gripper opens so wide;
@@ -16,9 +16,8 @@ Putting down is the same way backwards: down with the thing, then back with the 
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from enum import Enum
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -30,6 +29,7 @@ from taskgist.perspective.effort import Blocking, Miss, Reason
 from taskgist.perspective.grasp_sampling import Grasps, grasps_in_object, hand_frames
 from taskgist.perspective.grasp_trials import GraspTrials
 from taskgist.perspective.target import Recorder
+from taskgist.planning.hand_ways import Among, Failures, Gate, HandWay, PickPose, PlacePose, Tally, farthest, named
 from taskgist.planning.performer import Grip, Performer, with_values
 from taskgist.planning.whole_body import Pair, pose_of
 from taskgist.world.bodies.hands import Hand
@@ -45,136 +45,6 @@ AWAY_M = 1e4
 """Where a robot is put that is in nobody's way."""
 MOST_TRIED = 40
 """Grasps that are solved from one stand, those that come from other sides first (ours)."""
-NAMED = 2
-
-
-class Gate(Enum):
-    """Where a grasp fails first, in the order of the questions; ``{thing}`` and ``{others}`` are filled in."""
-
-    HAND_AT_START = "approaches to the {thing} where it lies are blocked by {others}"
-    HAND_AT_GOAL = "approaches to the {thing} where it is to be are blocked by {others}"
-    REACH = "grasps of the {thing} are out of the arm's reach"
-    OPENING = "grasps of the {thing} are too wide for the fingers: {others}"
-    KINEMATICS = "grasps of the {thing} are at angles to which the arm does not turn the hand"
-    BODY = "grasps of the {thing} bring the robot against {others}"
-    APPROACH = "approaches to the {thing} are blocked by {others}"
-    JUMP = "approaches to the {thing} are more than the arm follows without a jump"
-    RISE = "ways up with the {thing} are blocked by {others}"
-
-
-Among = Callable[[str, int], bool]
-"""Whether the hand of a side and a grasp are asked for."""
-Failures = list[tuple[Gate, str | None]]
-"""At which gates configurations failed, and what was in the way."""
-
-
-@dataclass(frozen=True, eq=False)
-class Tally:
-    """How many grasps failed at each gate, and what was in the way."""
-
-    counts: Counter[Gate] = field(default_factory=Counter)
-    met: dict[Gate, Counter[str]] = field(default_factory=dict)
-
-    def add(self, gate: Gate, other: str | None = None, count: int = 1) -> None:
-        """Count grasps that failed at a gate."""
-        self.counts[gate] += count
-        if other is not None:
-            self.met.setdefault(gate, Counter())[other] += count
-
-    def text(self, thing: str) -> str:
-        """A sentence: "every one of 48 approaches to the tape is blocked by the table"."""
-        total = sum(self.counts.values())
-        parts = []
-        for gate in Gate:
-            if count := self.counts[gate]:
-                met = self.met.get(gate, Counter())
-                telling = Counter({name: count for name, count in met.items() if name != f"the {thing}"}) or met
-                others = " and ".join(name for name, _ in telling.most_common(NAMED))
-                much = "all" if count == total else f"{count} of {total}"
-                parts.append(f"{much} {gate.value.format(thing=thing, others=others)}")
-        return "; ".join(parts)
-
-
-@dataclass(frozen=True, eq=False)
-class HandWay:
-    """A hand at a thing, and its lines to and from there, by the joints of its arm's chain.
-
-    Attributes:
-        thing: What it grasps.
-        side: The hand's side.
-        grasp: Which of the thing's grasps.
-        positions: Indices into qpos of the chain's joints, (k,).
-        before: All positions before the arm moves, at the stand, with the thing where it is grasped or put, (nq,).
-        line: From 10 cm off along the approach to the grasp, the hand open, (n, k).
-        rise: From the grasp up, the thing in the hand, (m, k).
-        open_hand: Joint values of the open hand, (f,).
-        closed_hand: Those of the hand around the thing, (f,).
-        hand_positions: Indices into qpos of the hand's joints, (f,).
-        grip: The thing in the hand.
-    """
-
-    thing: str
-    side: str
-    grasp: int
-    positions: Indices
-    before: Array
-    line: Array
-    rise: Array
-    open_hand: Array
-    closed_hand: Array
-    hand_positions: Indices
-    grip: Grip
-
-    def opened(self, values: Array) -> Array:
-        """All positions, (nq,), with the arm so and the hand open; the thing stays where it is."""
-        return with_values(with_values(self.before, self.positions, values), self.hand_positions, self.open_hand)
-
-    def closed(self, values: Array) -> Array:
-        """All positions, (nq,), with the arm so and the hand closed; the held thing is elsewhere: see ``carried``."""
-        return with_values(with_values(self.before, self.positions, values), self.hand_positions, self.closed_hand)
-
-
-class PickPose(HandWay):
-    """How a thing is picked up."""
-
-    @property
-    def pre_grasp(self) -> Array:
-        """All positions with the open hand before the thing, (nq,)."""
-        return self.opened(self.line[0])
-
-    @property
-    def grasped(self) -> Array:
-        """All positions with the open hand at the thing, (nq,)."""
-        return self.opened(self.line[-1])
-
-    @property
-    def approach(self) -> Array:
-        """Joints of the chain towards the thing, the hand open, (n, k)."""
-        return self.line
-
-    @property
-    def lift(self) -> Array:
-        """Joints of the chain upwards, the thing in the hand, (m, k)."""
-        return self.rise
-
-
-class PlacePose(HandWay):
-    """How a thing is put down."""
-
-    @property
-    def above(self) -> Array:
-        """All positions with the thing in the hand above its place, (nq,); the thing itself is as ``carried`` has it."""
-        return self.closed(self.rise[-1])
-
-    @property
-    def lower(self) -> Array:
-        """Joints of the chain downwards, the thing in the hand, (m, k)."""
-        return self.rise[::-1]
-
-    @property
-    def retreat(self) -> Array:
-        """Joints of the chain back from the thing, the hand open, (n, k)."""
-        return self.line[::-1]
 
 
 class Grasping:
@@ -245,7 +115,7 @@ class Grasping:
 
     @cached_property
     def _palms(self) -> Mapping[str, tuple[Array, Array]]:
-        """Where each side's palm is in the free grasps, and where its hand points, in the thing's frame, (n, 3) each."""
+        """Each side's palm in the free grasps, and where its hand points, in the thing's frame, (n, 3) each."""
         grasps = self.grasps.only(self.free)
         frames = hand_frames(grasps)
         found = {}
@@ -264,9 +134,7 @@ class Grasping:
         low, high = float(chain.low[chain.lifts].sum()), float(chain.high[chain.lifts].sum())
         return tuple(sorted({0.0, low - now, (low + high) / 2 - now, high - now}))
 
-    def picks(
-        self, qpos: Array, *, among: Among | None = None, most_tried: int = MOST_TRIED
-    ) -> Iterator[PickPose]:
+    def picks(self, qpos: Array, *, among: Among | None = None, most_tried: int = MOST_TRIED) -> Iterator[PickPose]:
         """Ways to pick the thing up from where the robot stands.
 
         Args:
@@ -334,7 +202,7 @@ class Grasping:
                 blocked = self.performer.blocking(found)
                 if blocked is None:
                     return True
-                failed.append((Gate.BODY, _named(blocked)))
+                failed.append((Gate.BODY, named(blocked)))
         return False
 
     def _at(self, place: State, qpos: Array) -> Array:
@@ -405,7 +273,7 @@ class Grasping:
     # --- One grasp after the other.
 
     def _within_reach(self, qpos: Array, place: State) -> dict[tuple[str, bytes], deque[tuple[int, int]]]:
-        """Grasps within reach, by the side that reaches them and their kind, with their rank; the others are counted."""
+        """Grasps within reach, by the side that reaches them and their kind, with their rank; others are counted."""
         sides = self.performer.sides
         reached = {side: set(self.in_reach(side, qpos, place, self.lifts(qpos, side)).tolist()) for side in sides}
         found: dict[tuple[str, bytes], deque[tuple[int, int]]] = {}
@@ -473,7 +341,7 @@ class Grasping:
         for found in solutions:
             blocked = performer.blocking(found)
             if blocked is not None:
-                failed.append((Gate.BODY, _named(blocked)))
+                failed.append((Gate.BODY, named(blocked)))
                 continue
             line = self._line(side, palm, gripper.axes[:, 0], found)
             if line is None:
@@ -481,7 +349,7 @@ class Grasping:
                 continue
             blocked = self._first_blocked(ready, chain.positions, line[:-1])
             if blocked is not None:
-                failed.append((Gate.APPROACH, _named(blocked)))
+                failed.append((Gate.APPROACH, named(blocked)))
                 continue
             shut = with_values(found, gripper.positions, closed_hand)
             held = grip or replace(performer.grip(shut, self.thing, side), usual_m=self._touching(before))
@@ -512,9 +380,7 @@ class Grasping:
             return None
         return np.concatenate((way[::-1], found[self.performer.chain(side).positions][None]))
 
-    def _rise(
-        self, side: str, palm: Pose, shut: Array, held: Grip, failed: Failures
-    ) -> Array | None:
+    def _rise(self, side: str, palm: Pose, shut: Array, held: Grip, failed: Failures) -> Array | None:
         """Joints of the chain upwards from the grasp, as far as it is free, at least 5 cm; None if that is blocked."""
         performer, positions = self.performer, self.performer.chain(side).positions
         way, last, blocked = [shut[positions]], shut, performer.blocking(shut, held)
@@ -530,7 +396,7 @@ class Grasping:
                 way.append(values[0])
         if (len(way) - 1) * STEP_M >= LEAST_RISE_M - 1e-9:
             return np.array(way)
-        failed.append((Gate.JUMP, None) if blocked is None else (Gate.RISE, _named(blocked)))
+        failed.append((Gate.JUMP, None) if blocked is None else (Gate.RISE, named(blocked)))
         return None
 
     def _first_blocked(self, qpos: Array, positions: Indices, way: Array) -> Blocking | None:
@@ -551,14 +417,3 @@ class Grasping:
         for pair, depth_m in other.items():
             merged[pair] = max(depth_m, merged.get(pair, 0.0))
         return merged
-
-
-def farthest(failed: Failures) -> tuple[Gate, str | None]:
-    """Of the gates at which a grasp's configurations failed, that which is passed last."""
-    return max(failed, key=lambda each: list(Gate).index(each[0]))
-
-
-def _named(blocked: Blocking) -> str:
-    """What a collision is with, for people."""
-    owner, _, part = blocked.other.partition("/")
-    return f"{owner}'s {part.replace('_', ' ')}" if part else f"the {owner}"

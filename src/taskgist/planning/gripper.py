@@ -1,9 +1,9 @@
 """A gripper as its model has it: where its pads are, and with which joint values it opens so wide.
 
-Nothing is told about a gripper but what its profile names: the hand's body and the palm's frame. Its joints are those in
-the hand's subtree that do not carry the palm. They move together, as couplings of the model say; where a coupling was
-lost, each goes its share of its range, from the end at which it closes. How wide the pads are apart then is measured:
-rays from between them, near the tips, meet their inner faces.
+Nothing is told about a gripper but what its profile names: the hand's body and the palm's frame. Its joints are those
+in the hand's subtree that do not carry the palm. They move together, as couplings of the model say; where a coupling
+was lost, each goes its share of its range, from the end at which it closes. How wide the pads are apart then is
+measured: rays from between them, near the tips, meet their inner faces.
 
 The frame of a hand is that of ``world.bodies.hands``: x along the approach, y from the thumb to the fingers, z across.
 """
@@ -147,7 +147,8 @@ class Gripper:
         for _ in range(TRACED):
             points = starts + gone_m[:, None] * direction
             free_m = np.min(
-                [distances_outside_m(model, geom, pose.to_local(points), within_m=FAR_M) for geom, pose in poses], axis=0
+                [distances_outside_m(model, geom, pose.to_local(points), within_m=FAR_M) for geom, pose in poses],
+                axis=0,
             )
             gone_m = np.minimum(gone_m + np.maximum(free_m, 0.0), FAR_M)
             if (free_m < MET_M).any() or (gone_m >= FAR_M).all():

@@ -40,7 +40,7 @@ DAMPING, LEVER_M = 1e-4, 0.15
 TURN_RAD = 2 * math.pi
 """A joint without end is put at most one turn off its zero."""
 POINTING_COS = math.cos(math.radians(60.0))
-"""A configuration from which the hand would have to be turned farther is no start: the map knows nearer ones, if any."""
+"""A configuration from which the hand would have to be turned farther is no start: the map has nearer ones, if any."""
 LIFT_STEPS = 4
 """Heights of a lift at which the capability map is asked."""
 LIFT_WEIGHT = 5.0

@@ -182,9 +182,9 @@ class Stands:
         target = self._grasping.centers(self._place).mean(axis=0)
         found = [here]
         for side, shoulder in self._shoulders.items():
-            longest_m = float(self._performer.agent.arm(side).reach.map.radius_m) * self._performer.agent.arm(
-                side
-            ).reach.scale
+            longest_m = (
+                float(self._performer.agent.arm(side).reach.map.radius_m) * self._performer.agent.arm(side).reach.scale
+            )
             lifts = self._grasping.lifts(self._now, side)
             high = [abs(float(target[2] - shoulder[2]) - up_m) for up_m in lifts]
             level_m = math.sqrt(max(longest_m**2 - min(high) ** 2, 0.0))

@@ -11,7 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
 
-from taskgist.planning.grasping import Failures, Gate, Grasping, PickPose, PlacePose, farthest
+from taskgist.planning.grasping import Grasping
+from taskgist.planning.hand_ways import Failures, Gate, PickPose, PlacePose, farthest
 from taskgist.planning.stands import Stand, Stands
 
 STANDS_AT_START, STANDS_AT_GOAL = 8, 32
