@@ -103,9 +103,7 @@ def _perform(knowledge: Knowledge, out: Path, *, replace: bool, as_json: bool) -
     with progress_bar(quiet=as_json) as progress:
         outcome = perform(scene, Request(clause, "Jido", "P2", "cup"), tree=tree, progress=progress)
     if not as_json:
-        console.print(
-            Text.assemble((PERFORMED, "bold"), f": performed by a robot in a room that it never saw\n{RULE}")
-        )
+        console.print(Text.assemble((PERFORMED, "bold"), f": performed by a robot in a room that it never saw\n{RULE}"))
     paths = [out / f"{PERFORMED}_performed.mcap"] if outcome.performances else []
     for path, found in zip(paths, outcome.performances, strict=False):
         write(found.execution.recording, path, replace=replace)

@@ -17,8 +17,8 @@ from taskgist.planning.stands import Stand, Stands
 
 STANDS_AT_START, STANDS_AT_GOAL = 8, 32
 """Stands that are looked at, at most."""
-PICKS_A_STAND, GOALS_A_GRASP = 12, 6
-"""Picks that are solved from one stand, and stands of the goal at which each grasp is tried (ours)."""
+PICKS_A_STAND, GOALS_A_GRASP, FITTING = 12, 6, 2
+"""Picks that are solved from one stand, stands of the goal at which each grasp is tried, and enough that fit (ours)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,8 @@ class Transfers:
             grasping = self._grasping
             failed: Failures = []
             asked = islice((stand for stand in self.goals if (side, row) in stand.in_reach), GOALS_A_GRASP)
-            self._known[side, row] = [stand for stand in asked if grasping.fits(stand.qpos, side, row, failed)]
+            fitting = (stand for stand in asked if grasping.fits(stand.qpos, side, row, failed))
+            self._known[side, row] = list(islice(fitting, FITTING))
             if not self._known[side, row]:
                 grasping.place_tally.add(*(farthest(failed) if failed else (Gate.REACH, None)))
         return self._known[side, row]
