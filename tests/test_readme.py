@@ -45,4 +45,4 @@ def test_the_demo_prints_what_the_readme_says(tmp_path: Path, monkeypatch: pytes
     for block in blocks:
         assert block.strip() in result.output
     pictures = sorted(path.name for path in (tmp_path / "taskgist-demo").glob("*.png"))
-    assert pictures == ["give.png", "hide.png", "show.png"]
+    assert pictures == ["give.png", "hide.png", "hide_performed.png", "show.png"]

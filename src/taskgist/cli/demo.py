@@ -44,10 +44,10 @@ def demo(
     replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Learn give, show and hide from the shipped recordings, and let a robot hide something.
+    """Learn from the shipped recordings, and let a robot act.
 
-    Prints what each means and how that was found, and saves pictures of what the target agents see. In the end a robot
-    performs what was learned a moment before, in a room that no demonstration showed.
+    Prints what give, show and hide mean and how that was found, and saves pictures of what the target agents see. In
+    the end a robot performs hide, learned a moment before, in a room that no demonstration showed.
 
     Example: taskgist demo -o /tmp/demo
     """
