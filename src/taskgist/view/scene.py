@@ -82,18 +82,27 @@ def before_after_picture(
     return save_figure(figure, path)
 
 
-def draw_eye(axes: Axes, stage: Stage, agent: str, target: str | None, settings: Settings, title: str) -> None:
+def draw_eye(
+    axes: Axes,
+    stage: Stage,
+    agent: str,
+    target: str | None,
+    settings: Settings,
+    title: str,
+    *,
+    width_px: int = EYE_WIDTH_PX,
+) -> None:
     """Draw what an agent sees; the dashed circle is its gaze cone."""
     body = stage.scene.agent(agent)
     eye = body.profile.eye
-    height = round(EYE_WIDTH_PX * eye.image_px[1] / eye.image_px[0])
+    height = round(width_px * eye.image_px[1] / eye.image_px[0])
     marked = stage.scene.object_geoms(target) if target else np.empty(0, dtype=np.intp)
     there = stage.seen & stage.scene.hiding(settings.vision.transparent_alpha)
     there[marked] = stage.seen[marked]
     image = render(
         stage,
         stage.eye(body),
-        pinhole(eye.fov_rad, EYE_WIDTH_PX, height),
+        pinhole(eye.fov_rad, width_px, height),
         exclude_body=body.eye_exclude_body,
         only=np.flatnonzero(there),
         highlight=[int(geom) for geom in marked],
@@ -102,7 +111,7 @@ def draw_eye(axes: Axes, stage: Stage, agent: str, target: str | None, settings:
     axes.set_title(f"{title}{_score_text(stage, agent, target, settings)}", fontsize=10)
     axes.set_xticks([])
     axes.set_yticks([])
-    _draw_gaze(axes, eye.fov_rad, eye.gaze_cone_rad, EYE_WIDTH_PX, height)
+    _draw_gaze(axes, eye.fov_rad, eye.gaze_cone_rad, width_px, height)
     if target:
         _mark(axes, np.isin(image.geoms, marked), target)
 
@@ -160,6 +169,8 @@ ABOVE_EYE_M = 0.17
 """Height of names above the eyes."""
 SOLID = 0.6
 """How much of the ball around a part of a body the part fills, about."""
+BEHIND_NAMES = {"facecolor": "white", "alpha": 0.6, "edgecolor": "none", "pad": 1.0}
+"""Names are read before dark things, too."""
 NAME_M = np.array([0.0, 0.0, 0.32])
 """What the picture must hold above the eyes: head and name."""
 
@@ -213,12 +224,17 @@ def draw_outside(axes: Axes, stage: Stage, camera: Camera, label: Label, title: 
     axes.imshow(_smooth_picture(stage, camera, label.target_object))
     axes.set_title(title, fontsize=9)
     axes.set_axis_off()
+    draw_names(axes, stage, camera, label)
+
+
+def draw_names(axes: Axes, stage: Stage, camera: Camera, label: Label) -> None:
+    """Write above everybody's head who it is, and which part in the task it has."""
     roles = {label.performing_agent: "performer", label.target_agent: "target agent"}
     for name in stage.scene.agents:
         head = stage.eye(stage.scene.agent(name)).position + (0.0, 0.0, ABOVE_EYE_M)
         column, row = camera.pixel(head)
         text = f"{name}, {roles[name]}" if name in roles else name
-        axes.text(column, row, text, fontsize=7.5, ha="center", va="bottom")
+        axes.text(column, row, text, fontsize=7.5, ha="center", va="bottom", bbox=BEHIND_NAMES)
 
 
 def _poses(stage: Stage, states: Sequence[State]) -> list[Pose]:
