@@ -30,7 +30,7 @@ from taskgist.view.rendering import pinhole, render, save_figure
 from taskgist.view.scene import FOV_RAD, Camera, camera_outside, draw_eye, draw_names, draw_outside
 from taskgist.world.stage import Stage
 
-CHOOSING_WIDTH_PX, PICTURE_WIDTH_PX, FILM_WIDTH_PX, EYE_WIDTH_PX = 200, 600, 560, 370
+CHOOSING_WIDTH_PX, PICTURE_WIDTH_PX, FILM_WIDTH_PX, EYE_WIDTH_PX = 200, 600, 480, 300
 """Widths of pictures: by which a camera is chosen, in a strip, in a film, and there through an eye."""
 
 
@@ -105,7 +105,7 @@ def _camera(stage: Stage, plan: Plan, execution: Execution, width_px: int) -> Ca
 
 # --- A film.
 
-FPS, MOST_FRAMES, LAST_S = 8, 88, 1.5
+FPS, MOST_FRAMES, LAST_S = 8, 64, 1.5
 """Frames in a second, at most so many of them, and how long the last one stays."""
 MOST_BYTES = 2_000_000
 """A film is not larger, where a lower quality makes it so."""
@@ -148,7 +148,7 @@ def _drawn(plan: Plan, execution: Execution, progress: Progress) -> Iterator[Ima
     stage, texts = Stage(recording.scene), _texts(plan, len(recording.times_s))
     camera = _camera(stage, plan, execution, FILM_WIDTH_PX)
     outside = Outside(stage, recording, frames, camera)
-    figure = Figure(figsize=(9.6, 4.3))
+    figure = Figure(figsize=(8.2, 3.8))
     canvas = FigureCanvasAgg(figure)
     for number, frame in enumerate(frames.tolist()):
         progress("drawing the film", number / len(frames))
@@ -157,10 +157,10 @@ def _drawn(plan: Plan, execution: Execution, progress: Progress) -> Iterator[Ima
         figure.text(0.012, 0.955, _title(plan), fontsize=12, va="center")
         speed = f"{faster:.1f} times as fast" if faster > 1.05 else ""
         figure.text(0.988, 0.955, speed, fontsize=9, ha="right", va="center")
-        axes = figure.add_axes((0.008, 0.075, 0.586, 0.84))
+        axes = figure.add_axes((0.01, 0.085, 0.586, 0.82))
         _draw_frame(axes, stage, camera, label, outside.picture())
         axes.text(0, 1.02 * camera.height_px, f"{recording.times_s[frame]:5.1f} s  {texts[frame]}", va="top")
-        axes = figure.add_axes((0.604, 0.075, 0.388, 0.765))
+        axes = figure.add_axes((0.612, 0.085, 0.378, 0.715))
         draw_eye(axes, stage, plan.target, plan.thing, DEFAULT, f"what {plan.target} sees", width_px=EYE_WIDTH_PX)
         canvas.draw()  # type: ignore[no-untyped-call]
         rgba = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]

@@ -208,7 +208,7 @@ def camera_outside(stage: Stage, states: Sequence[State], target: str, *, width_
     """
     height_px = round(width_px * math.tan(FOV_RAD[1] / 2) / math.tan(FOV_RAD[0] / 2))
     cameras = [Camera(pose, width_px, height_px) for pose in _poses(stage, states)]
-    return max(cameras, key=lambda camera: _least_seen(stage, states, target, camera))
+    return max(cameras, key=lambda camera: _seen(stage, states, target, camera))
 
 
 def draw_outside(axes: Axes, stage: Stage, camera: Camera, label: Label, title: str) -> None:
@@ -280,15 +280,15 @@ def _distance_m(offsets: Array, away: Array) -> float:
     return float(np.max(needed))
 
 
-def _least_seen(stage: Stage, states: Sequence[State], target: str, camera: Camera) -> int:
-    """Pixels of the target object in the state in which fewest are seen, in a small picture."""
+def _seen(stage: Stage, states: Sequence[State], target: str, camera: Camera) -> list[int]:
+    """Pixels of the target object in each state, fewest first, in a small picture."""
     rays = pinhole(FOV_RAD, camera.width_px // 2, camera.height_px // 2)
     marked = stage.scene.object_geoms(target)
     counts = []
     for state in states:
         stage.show(state)
         counts.append(int(np.isin(render(stage, camera.pose, rays).geoms, marked).sum()))
-    return min(counts)
+    return sorted(counts)
 
 
 def _smooth_picture(stage: Stage, camera: Camera, target: str) -> Array:
