@@ -13,7 +13,6 @@ from tests.command_lines import commands
 from tests.schemas import FOLDER, hold_to_schema, schema_of
 from tests.shipped import PATHS
 
-
 FILES = ("perform_trajectory", "perform_plan")
 """Documents that a command writes to a file: by the command and its option."""
 

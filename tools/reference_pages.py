@@ -142,7 +142,8 @@ def json_documents() -> Iterator[str]:
         schema = json.loads(path.read_text(encoding="utf-8"))
         if path.stem != "common":
             forms = "; or ".join(form_text(form) for form in schema.get("anyOf", [schema]))
-            yield row(f"`taskgist {_written_by(path.stem)}`", schema["title"], forms, f"[{path.name}](schemas/{path.name})")
+            name = _written_by(path.stem)
+            yield row(f"`taskgist {name}`", schema["title"], forms, f"[{path.name}](schemas/{path.name})")
 
 
 def _written_by(stem: str) -> str:

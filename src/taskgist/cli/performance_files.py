@@ -57,9 +57,12 @@ def check_files(asked: Mapping[str, Path], ways: int, *, replace: bool, inputs: 
     taken: dict[Path, str] = {}
     for option, path in asked.items():
         kind = KINDS[option]
-        suffix = path.suffix.lower() if path.suffix.lower() in kind.suffixes else kind.suffixes[0]
         for each in numbered(path, ways):
-            check_target(each, option, replace=replace, suffix=suffix, what=kind.plural, inputs=inputs)
+            check_target(each, option, replace=replace, inputs=inputs)
+            if each.suffix.lower() not in kind.suffixes:
+                formats = " or ".join(suffix[1:].upper() for suffix in kind.suffixes)
+                hint = f"name it {' or '.join(kind.suffixes)}"
+                raise InputError(f"{kind.plural} are {formats}", where=each, field=option, hint=hint)
             other = taken.setdefault(each.resolve(), option)
             if other != option:
                 raise InputError(f"is named by {other}, too", where=each, field=option, hint="name another file")

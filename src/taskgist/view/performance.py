@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -71,17 +72,25 @@ def performance_picture(plan: Plan, execution: Execution, path: Path, *, setting
 def moments(plan: Plan, execution: Execution) -> list[tuple[int, str]]:
     """Frames that tell a performance, four to six, in order of time, and what happens in each."""
     last = len(execution.recording.times_s) - 1
-    found = {0: "at the start"}
+    found, texts = {0: "at the start"}, ["at the start"] * (last + 1)
     for phase, frames in zip(plan.phases, phase_frames(plan), strict=True):
+        texts[frames.start : frames.stop] = [doing(plan, phase.name)] * len(frames)
         share = TELLING.get(phase.name)
         if share is not None:
             found[frames.start + round(share * (len(frames) - 1))] = doing(plan, phase.name)
     found[last] = "at the end"
+    while len(found) > MOST_MOMENTS:  # of two that are near each other the later one tells little
+        del found[min(pairwise(sorted(found)), key=lambda pair: pair[1] - pair[0] if pair[1] < last else last)[1]]
+    while len(found) < LEAST_MOMENTS:
+        one, other = max(pairwise(sorted(found)), key=lambda pair: pair[1] - pair[0])
+        middle = (one + other) // 2
+        found[middle] = texts[middle]
     return sorted(found.items())
 
 
+LEAST_MOMENTS, MOST_MOMENTS = 4, 6
 TELLING = {"approach": 1.0, "transport": 0.5, "transfer": 1.0, "lower": 1.0, "take": 1.0}
-"""Phases that are shown, and how far each has come."""
+"""Phases of robots that are shown, and how far each has come; where there are fewer, the longest gaps are filled."""
 
 
 def _label(execution: Execution) -> Label:
@@ -109,7 +118,7 @@ FPS, MOST_FRAMES, LAST_S = 8, 64, 1.5
 """Frames in a second, at most so many of them, and how long the last one stays."""
 MOST_BYTES = 2_000_000
 """A film is not larger, where a lower quality makes it so."""
-WEBP_QUALITIES, GIF_COLOURS = (80, 60, 40, 20), (128, 64, 32)
+WEBP_QUALITIES, GIF_COLOURS = (80, 60, 40, 20), (256, 128, 64, 32)
 """Tried one after the other until a film is small enough."""
 FILMS = (".webp", ".gif")
 """How the names of films end."""
@@ -272,5 +281,7 @@ def encoded(frames: Sequence[Image.Image], suffix: str) -> bytes:
 
 def _with_one_palette(frames: Sequence[Image.Image], colours: int) -> list[Image.Image]:
     """The same frames in few colours, the same for all: what stands still does not flicker."""
-    middle = frames[len(frames) // 2].quantize(colours, method=Image.Quantize.MEDIANCUT)
-    return [frame.quantize(palette=middle, dither=Image.Dither.NONE) for frame in frames]
+    shown = [frames[0], frames[len(frames) // 2], frames[-1]]
+    together = Image.fromarray(np.concatenate([np.asarray(frame) for frame in shown]))
+    palette = together.quantize(colours, method=Image.Quantize.FASTOCTREE)
+    return [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]

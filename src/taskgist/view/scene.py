@@ -169,6 +169,8 @@ ABOVE_EYE_M = 0.17
 """Height of names above the eyes."""
 SOLID = 0.6
 """How much of the ball around a part of a body the part fills, about."""
+LETTER, LINE = 0.0125, 0.03
+"""Width of a letter of a name, and height of its line, as shares of a picture's width."""
 BEHIND_NAMES = {"facecolor": "white", "alpha": 0.6, "edgecolor": "none", "pad": 1.0}
 """Names are read before dark things, too."""
 NAME_M = np.array([0.0, 0.0, 0.32])
@@ -230,10 +232,16 @@ def draw_outside(axes: Axes, stage: Stage, camera: Camera, label: Label, title: 
 def draw_names(axes: Axes, stage: Stage, camera: Camera, label: Label) -> None:
     """Write above everybody's head who it is, and which part in the task it has."""
     roles = {label.performing_agent: "performer", label.target_agent: "target agent"}
-    for name in stage.scene.agents:
-        head = stage.eye(stage.scene.agent(name)).position + (0.0, 0.0, ABOVE_EYE_M)
-        column, row = camera.pixel(head)
+    heads = [stage.eye(stage.scene.agent(name)).position + (0.0, 0.0, ABOVE_EYE_M) for name in stage.scene.agents]
+    placed: list[tuple[float, float, float]] = []
+    lowest_first = sorted(zip(map(camera.pixel, heads), stage.scene.agents, strict=True), key=lambda each: -each[0][1])
+    for (column, row), name in lowest_first:
         text = f"{name}, {roles[name]}" if name in roles else name
+        half, high = len(text) * LETTER * camera.width_px / 2, LINE * camera.width_px
+        for at, other_half, other_row in placed:  # from the lowest up, so that one pass is enough
+            if abs(at - column) < half + other_half and abs(other_row - row) < high:
+                row = other_row - high
+        placed.append((column, half, row))
         axes.text(column, row, text, fontsize=7.5, ha="center", va="bottom", bbox=BEHIND_NAMES)
 
 
