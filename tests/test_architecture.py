@@ -78,7 +78,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "performing": {"numpy", "mujoco"},
     "language": set(),
     "pipeline": {"numpy"},
-    "view": {"numpy", "matplotlib"},
+    "view": {"numpy", "matplotlib", "PIL"},
     "cli": {"typer", "rich"},
     "lab simulator": {"numpy", "mujoco"},
     "lab generator": {"numpy", "mujoco"},

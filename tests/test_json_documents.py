@@ -13,12 +13,22 @@ from tests.command_lines import commands
 from tests.schemas import FOLDER, hold_to_schema, schema_of
 from tests.shipped import PATHS
 
+FILES = ("perform_trajectory", "perform_plan")
+"""Documents that a command writes to a file: by the command and its option."""
+
 
 def test_every_command_has_a_schema() -> None:
-    assert {path.stem for path in FOLDER.glob("*.json")} == {name.replace(" ", "_") for name in commands()} | {"common"}
+    printed = {name.replace(" ", "_") for name in commands()}
+    assert {path.stem for path in FOLDER.glob("*.json")} == printed | {"common", *FILES}
 
 
-@pytest.mark.parametrize("name", [*commands(), "common"])
+@pytest.mark.parametrize("name", FILES)
+def test_files_are_named_by_command_and_option(name: str) -> None:
+    command, _, option = name.rpartition("_")
+    assert f"--{option}" in {text for each in commands()[command].params for text in each.opts}
+
+
+@pytest.mark.parametrize("name", [*commands(), "common", *FILES])
 def test_schemas_are_schemas_and_closed(name: str) -> None:
     schema = schema_of(name)
     Draft202012Validator.check_schema(schema)

@@ -142,8 +142,17 @@ def json_documents() -> Iterator[str]:
         schema = json.loads(path.read_text(encoding="utf-8"))
         if path.stem != "common":
             forms = "; or ".join(form_text(form) for form in schema.get("anyOf", [schema]))
-            name = path.stem.replace("_", " ")
+            name = _written_by(path.stem)
             yield row(f"`taskgist {name}`", schema["title"], forms, f"[{path.name}](schemas/{path.name})")
+
+
+def _written_by(stem: str) -> str:
+    """The command that prints a document; or command and option, of one that it writes to a file."""
+    name = stem.replace("_", " ")
+    if name in all_commands():
+        return name
+    command, _, option = name.rpartition(" ")
+    return f"{command} --{option}"
 
 
 def form_text(form: Mapping[str, object]) -> str:

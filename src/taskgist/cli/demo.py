@@ -11,6 +11,7 @@ from rich.text import Text
 from taskgist.cli.common import JsonOption, ReplaceOption, command, console, make_folder, print_json, progress_bar
 from taskgist.cli.explain import print_understanding, understanding_document
 from taskgist.cli.perform import outcome_document, print_outcome
+from taskgist.cli.performance_files import write_files
 from taskgist.errors import InputError
 from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
@@ -21,7 +22,7 @@ from taskgist.pipeline.explain import explain_all, label_of
 from taskgist.pipeline.performing import perform, planners
 from taskgist.pipeline.shipped import shipped_recordings, shipped_room
 from taskgist.planning.planner import Request
-from taskgist.recording.mcap import read, write
+from taskgist.recording.mcap import read
 from taskgist.recording.recording import Recording
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
@@ -104,16 +105,14 @@ def _perform(knowledge: Knowledge, out: Path, *, replace: bool, as_json: bool) -
         outcome = perform(scene, Request(clause, "Jido", "P2", "cup"), tree=tree, progress=progress)
     if not as_json:
         console.print(Text.assemble((PERFORMED, "bold"), f": performed by a robot in a room that it never saw\n{RULE}"))
-    paths = [out / f"{PERFORMED}_performed.mcap"] if outcome.performances else []
-    for path, found in zip(paths, outcome.performances, strict=False):
-        write(found.execution.recording, path, replace=replace)
-        picture = _picture(found.execution.recording, path.with_suffix(".png"))
+    name = out / f"{PERFORMED}_performed"
+    asked = {"--out": name.with_suffix(".mcap"), "--picture": name.with_suffix(".png")}
+    with progress_bar(quiet=as_json) as progress:
+        written = write_files(asked, outcome.performances, replace=replace, progress=progress)
     if not as_json:
-        print_outcome(outcome, tuple(paths))
-        if paths:
-            console.print(f"picture: {picture}")
+        print_outcome(outcome, written)
         console.print()
-    return outcome_document(outcome, [str(path) for path in paths])
+    return outcome_document(outcome, written)
 
 
 def _picture(recording: Recording, path: Path) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,13 +19,13 @@ from taskgist.cli.common import (
     ReplaceOption,
     WhereArgument,
     about,
-    check_target,
     command,
     console,
     open_stage,
     print_json,
     progress_bar,
 )
+from taskgist.cli.performance_files import check_files, write_files
 from taskgist.common.text import clean_name
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.facts.predicates import known_predicates, with_predicates
@@ -49,6 +50,19 @@ def perform(
     target: Annotated[str, typer.Option("--for", help="For whom: another agent of the room.")] = "",
     thing: Annotated[str, typer.Option("--object", help="With what: an object of the room.")] = "",
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Write the performance here (.mcap).")] = None,
+    trajectory: Annotated[
+        Path | None, typer.Option(help="Write trajectories of arms, lift, grippers and base, as ROS has them (.json).")
+    ] = None,
+    plan: Annotated[
+        Path | None, typer.Option(help="Write the plan: phases, poses, grasp, attach, detach, stands (.json).")
+    ] = None,
+    positions: Annotated[
+        Path | None, typer.Option(help="Write MuJoCo's positions and the whole model, for numpy (.npz).")
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option(help="Draw its moments, and what --for sees before and after (.png).")
+    ] = None,
+    film: Annotated[Path | None, typer.Option(help="Draw a short film of it (.webp or .gif).")] = None,
     ways: Annotated[int, typer.Option(min=1, max=MOST_WAYS, help="How many different ways.")] = 1,
     attention: Annotated[
         str, typer.Option(help="What --for looks at in the end: stays, thing or performer.")
@@ -68,20 +82,26 @@ def perform(
 
     Example: taskgist perform hide room.toml --robot PR2 --for P2 --object cup
 
+    Example: taskgist perform hide room.toml --robot J --for P2 --object cup --trajectory arm.json --picture hide.png
+
     Example: taskgist perform give room.toml --robot J --for P2 --object cup
     """
     if attention not in ATTENTIONS:
         raise UnknownNameError("attention", attention, ATTENTIONS, where="--attention")
-    if out is not None:
-        for path in _outputs(out, ways):
-            check_target(
-                path, "--out", replace=replace, suffix=".mcap", what="recordings", inputs=[where, Path(knowledge)]
-            )
+    files = {
+        "--out": out,
+        "--trajectory": trajectory,
+        "--plan": plan,
+        "--positions": positions,
+        "--picture": picture,
+        "--film": film,
+    }
+    asked = {option: path for option, path in files.items() if path is not None}
+    check_files(asked, ways, replace=replace, inputs=[where, Path(knowledge)])
     clause = _clause(knowledge, task)
     stage = open_stage(where, at)
     from taskgist.pipeline.performing import perform as performed
     from taskgist.planning.planner import Request
-    from taskgist.recording.mcap import write
 
     with about(where):
         for option, given, known in (
@@ -106,23 +126,17 @@ def perform(
                 predicates=known_predicates(),
                 progress=progress,
             )
-    paths = _outputs(out, len(outcome.performances)) if out is not None else ()
-    for path, found in zip(paths, outcome.performances, strict=False):
-        write(found.execution.recording, path)
+    with progress_bar(quiet=as_json) as progress:
+        written = write_files(asked, outcome.performances, replace=replace, progress=progress)
     if as_json:
-        print_json(outcome_document(outcome, [str(path) for path in paths]))
+        print_json(outcome_document(outcome, written))
     else:
-        print_outcome(outcome, paths)
+        print_outcome(outcome, written)
     return OK if outcome.performances else FAILED
 
 
 def _names(given: list[str] | None) -> tuple[str, ...] | None:
     return tuple(given) if given else None
-
-
-def _outputs(out: Path, ways: int) -> tuple[Path, ...]:
-    """One file, or one for each way: done.mcap, done_2.mcap, ..."""
-    return tuple(out if way == 1 else out.with_stem(f"{out.stem}_{way}") for way in range(1, ways + 1))
 
 
 def _clause(knowledge: str, task: str) -> Clause:
@@ -142,8 +156,8 @@ def _clause(knowledge: str, task: str) -> Clause:
     return clause
 
 
-def print_outcome(outcome: Outcome, paths: tuple[Path, ...]) -> None:
-    """Print what was chosen and done, way by way; or why there is none."""
+def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> None:
+    """Print what was chosen and done, way by way, and the files that were written; or why there is none."""
     from taskgist.language.performing import assumed, chosen, not_as_demonstrated, refused, steps
 
     tree, request = with_predicates(STANDARD_TREE), outcome.request
@@ -157,8 +171,8 @@ def print_outcome(outcome: Outcome, paths: tuple[Path, ...]) -> None:
         console.print(
             f"  judged by its facts: what {request.clause.task} means for {request.target} is so; {_strict(found)}"
         )
-        if number < len(paths):
-            console.print(f"  recorded in {paths[number]}")
+        for path in written[number].values():
+            console.print(f"  saved {path}")
     if outcome.performances:
         console.print(f"{assumed(request)}; {outcome.search.places} places were judged")
         return
@@ -173,8 +187,13 @@ def _strict(found: Performance) -> str:
     return "the clause as a whole does not, for not all is here as it was when it was learned"
 
 
-def outcome_document(outcome: Outcome, paths: list[str]) -> dict[str, Any]:
-    """What came of a request, as plain data."""
+def outcome_document(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> dict[str, Any]:
+    """What came of a request, as plain data.
+
+    Args:
+        outcome: What came of it.
+        written: Of each way, the files that were written, by kind.
+    """
     from taskgist.language.performing import (
         assumed,
         candidate_table,
@@ -206,9 +225,9 @@ def outcome_document(outcome: Outcome, paths: list[str]) -> dict[str, Any]:
                 "duration_s": round(found.plan.duration_s, 3),
                 "audit": found.audit.to_json(),
                 "strict": found.strict is True,
-                "recording": paths[number] if number < len(paths) else None,
+                "files": {name: str(path) for name, path in files.items()},
             }
-            for number, found in enumerate(outcome.performances)
+            for found, files in zip(outcome.performances, written, strict=True)
         ],
         "search": {
             "places": search.places,

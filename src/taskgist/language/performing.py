@@ -12,7 +12,7 @@ from taskgist.language.phrases import listed, phrase
 from taskgist.learning.understanding import Literal
 from taskgist.planning.candidates import Candidate
 from taskgist.planning.goal import Goal
-from taskgist.planning.plan import Phase, Plan
+from taskgist.planning.plan import Phase, PhaseName, Plan
 from taskgist.planning.planner import Request, Search
 
 DOINGS = {
@@ -55,11 +55,16 @@ def chosen(plan: Plan) -> str:
 
 def steps(plan: Plan) -> tuple[str, ...]:
     """The phases one by one, with the time that each takes."""
-    words, told = {"thing": plan.thing, "side": plan.side, "target": plan.target}, []
+    told = []
     for name, phases in groupby(plan.phases, key=lambda phase: phase.name):
         seconds = sum(phase.duration_s for phase in phases)
-        told.append(f"{DOINGS[name].format(**words)} ({seconds:.1f} s)")
+        told.append(f"{doing(plan, name)} ({seconds:.1f} s)")
     return tuple(told)
+
+
+def doing(plan: Plan, name: PhaseName) -> str:
+    """What the robot does in a phase: "lifts the tape"."""
+    return DOINGS[name].format(thing=plan.thing, side=plan.side, target=plan.target)
 
 
 def assumed(request: Request) -> str:

@@ -73,6 +73,15 @@ def carried_out(scene: Scene, plan: Plan, *, attention: Attention, name: str = "
     return Execution(recording, tuple(holds))
 
 
+def phase_frames(plan: Plan) -> tuple[range, ...]:
+    """Of each phase the frames of the recording in which it happens; before the first and after the last is rest."""
+    found, first = [], round(BEFORE_S * RATE_HZ)
+    for phase in plan.phases:
+        found.append(range(first, first + len(phase.qpos)))
+        first += len(phase.qpos)
+    return tuple(found)
+
+
 def _filmed(plan: Plan) -> tuple[Array, list[frozenset[Hold]]]:
     """Frames of the performer and what it holds, (n, nq), and which hand holds what in each."""
     first, last = plan.phases[0].qpos[:1], plan.phases[-1].qpos[-1:]

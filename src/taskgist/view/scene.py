@@ -82,18 +82,27 @@ def before_after_picture(
     return save_figure(figure, path)
 
 
-def draw_eye(axes: Axes, stage: Stage, agent: str, target: str | None, settings: Settings, title: str) -> None:
+def draw_eye(
+    axes: Axes,
+    stage: Stage,
+    agent: str,
+    target: str | None,
+    settings: Settings,
+    title: str,
+    *,
+    width_px: int = EYE_WIDTH_PX,
+) -> None:
     """Draw what an agent sees; the dashed circle is its gaze cone."""
     body = stage.scene.agent(agent)
     eye = body.profile.eye
-    height = round(EYE_WIDTH_PX * eye.image_px[1] / eye.image_px[0])
+    height = round(width_px * eye.image_px[1] / eye.image_px[0])
     marked = stage.scene.object_geoms(target) if target else np.empty(0, dtype=np.intp)
     there = stage.seen & stage.scene.hiding(settings.vision.transparent_alpha)
     there[marked] = stage.seen[marked]
     image = render(
         stage,
         stage.eye(body),
-        pinhole(eye.fov_rad, EYE_WIDTH_PX, height),
+        pinhole(eye.fov_rad, width_px, height),
         exclude_body=body.eye_exclude_body,
         only=np.flatnonzero(there),
         highlight=[int(geom) for geom in marked],
@@ -102,7 +111,7 @@ def draw_eye(axes: Axes, stage: Stage, agent: str, target: str | None, settings:
     axes.set_title(f"{title}{_score_text(stage, agent, target, settings)}", fontsize=10)
     axes.set_xticks([])
     axes.set_yticks([])
-    _draw_gaze(axes, eye.fov_rad, eye.gaze_cone_rad, EYE_WIDTH_PX, height)
+    _draw_gaze(axes, eye.fov_rad, eye.gaze_cone_rad, width_px, height)
     if target:
         _mark(axes, np.isin(image.geoms, marked), target)
 
@@ -160,6 +169,10 @@ ABOVE_EYE_M = 0.17
 """Height of names above the eyes."""
 SOLID = 0.6
 """How much of the ball around a part of a body the part fills, about."""
+LETTER, LINE = 0.0125, 0.03
+"""Width of a letter of a name, and height of its line, as shares of a picture's width."""
+BEHIND_NAMES = {"facecolor": "white", "alpha": 0.6, "edgecolor": "none", "pad": 1.0}
+"""Names are read before dark things, too."""
 NAME_M = np.array([0.0, 0.0, 0.32])
 """What the picture must hold above the eyes: head and name."""
 
@@ -197,7 +210,7 @@ def camera_outside(stage: Stage, states: Sequence[State], target: str, *, width_
     """
     height_px = round(width_px * math.tan(FOV_RAD[1] / 2) / math.tan(FOV_RAD[0] / 2))
     cameras = [Camera(pose, width_px, height_px) for pose in _poses(stage, states)]
-    return max(cameras, key=lambda camera: _least_seen(stage, states, target, camera))
+    return max(cameras, key=lambda camera: _seen(stage, states, target, camera))
 
 
 def draw_outside(axes: Axes, stage: Stage, camera: Camera, label: Label, title: str) -> None:
@@ -213,12 +226,23 @@ def draw_outside(axes: Axes, stage: Stage, camera: Camera, label: Label, title: 
     axes.imshow(_smooth_picture(stage, camera, label.target_object))
     axes.set_title(title, fontsize=9)
     axes.set_axis_off()
+    draw_names(axes, stage, camera, label)
+
+
+def draw_names(axes: Axes, stage: Stage, camera: Camera, label: Label) -> None:
+    """Write above everybody's head who it is, and which part in the task it has."""
     roles = {label.performing_agent: "performer", label.target_agent: "target agent"}
-    for name in stage.scene.agents:
-        head = stage.eye(stage.scene.agent(name)).position + (0.0, 0.0, ABOVE_EYE_M)
-        column, row = camera.pixel(head)
+    heads = [stage.eye(stage.scene.agent(name)).position + (0.0, 0.0, ABOVE_EYE_M) for name in stage.scene.agents]
+    placed: list[tuple[float, float, float]] = []
+    lowest_first = sorted(zip(map(camera.pixel, heads), stage.scene.agents, strict=True), key=lambda each: -each[0][1])
+    for (column, row), name in lowest_first:
         text = f"{name}, {roles[name]}" if name in roles else name
-        axes.text(column, row, text, fontsize=7.5, ha="center", va="bottom")
+        half, high = len(text) * LETTER * camera.width_px / 2, LINE * camera.width_px
+        for at, other_half, other_row in placed:  # from the lowest up, so that one pass is enough
+            if abs(at - column) < half + other_half and abs(other_row - row) < high:
+                row = other_row - high
+        placed.append((column, half, row))
+        axes.text(column, row, text, fontsize=7.5, ha="center", va="bottom", bbox=BEHIND_NAMES)
 
 
 def _poses(stage: Stage, states: Sequence[State]) -> list[Pose]:
@@ -264,15 +288,15 @@ def _distance_m(offsets: Array, away: Array) -> float:
     return float(np.max(needed))
 
 
-def _least_seen(stage: Stage, states: Sequence[State], target: str, camera: Camera) -> int:
-    """Pixels of the target object in the state in which fewest are seen, in a small picture."""
+def _seen(stage: Stage, states: Sequence[State], target: str, camera: Camera) -> list[int]:
+    """Pixels of the target object in each state, fewest first, in a small picture."""
     rays = pinhole(FOV_RAD, camera.width_px // 2, camera.height_px // 2)
     marked = stage.scene.object_geoms(target)
     counts = []
     for state in states:
         stage.show(state)
         counts.append(int(np.isin(render(stage, camera.pose, rays).geoms, marked).sum()))
-    return min(counts)
+    return sorted(counts)
 
 
 def _smooth_picture(stage: Stage, camera: Camera, target: str) -> Array:

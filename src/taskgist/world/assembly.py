@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -256,6 +257,35 @@ def assemble(file: SceneFile, bundle: Mapping[str, bytes], *, limits: Limits = D
         SceneError: A model does not compile, names a file that is not there, is too large, or an agent cannot be
             placed.
     """
+    room, files, profiles = _put_together(file, bundle, limits)
+    model = _compile(room, files, file.where)
+    _check_objects(model, file, limits)
+    bound_all_shapes(model)
+    agents = {
+        entry.name: resolve_agent(model, entry.name, profiles[entry.name], _stature(entry)) for entry in file.agents
+    }
+    return Assembled(model, agents, placed(model, agents, file), files)
+
+
+def as_mjcf(
+    file: SceneFile, bundle: Mapping[str, bytes], *, limits: Limits = DEFAULT.limits
+) -> tuple[str, dict[str, bytes]]:
+    """The model that ``assemble`` compiles as text, and the meshes and images that it names, by their names there.
+
+    Raises:
+        SceneError: As ``assemble``.
+    """
+    spec, files, _ = _put_together(file, bundle, limits)
+    _compile(spec, files, file.where)
+    text = str(spec.to_xml())
+    named = {name: re.search(rf'"((?:[^"]*/)?{re.escape(name)})"', text) for name in files}
+    return text, {found[1]: files[name] for name, found in named.items() if found}
+
+
+def _put_together(
+    file: SceneFile, bundle: Mapping[str, bytes], limits: Limits
+) -> tuple[mujoco.MjSpec, dict[str, bytes], dict[str, AgentProfile]]:
+    """Room, objects and agents as one specification; every file that makes it; and the agents' profiles."""
     files = dict(bundle)
     _check_bytes(files, file.where, limits)
     profiles = {entry.name: _profile(entry, files, file.where, limits) for entry in file.agents}
@@ -278,13 +308,7 @@ def assemble(file: SceneFile, bundle: Mapping[str, bytes], *, limits: Limits = D
         room.assets = body.assets = _assets(files)  # MuJoCo warns if only one of them has any
         with asking_mujoco(f"MuJoCo cannot put {entry.name!r} into this scene:", file.where):
             room.attach(body, prefix=f"{entry.name}/", frame=room.worldbody.add_frame())
-    model = _compile(room, files, file.where)
-    _check_objects(model, file, limits)
-    bound_all_shapes(model)
-    agents = {
-        entry.name: resolve_agent(model, entry.name, profiles[entry.name], _stature(entry)) for entry in file.agents
-    }
-    return Assembled(model, agents, placed(model, agents, file), files)
+    return room, files, profiles
 
 
 def _check_bytes(files: Mapping[str, bytes], where: str, limits: Limits) -> None:

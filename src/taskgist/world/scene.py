@@ -34,7 +34,15 @@ import numpy as np
 from taskgist.common.files import shown_path
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
-from taskgist.world.assembly import SCENE_FILE, Assembled, assemble, bundle_from_path, bundle_from_spec, free_bodies
+from taskgist.world.assembly import (
+    SCENE_FILE,
+    Assembled,
+    as_mjcf,
+    assemble,
+    bundle_from_path,
+    bundle_from_spec,
+    free_bodies,
+)
 from taskgist.world.bodies.agent import SEEN_GROUPS, Agent, subtree
 from taskgist.world.bodies.hands import GHOST_GROUP
 from taskgist.world.geometry.convex import whole
@@ -46,6 +54,11 @@ from taskgist.world.state import State
 ROOM_FILE = "room.xml"
 """Name of the room's model in scenes that are made of values."""
 NO_GEOMS = np.empty(0, dtype=np.intp)
+COLUMNS_OF_JOINTS: Mapping[int, tuple[str, ...]] = {
+    int(mujoco.mjtJoint.mjJNT_FREE): ("x", "y", "z", "qw", "qx", "qy", "qz"),
+    int(mujoco.mjtJoint.mjJNT_BALL): ("qw", "qx", "qy", "qz"),
+}
+"""Parts of the positions of joints that have several."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -320,6 +333,26 @@ class Scene:
     def parts(self, agent: str) -> tuple[str, ...]:
         """Names of the parts of an agent that a tracker may lose."""
         return tuple(self.agent(agent).parts)
+
+    @cached_property
+    def columns(self) -> tuple[str, ...]:
+        """What each generalised position is, nq names: "P2/head_pan", or "cup.x" to "cup.qz" of what moves freely."""
+        model, names = self.model, list[str]()
+        for joint in range(model.njnt):
+            own = str(model.joint(joint).name) or str(model.body(int(model.jnt_bodyid[joint])).name)
+            parts = COLUMNS_OF_JOINTS.get(int(model.jnt_type[joint]), ("",))
+            names += [f"{own}.{part}" if part else own for part in parts]
+        return tuple(names)
+
+    def mjcf(self) -> tuple[str, dict[str, bytes]]:
+        """Room, objects and agents as one model that MuJoCo reads without taskgist, positions in the same order.
+
+        Returns:
+            The text, and the contents of the meshes and images that it names, by name:
+            ``mujoco.MjModel.from_xml_string(text, files)``.
+        """
+        file = parse_scene_file(self.bundle[SCENE_FILE], where=self.name, limits=self._limits)
+        return as_mjcf(file, self.bundle, limits=self._limits)
 
 
 def _scene(file: SceneFile, assembled: Assembled, limits: Limits) -> Scene:
