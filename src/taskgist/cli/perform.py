@@ -82,7 +82,7 @@ def perform(
 
     Example: taskgist perform hide room.toml --robot PR2 --for P2 --object cup
 
-    Example: taskgist perform hide room.toml --robot J --for P2 --object cup --picture it.png
+    Example: taskgist perform show room.toml --robot J --for P2 --object cup
 
     Example: taskgist perform give room.toml --robot J --for P2 --object cup
     """
