@@ -247,7 +247,8 @@ def test_few_phases_have_moments_enough(hidden: CarriedOut) -> None:
     """People have fewer phases than robots."""
     short = replace(hidden.plan, phases=tuple(phase for phase in hidden.plan.phases if phase.name == "drive"))
     frames = [frame for frame, _ in view.moments(short, hidden.execution)]
-    assert len(frames) == len(set(frames)) == 4
+    assert len(frames) == 6
+    assert (np.diff(frames) > 12).all(), "none of them is near another"
     assert frames[0] == 0
     assert frames[-1] == len(hidden.execution.recording.times_s) - 1
 

@@ -217,6 +217,8 @@ def _phases(plan: Plan, execution: Execution) -> Iterator[Document]:
     agent, stage = scene.agent(plan.performer), Stage(scene)
     joints = {name: at for group in joint_groups(scene, plan.performer, qpos).values() for name, at in group.items()}
     moving = {name: at for name, at in joints.items() if np.ptp(qpos[:, at]) > STILL / RATE_HZ}
+    arm, hand = agent.arm(plan.side), agent.profile.hand
+    gripper = None if hand is None else Gripper(stage, agent, arm, hand)
     before: frozenset[Hold] = frozenset()
     for phase, frames in zip(plan.phases, phase_frames(plan), strict=True):
         last = qpos[frames[-1]]
@@ -229,7 +231,8 @@ def _phases(plan: Plan, execution: Execution) -> Iterator[Document]:
             "attach": [_hold(hold) | {"in_palm": _in_palm(stage, hold)} for hold in sorted(phase.holds - before)],
             "detach": [_hold(hold) for hold in sorted(before - phase.holds)],
             "base": _planar(last[agent.base]),
-            "palm": _pose(stage.site(agent.arm(plan.side).palm_site)),
+            "palm": _pose(stage.site(arm.palm_site)),
+            "opening_m": _opening_m(gripper, last),
             "joints": {name: _number(last[at]) for name, at in moving.items()},
             "object": _pose_of(last[scene.object_slice(plan.thing)]),
         }
@@ -243,6 +246,13 @@ def _stands(phases: Iterable[Document]) -> Iterator[Document]:
             own = list(group)
             times = {"start_s": own[0]["start_s"], "end_s": own[-1]["end_s"]}
             yield {"base": own[-1]["base"], **times, "phases": [phase["name"] for phase in own]}
+
+
+def _opening_m(gripper: Gripper | None, qpos: Array) -> float | None:
+    """How far a hand whose fingers move is open."""
+    if gripper is None or not len(gripper.positions):
+        return None
+    return _number(gripper.pads(qpos[gripper.positions]).opening_m)
 
 
 def _hold(hold: Hold) -> Document:

@@ -70,7 +70,7 @@ def performance_picture(plan: Plan, execution: Execution, path: Path, *, setting
 
 
 def moments(plan: Plan, execution: Execution) -> list[tuple[int, str]]:
-    """Frames that tell a performance, four to six, in order of time, and what happens in each."""
+    """Frames that tell a performance, six in order of time, and what happens in each."""
     last = len(execution.recording.times_s) - 1
     found, texts = {0: "at the start"}, ["at the start"] * (last + 1)
     for phase, frames in zip(plan.phases, phase_frames(plan), strict=True):
@@ -79,16 +79,20 @@ def moments(plan: Plan, execution: Execution) -> list[tuple[int, str]]:
         if share is not None:
             found[frames.start + round(share * (len(frames) - 1))] = doing(plan, phase.name)
     found[last] = "at the end"
-    while len(found) > MOST_MOMENTS:  # of two that are near each other the later one tells little
-        del found[min(pairwise(sorted(found)), key=lambda pair: pair[1] - pair[0] if pair[1] < last else last)[1]]
-    while len(found) < LEAST_MOMENTS:
+    while True:
+        one, other = min(pairwise(sorted(found)), key=lambda pair: pair[1] - pair[0] if pair[1] < last else last)
+        if len(found) <= MOMENTS and other - one > NEAR_S * RATE_HZ:
+            break
+        del found[other]  # of two that are near each other the later one tells little
+    while len(found) < MOMENTS:
         one, other = max(pairwise(sorted(found)), key=lambda pair: pair[1] - pair[0])
         middle = (one + other) // 2
         found[middle] = texts[middle]
     return sorted(found.items())
 
 
-LEAST_MOMENTS, MOST_MOMENTS = 4, 6
+MOMENTS, NEAR_S = 6, 0.4
+"""So many are shown, none of them so near to another."""
 TELLING = {"approach": 1.0, "transport": 0.5, "transfer": 1.0, "lower": 1.0, "take": 1.0}
 """Phases of robots that are shown, and how far each has come; where there are fewer, the longest gaps are filled."""
 
