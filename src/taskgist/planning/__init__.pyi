@@ -8,3 +8,6 @@ from .judging import ATTENTIONS as ATTENTIONS
 from .judging import Attention as Attention
 from .judging import Judge as Judge
 from .judging import Verdict as Verdict
+from .plan import Plan as Plan
+from .planner import Planner as Planner
+from .planner import Request as Request
