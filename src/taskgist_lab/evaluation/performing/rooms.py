@@ -19,6 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from taskgist.common.arrays import Array
+from taskgist.world.bodies.profile import Posture
 from taskgist.world.scene import Scene
 from taskgist_lab.generator.furnishing import RoundTable, Shelf, any_place, bearings, on_top, person_at, seat_at
 from taskgist_lab.generator.rooms import DINING, HIGH, ROUND, SIZES_M
@@ -101,7 +103,8 @@ def room_to_perform_in(seed: int, number: int, attempt: int = 0, *, near: bool =
         table = _table(rng)
         toward, _ = bearings(rng, table)
         seat = seat_at(table, toward)
-        posture = "standing" if table.height_m > SIZES_M[DINING][1][2] or rng.random() < STANDING_SHARE else "sitting"
+        stands = table.height_m > SIZES_M[DINING][1][2] or rng.random() < STANDING_SHARE
+        posture: Posture = "standing" if stands else "sitting"
         target = person_at(rng, TARGET, seat, table, posture, back=bool(rng.random() < BACK_SHARE))
         pieces = _pieces(rng, table, target)
         robot_at = _free_floor(rng, table, pieces, target)
@@ -109,7 +112,8 @@ def room_to_perform_in(seed: int, number: int, attempt: int = 0, *, near: bool =
             break
     beside = np.array(target.position_m) if near else None
     things = _things(np.random.default_rng((seed, number, attempt)), table, pieces, beside)
-    return RoomToPerformIn(f"perform-{seed}-{number:04d}-{attempt}{'-near' if near else ''}", table, pieces, target, robot_at, things)
+    name = f"perform-{seed}-{number:04d}-{attempt}{'-near' if near else ''}"
+    return RoomToPerformIn(name, table, pieces, target, robot_at, things)
 
 
 STANDING_SHARE, BACK_SHARE = 0.35, 0.35
@@ -164,7 +168,7 @@ def footprint(piece: Furniture) -> Table:
     return piece
 
 
-def _gap_m(floor: Table, place: np.ndarray) -> float:
+def _gap_m(floor: Table, place: Array) -> float:
     """How far a place is from a rectangle of floor; 0 within."""
     x, y = place - floor.centre_m
     cos, sin = math.cos(floor.yaw_rad), math.sin(floor.yaw_rad)
@@ -179,10 +183,10 @@ def _apart(floor: Table, other: Table) -> bool:
     )
 
 
-def _corners(floor: Table) -> np.ndarray:
+def _corners(floor: Table) -> Array:
     cos, sin = math.cos(floor.yaw_rad), math.sin(floor.yaw_rad)
     shares = np.array([(x, y) for x in (-0.5, 0, 0.5) for y in (-0.5, 0, 0.5)]) * floor.size_m[:2]
-    return np.array(floor.centre_m) + shares @ np.array([(cos, sin), (-sin, cos)])
+    return np.asarray(floor.centre_m + shares @ np.array([(cos, sin), (-sin, cos)]))
 
 
 def _free_floor(
@@ -222,7 +226,7 @@ def surfaces(table: Table, pieces: Sequence[Furniture]) -> tuple[Surface, ...]:
 
 
 def _things(
-    rng: np.random.Generator, table: Table, pieces: Sequence[Furniture], beside: np.ndarray | None
+    rng: np.random.Generator, table: Table, pieces: Sequence[Furniture], beside: Array | None
 ) -> tuple[Thing, ...]:
     """The thing, something that hides, a bin, and others; what finds no room is left out.
 
@@ -253,7 +257,7 @@ def _put(
     thing: Thing,
     places: Sequence[Surface],
     placed: Sequence[Thing],
-    beside: np.ndarray | None = None,
+    beside: Array | None = None,
 ) -> Thing | None:
     """A thing somewhere; half of them on the table; None if no room was found."""
     for _ in range(TRIES):
@@ -275,9 +279,11 @@ def _put(
     return None
 
 
-def _outline(thing: Thing, place: np.ndarray, yaw_rad: float) -> list[np.ndarray]:
+def _outline(thing: Thing, place: Array, yaw_rad: float) -> list[Array]:
     """Points of the floor beneath a thing's edge."""
     if len(thing.size_m) == 2:
         angles = np.arange(8) * math.pi / 4
         return [place[:2] + thing.size_m[0] / 2 * np.array([math.cos(a), math.sin(a)]) for a in angles]
-    return list(_corners(Table("", (float(place[0]), float(place[1])), (*thing.size_m[:2], 0.0), yaw_rad)))
+    return list(
+        _corners(Table("", (float(place[0]), float(place[1])), (thing.size_m[0], thing.size_m[1], 0.0), yaw_rad))
+    )

@@ -3,9 +3,10 @@
 Final places of the thing: a grid of 5 cm over everything level that carries, floors of containers and tops of things
 among it, and of 25 cm over the floor; each with the side down that is down now, and the other two for boxes, at four
 headings. Then the air: before the target agent's face, held by the performer; and where the target agent reaches it
-with its torso at most, in its own hand, which the engine's moving bodies bring there. A place counts if the thing touches nothing there but what carries it,
-the facts say that what is wanted holds (the functions that explain demonstrations, as in ``planning.judging``), and the
-performer's own effort to grasp the thing is below 5 (none known), both there and where it is now::
+with its torso at most, in its own hand, which the engine's moving bodies bring there. A place counts if the thing
+touches nothing there but what carries it, the facts say that what is wanted holds (the functions that explain
+demonstrations, as in ``planning.judging``), and the performer's own effort to grasp the thing is below 5 (none known),
+both there and where it is now::
 
     found = solvable(scene, clause, "R", "P2", "it")
     found.possible, found.why
@@ -126,8 +127,9 @@ class _Sampler:
         self._start = np.array(scene.initial.qpos)
         self._show(self._start)
         kinds = self._model.geom_type[self._own]
-        boxes, round_ones = (kinds == int(mujoco.mjtGeom.mjGEOM_BOX)).all(), kinds == int(mujoco.mjtGeom.mjGEOM_CYLINDER)
-        self._headings = HEADINGS[:1] if round_ones.all() else HEADINGS
+        boxes = (kinds == int(mujoco.mjtGeom.mjGEOM_BOX)).all()
+        upright = (kinds == int(mujoco.mjtGeom.mjGEOM_CYLINDER)).all()
+        self._headings = HEADINGS[:1] if upright else HEADINGS
         self._turns = (_turn(0, 0.0), _turn(0, math.pi / 2), _turn(1, math.pi / 2))[: 3 if boxes else 1]
 
     def places(self) -> Iterator[tuple[str, State]]:
@@ -168,12 +170,10 @@ class _Sampler:
     def _heights(self, x: float, y: float) -> list[float]:
         """Heights at which a ray downwards meets something that carries, again and again."""
         found, height = list[float](), HIGHEST_M
-        geom = np.full(1, -1, dtype=np.int32)
-        solid = np.zeros(6, dtype=np.uint8)
-        solid[:] = 1
+        geom, groups = np.full(1, -1, dtype=np.int32), np.ones(6, dtype=np.uint8)
         while height > -0.1:
             start, down = np.array((x, y, height)), np.array((0.0, 0.0, -1.0))
-            far = mujoco.mj_ray(self._model, self._data, start, down, solid, 1, -1, geom)
+            far = mujoco.mj_ray(self._model, self._data, start, down, groups, 1, -1, geom)
             if far < 0:
                 break
             height -= far

@@ -146,22 +146,21 @@ def tried(name: str, scene: Scene, task: str, clause: Clause, robot: str, possib
         robot: Profile of the robot.
         possible: What the dense sampling says.
     """
-    about = {"room": name, "task": task, "robot": robot, "solvable": possible.possible, "sampled": possible.why}
+    about = partial(Trial, name, task, robot, possible.possible, possible.why)
     start_s = time.process_time()
     try:
         outcome = perform(scene, Request(clause, ROBOT, TARGET, THING))
     except TaskgistError as error:
-        return Trial(**about, gate="error", why=(str(error),), cpu_s=rounded(time.process_time() - start_s))
+        return about(gate="error", why=(str(error),), cpu_s=rounded(time.process_time() - start_s))
     cpu_s = rounded(time.process_time() - start_s)
     if not outcome.performances:
         gate, why = refusal(outcome)
-        return Trial(**about, gate=gate, why=why, spoiled=outcome.spoiled, cpu_s=cpu_s)
+        return about(gate=gate, why=why, spoiled=outcome.spoiled, cpu_s=cpu_s)
     found = outcome.performances[0]
     recording = found.execution.recording
     faults = second_audit(scene, ROBOT, THING, recording.times_s, recording.qpos, found.execution.holds)
     literals = [literal for wanted in outcome.goal.wanted for literal in wanted.literals]
-    return Trial(
-        **about,
+    return about(
         gate=FOUND,
         spoiled=outcome.spoiled,
         faults=tuple(fault.text for fault in faults),
@@ -302,7 +301,9 @@ class Tally:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        shares = {name: getattr(self, name).to_json() for name in ("solvable", "found", "clean", "controllable", "strict")}
+        shares = {
+            name: getattr(self, name).to_json() for name in ("solvable", "found", "clean", "controllable", "strict")
+        }
         times = {"cpu_s": self.cpu_s, "refusal_s": self.refusal_s}
         told = {name: [None if math.isnan(each) else each for each in pair] for name, pair in times.items()}
         return {**shares, "unsolvable_found": self.unsolvable_found, **told}
