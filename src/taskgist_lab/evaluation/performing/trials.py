@@ -57,7 +57,7 @@ GATES: Mapping[str, str] = {
     "start": "from the start it cannot be",
     "places": "no place satisfies the goal",
     "taker": "the target's hand gets to none of the places",
-    "robot": "the robot does not bring it there",
+    "performer": "the robot does not bring it there",
     "audit": "carried out, but the first audit or the facts refuse it",
     "error": "an error",
 }
@@ -180,7 +180,7 @@ def refusal(outcome: Outcome) -> tuple[str, tuple[str, ...]]:
     if outcome.spoiled:
         return "audit", outcome.spoiled[:3]
     if search.tried or search.refusals:
-        return "robot", tuple(f"{count} × {text}" for text, count in search.refusals.most_common(3))
+        return "performer", tuple(f"{count} × {text}" for text, count in search.refusals.most_common(3))
     if search.out_of_hand and not search.missed:
         return "taker", (f"{search.out_of_hand} of {search.places} places",)
     return "places", tuple(f"{count} of {search.places} fail {each}" for each, count in search.missed.most_common(3))
