@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from dataclasses import replace
 from functools import cache, partial
 
@@ -20,9 +22,11 @@ from taskgist_lab.evaluation.performing.solvable import Solvable, solvable
 from taskgist_lab.evaluation.performing.trials import Share, Tally, Trial, TrialsFound, sheets, tried
 from taskgist_lab.simulator.room import TABLE, Person, Room, on_table, right
 from tests.planning.rooms import box, cover, table
+from tools.performing_page import PAGE, parts
 from tools.rooms import Person as Somebody
 from tools.rooms import Room as PlainRoom
 
+MARK = re.compile(r"^<!-- (?!end)(.+) -->$", re.MULTILINE)
 DEVELOPED_ON = 5
 """Seed of the rooms that may be looked at."""
 
@@ -173,6 +177,8 @@ def test_trials_are_tallied_by_what_can_be_solved() -> None:
         Share(1, 2),
     )
     assert (tally.cpu_s, tally.refusal_s) == ((3.0, 3.9), (4.55, 9.0))
+    assert TrialsFound.of_json(json.loads(json.dumps(TrialsFound(1, trials).to_json()))) == TrialsFound(1, trials)
+    assert set(MARK.findall(PAGE.read_text(encoding="utf-8"))) == parts(TrialsFound(1, trials)).keys()
     shown, _, gates, faults = sheets(TrialsFound(1, trials))
     assert "2 of 3, 67%" in shown.rows[0][3]
     assert gates.rows[0][gates.header.index("performer")] == "1"

@@ -215,6 +215,13 @@ class TrialsFound(Result):
         """Robots, likewise."""
         return tuple(dict.fromkeys(each.robot for each in self.trials))
 
+    @classmethod
+    def of_json(cls, document: Mapping[str, Any]) -> TrialsFound:
+        """From plain data, as ``to_json`` gives them."""
+        lists = ("why", "spoiled", "faults")
+        trials = (Trial(**{**each, **{name: tuple(each[name]) for name in lists}}) for each in document["trials"])
+        return cls(document["seed"], tuple(trials))
+
     def to_json(self) -> dict[str, Any]:
         """Plain data: shares by task and robot, and every trial."""
         rows = [
