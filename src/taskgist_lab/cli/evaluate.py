@@ -82,7 +82,7 @@ def evaluate(
     replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Measure how well tasks are learned from demonstrations, and performed in new rooms.
+    """Measure how well tasks are learned and performed.
 
     needed: how many demonstrations it takes to understand a task as people do (Table 4 of the paper).
 
