@@ -84,7 +84,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "lab generator": {"numpy", "mujoco"},
     "lab paper": {"numpy"},
     "lab ordinary": {"numpy", "mujoco"},
-    "lab evaluation": {"numpy"},
+    "lab evaluation": {"numpy", "mujoco"},
     "lab view": {"numpy", "matplotlib"},
     "lab cli": {"typer", "rich"},
 }

@@ -1,4 +1,4 @@
-"""``taskgist evaluate``: how well are tasks learned?"""
+"""``taskgist evaluate``: how well are tasks learned, and performed?"""
 
 from __future__ import annotations
 
@@ -21,9 +21,12 @@ from taskgist.cli.common import (
 )
 from taskgist.common.workers import Progress
 from taskgist.errors import InputError, UnknownNameError
+from taskgist.pipeline.shipped import TASKS
 from taskgist_lab.evaluation.experiments import demonstrations_needed, transfer
 from taskgist_lab.evaluation.learner import Coded
 from taskgist_lab.evaluation.noise import CONDITIONS
+from taskgist_lab.evaluation.performing.trials import ROBOTS, TrialsFound, performed_trials
+from taskgist_lab.evaluation.performing.trials import sheets as trial_sheets
 from taskgist_lab.evaluation.pool import HELD_OUT_EVERY, SOURCES, Pool, Wanted, kept_pool
 from taskgist_lab.evaluation.robustness import compared, makers, robustness
 from taskgist_lab.evaluation.sheets import Sheet, sheets_of
@@ -41,13 +44,16 @@ EXPERIMENTS: Mapping[str, Experiment] = {
         coded, runs=runs, seed=seed, peers=makers(seed), progress=progress
     ),
 }
-"""The experiments by name, in their order."""
+"""The experiments on learning by name, in their order."""
+PERFORM = "perform"
+"""The experiment on performing, which needs no demonstrations, and is run if it is named."""
 
 
 @command
 def evaluate(
     experiments: Annotated[
-        list[str] | None, typer.Argument(help=f"Which: {', '.join(EXPERIMENTS)}; all of them by default.")
+        list[str] | None,
+        typer.Argument(help=f"Which: {', '.join(EXPERIMENTS)}, {PERFORM}; by default all but the last."),
     ] = None,
     pool: Annotated[
         Path | None, typer.Option("--pool", help="File of judged demonstrations: reused, extended, made if missing.")
@@ -62,6 +68,13 @@ def evaluate(
     source: Annotated[
         str, typer.Option("--source", help=f"Where demonstrations come from: {', '.join(SOURCES)}.")
     ] = "generator",
+    rooms: Annotated[int, typer.Option("--rooms", help="perform: rooms for each task and robot.")] = 40,
+    robots: Annotated[
+        list[str] | None, typer.Option("--robot", help=f"perform: {', '.join(ROBOTS)}; both by default.")
+    ] = None,
+    tasks: Annotated[
+        list[str] | None, typer.Option("--task", help="perform: a task of the study; all six by default.")
+    ] = None,
     processes: Annotated[
         int | None, typer.Option("--processes", help="Processes; one for each core by default.")
     ] = None,
@@ -69,7 +82,7 @@ def evaluate(
     replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Measure how well tasks are learned from demonstrations.
+    """Measure how well tasks are learned and performed.
 
     needed: how many demonstrations it takes to understand a task as people do (Table 4 of the paper).
 
@@ -81,13 +94,37 @@ def evaluate(
     peers: other learners on the very same facts (pip install 'taskgist[peers]', and 'taskgist[orange]'); what is not
     installed is left out.
 
+    perform: in how many random rooms that can be solved robots perform the tasks of the study, how cleanly for a second
+    auditor, and in what time of the processor. Half a minute for each room, task and robot.
+
     The demonstrations are generated. Every number is a mean over random orders, with its spread. The first run makes
     the demonstrations, which takes minutes; --pool keeps them.
 
     Example: taskgist evaluate needed transfer --pool pool.json.gz -o pictures
+
+    Example: taskgist evaluate perform --rooms 5 --robot jido --task hide
     """
-    chosen = _chosen(experiments)
-    _check(demonstrations, runs, processes, out, replace=replace)
+    performing = PERFORM in (experiments or ())
+    chosen = _chosen([each for each in experiments or () if each != PERFORM], all_by_default=not performing)
+    _check(demonstrations, runs, processes, rooms, out, replace=replace)
+    for given, kind, known in ((robots, "robot that is measured", ROBOTS), (tasks, "task of the study", TASKS)):
+        for name in given or ():
+            if name not in known:
+                raise UnknownNameError(kind, name, known)
+    if performing:
+        with progress_bar(quiet=as_json) as progress:
+            trials = performed_trials(
+                count=rooms,
+                seed=seed,
+                tasks=[task for task in TASKS if not tasks or task in tasks],
+                robots=[robot for robot in ROBOTS if not robots or robot in robots],
+                processes=processes,
+                progress=progress,
+            )
+        if not chosen:
+            _tell({}, {PERFORM: trials}, as_json=as_json)
+            return
+    others = {PERFORM: trials} if performing else {}
     if pool is not None:
         check_target(pool, "--pool", replace=True)
     conditions = tuple(CONDITIONS) if "robustness" in chosen else (CLEAN,)
@@ -97,30 +134,38 @@ def evaluate(
         coded = Coded.of(judged)
         results = {name: EXPERIMENTS[name](coded, runs, seed, progress) for name in chosen}
     pictures = _pictures(results, out) if out else ()
-    if as_json:
-        found = {name: result.to_json() for name, result in results.items()}
-        print_json({"pool": _about(judged), "runs": runs, "pictures": [str(path) for path in pictures], **found})
-        return
-    _print_pool(judged)
-    for result in results.values():
-        for sheet in sheets_of(result):
-            print_sheet(sheet)
-    for path in pictures:
+    if not as_json:
+        _print_pool(judged)
+    about = {"pool": _about(judged), "runs": runs, "pictures": [str(path) for path in pictures]}
+    _tell(about, results | others, as_json=as_json)
+    for path in () if as_json else pictures:
         console.print(f"picture: {path}")
 
 
-def _chosen(names: list[str] | None) -> tuple[str, ...]:
-    for name in names or ():
+def _tell(about: Mapping[str, Any], results: Mapping[str, Result], *, as_json: bool) -> None:
+    """Print what was found: one document, or tables."""
+    if as_json:
+        print_json({**about, **{name: result.to_json() for name, result in results.items()}})
+        return
+    for result in results.values():
+        for sheet in trial_sheets(result) if isinstance(result, TrialsFound) else sheets_of(result):
+            print_sheet(sheet)
+
+
+def _chosen(names: list[str], *, all_by_default: bool) -> tuple[str, ...]:
+    for name in names:
         if name not in EXPERIMENTS:
-            raise UnknownNameError("experiment", name, EXPERIMENTS)
-    return tuple(name for name in EXPERIMENTS if not names or name in names)
+            raise UnknownNameError("experiment", name, (*EXPERIMENTS, PERFORM))
+    return tuple(name for name in EXPERIMENTS if name in names or (not names and all_by_default))
 
 
-def _check(demonstrations: int, runs: int, processes: int | None, out: Path | None, *, replace: bool) -> None:
+def _check(
+    demonstrations: int, runs: int, processes: int | None, rooms: int, out: Path | None, *, replace: bool
+) -> None:
     if demonstrations < HELD_OUT_EVERY:
         hint = f"every {HELD_OUT_EVERY}rd is held out: give {HELD_OUT_EVERY} or more, better 30"
         raise InputError("too few", field="--demonstrations", value=demonstrations, hint=hint)
-    for name, value in (("--runs", runs), ("--processes", processes)):
+    for name, value in (("--runs", runs), ("--processes", processes), ("--rooms", rooms)):
         if value is not None and value < 1:
             raise InputError("too few", field=name, value=value, hint="give 1 or more")
     if out is not None:

@@ -92,6 +92,9 @@ def test_help_names_experiments_seed_and_an_example() -> None:
         (("needed", "--pool", "nowhere/pool.json.gz"), "--pool: cannot be written: there is no folder"),
         (("needed", "--processes", 0), "--processes"),
         (("needed", "--seed", -1), "--seed: negative"),
+        (("perform", "--rooms", 0), "--rooms"),
+        (("perform", "--robot", "r2d2"), "no robot that is measured 'r2d2'"),
+        (("perform", "--task", "sleep"), "no task of the study 'sleep'"),
     ],
 )
 def test_misuse_is_refused(words: tuple[object, ...], message: str) -> None:

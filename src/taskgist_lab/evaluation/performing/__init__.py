@@ -1,0 +1,1 @@
+"""How well tasks are performed: rooms, what can be solved there, a second auditor, and trials."""

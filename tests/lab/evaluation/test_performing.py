@@ -1,0 +1,185 @@
+"""Rooms to perform in, what can be solved there, the second auditor, and what trials come to."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from functools import cache, partial
+
+import mujoco
+import numpy as np
+import pytest
+
+from taskgist.common.arrays import Array
+from taskgist.facts import vocabulary as v
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.learning.understanding import Clause, Literal
+from taskgist.world import Hold, Scene
+from taskgist_lab.evaluation.performing.rooms import ROBOT, TARGET, THING, room_to_perform_in
+from taskgist_lab.evaluation.performing.second_audit import Fault, second_audit
+from taskgist_lab.evaluation.performing.solvable import Solvable, solvable
+from taskgist_lab.evaluation.performing.trials import Share, Tally, Trial, TrialsFound, sheets, tried
+from taskgist_lab.simulator.room import TABLE, Person, Room, on_table, right
+from tests.planning.rooms import box, cover, table
+from tools.performing_page import PAGE, parts
+from tools.rooms import Person as Somebody
+from tools.rooms import Room as PlainRoom
+
+MARK = re.compile(r"^<!-- (?!end)(.+) -->$", re.MULTILINE)
+DEVELOPED_ON = 5
+"""Seed of the rooms that may be looked at."""
+
+
+def literal(node: str, value: str) -> Literal:
+    found = STANDARD_TREE.node(node)
+    return Literal(found.name, found.title, value, found.instant)
+
+
+PUT_AWAY = Clause(
+    "put away",
+    (literal("placement.status.2", v.ON_SUPPORT), literal("reach.class", v.BECOMES_DIFFICULT)),
+)
+
+PUT_DOWN = Clause("put down", (literal("placement.status.2", v.ON_SUPPORT),))
+
+# --- Rooms.
+
+
+def test_a_room_follows_from_its_numbers() -> None:
+    assert room_to_perform_in(DEVELOPED_ON, 0, 1) == room_to_perform_in(DEVELOPED_ON, 0, 1)
+    first, again = room_to_perform_in(DEVELOPED_ON, 0, 0), room_to_perform_in(DEVELOPED_ON, 0, 1)
+    assert (first.table, first.pieces, first.robot_at) == (again.table, again.pieces, again.robot_at)
+    assert first.things != again.things
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_nothing_stands_in_anything_else(number: int) -> None:
+    room = room_to_perform_in(DEVELOPED_ON, number, near=bool(number % 2))
+    assert 2 <= len(room.things) <= 8
+    assert {THING, TARGET} <= {*(thing.name for thing in room.things), room.target.name}
+    scene = room.scene("jido")
+    data = mujoco.MjData(scene.model)
+    data.qpos[:] = scene.initial.qpos
+    mujoco.mj_forward(scene.model, data)
+    owners = [[scene.owners[geom] for geom in contact.geom] for contact in data.contact if contact.dist < -1e-3]
+    seated = {f"chair_{TARGET}", TARGET}
+    assert not [pair for pair in owners if len(set(pair)) > 1 and set(pair) != seated]
+
+
+# --- The second auditor.
+
+
+@cache
+def scene() -> Scene:
+    people = (Person(ROBOT, 1.5, (-1.6, 0.0), 0.0, "standing", profile="jido"), right(1.7, 0.75))
+    return Room("room", people, (replace(on_table("cup", -0.2, 0.3), name=THING),), TABLE).scene()
+
+
+def still(seconds: float) -> tuple[Array, Array]:
+    times = np.arange(0.0, seconds, 1 / 30)
+    return times, np.tile(scene().initial.qpos, (len(times), 1))
+
+
+def audited(times: Array, qpos: Array, holds: dict[int, Hold] | None = None) -> tuple[Fault, ...]:
+    held = [frozenset({holds[k]}) if holds and k in holds else frozenset[Hold]() for k in range(len(times))]
+    return second_audit(scene(), ROBOT, THING, times, qpos, held)
+
+
+def test_who_stands_still_has_no_fault() -> None:
+    assert audited(*still(1.0)) == ()
+
+
+def test_a_planted_penetration_is_found_between_frames() -> None:
+    """The base is in the table in no frame, and swings through a leg of it between two."""
+    times, qpos = still(2.0)
+    base = scene().base_slice(ROBOT)
+    qpos[30:, base.start] += 1.3
+    found = audited(times, qpos)
+    assert {fault.kind for fault in found} == {"penetration", "jump"}
+    deep = [fault for fault in found if "table" in (fault.what, fault.other)]
+    assert deep
+    assert all(0.9 < fault.time_s < 2.0 and fault.amount > 0.002 for fault in deep)
+
+
+def test_a_load_that_is_carried_through_the_table_is_found() -> None:
+    times, qpos = still(1.0)
+    column = scene().object_slice(THING)
+    qpos[:, column.start + 2] -= 0.06 * np.minimum(times / 0.5, 1.0)
+    found = {fault.kind: fault for fault in audited(times, qpos)}
+    assert found["penetration"].amount == pytest.approx(0.06, abs=0.012)
+    assert found["stray"].what == THING
+    assert {"rest"} <= found.keys(), "physics throws it out again"
+
+
+def test_a_thing_that_hangs_in_the_air_does_not_rest() -> None:
+    times, qpos = still(1.0)
+    qpos[:, scene().object_slice(THING).start + 2] += 0.2
+    (fault,) = audited(times, qpos)
+    assert (fault.kind, fault.other) == ("rest", "under gravity")
+    assert fault.amount > 0.15
+
+
+def test_a_hand_that_holds_what_is_elsewhere_and_a_joint_beyond_its_limit() -> None:
+    times, qpos = still(1.0)
+    hold = dict.fromkeys(range(5, 10), Hold(ROBOT, "right", THING))
+    qpos[:, scene().agent(ROBOT).joints["arm_7"]] += 3.5 * times
+    found = {fault.kind: fault for fault in audited(times, qpos, hold)}
+    assert set(found) == {"grip", "joint limit"}
+    assert found["joint limit"].what == "R/arm_7"
+
+
+# --- What can be solved.
+
+
+def test_what_is_under_a_fixed_closed_cover_cannot_be_got_at() -> None:
+    people = (Somebody(ROBOT, (0.0, 0.0), profile="jido"), Somebody(TARGET, (2.6, 0.0), np.pi))
+    things = (table("table", 1.3), box(1.1), cover(1.1))
+    built = PlainRoom(things, people)
+    spec = mujoco.MjSpec.from_string(built.files()["room.xml"].decode())
+    covered = Scene.from_spec(spec, [person.entry() for person in built.people])
+    found = solvable(covered, PUT_DOWN, ROBOT, TARGET, "box")
+    assert found == Solvable(False, "the performer cannot grasp the thing where it is")
+    assert solvable(scene(), PUT_DOWN, ROBOT, TARGET, THING).possible
+
+
+def test_a_room_is_solved_from_end_to_end() -> None:
+    possible = solvable(scene(), PUT_AWAY, ROBOT, TARGET, THING)
+    assert possible.possible
+    assert possible.wanted >= 1
+    found = tried("room", scene(), "put away", PUT_AWAY, "jido", possible)
+    assert (found.gate, found.faults, found.controllable) == ("found", (), True)
+    assert found.cpu_s > 0.0
+
+
+# --- What trials come to.
+
+
+def test_an_interval_is_wilsons() -> None:
+    assert Share(0, 0).interval == (0.0, 1.0)
+    assert Share(8, 10).interval == pytest.approx((0.4902, 0.9433), abs=1e-4)
+    assert Share(0, 10).interval == pytest.approx((0.0, 0.2775), abs=1e-4)
+
+
+def test_trials_are_tallied_by_what_can_be_solved() -> None:
+    of = partial(Trial, "perform-1-0000-0", "hide", "jido")
+    trials = (
+        of(True, "", "found", controllable=True, strict=True, cpu_s=2.0),
+        of(True, "", "found", controllable=True, faults=("jump of it: 1",), cpu_s=4.0),
+        of(True, "", "performer", why=("3 × blocked",), cpu_s=9.0),
+        of(False, "", "start", cpu_s=0.1),
+    )
+    tally = Tally.of(trials)
+    assert (tally.solvable, tally.found, tally.clean, tally.strict) == (
+        Share(3, 4),
+        Share(2, 3),
+        Share(1, 2),
+        Share(1, 2),
+    )
+    assert (tally.cpu_s, tally.refusal_s) == ((3.0, 3.9), (4.55, 9.0))
+    assert TrialsFound.of_json(json.loads(json.dumps(TrialsFound(1, trials).to_json()))) == TrialsFound(1, trials)
+    assert set(MARK.findall(PAGE.read_text(encoding="utf-8"))) == parts(TrialsFound(1, trials)).keys()
+    shown, _, gates, faults = sheets(TrialsFound(1, trials))
+    assert "2 of 3, 67%" in shown.rows[0][3]
+    assert gates.rows[0][gates.header.index("performer")] == "1"
+    assert faults.rows == (("jido: jump of it", "1"),)
