@@ -17,6 +17,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
+from taskgist.moving.steps import CLOSING_S
 from taskgist.planning.candidates import Means
 from taskgist.planning.hand_ways import HandWay
 from taskgist.planning.handing import sides_by_distance, taking_motion
@@ -107,7 +108,7 @@ class Motions:
         yield from self._fingers(at, "open", pick, pick.open_hand)
         yield self._arm(at, "reach", pick, pick.approach[0])
         yield self._line(at, "approach", pick, pick.approach)
-        yield from self._fingers(at, "close", pick, pick.closed_hand)
+        yield from self._fingers(at, "close", pick, pick.closed_hand, pick.grip)
         hold = Hold(performer.agent.name, side, thing)
         at.held, at.holds = Held(pick.grip, hold), frozenset({hold})
         yield self._line(at, "lift", pick, pick.lift)
@@ -119,13 +120,13 @@ class Motions:
         if means == "hold_up":
             return
         if means == "hand_over":
-            yield self._taken(at, thing, target)
+            yield from self._taken(at, thing, target)
             at.holds -= {hold}
         else:
             at.qpos = with_values(at.qpos, _columns(performer, thing), place.before[_columns(performer, thing)])
             at.holds = frozenset()
         at.held = None
-        yield from self._fingers(at, "open", place, place.open_hand)
+        yield from self._fingers(at, "open", place, place.open_hand, place.grip)
         yield self._line(at, "retreat", place, place.retreat)
         yield from self._fold(at)
 
@@ -141,7 +142,7 @@ class Motions:
             if np.abs(goal - at.qpos[chain.positions]).max() > SAME_RAD:
                 yield self._joints(at, "fold", chain.positions, side, goal[None], "fold its arm")
 
-    def _taken(self, at: _At, thing: str, taker: str) -> Phase:
+    def _taken(self, at: _At, thing: str, taker: str) -> Iterator[Phase]:
         """The taker's hand comes and closes around the thing, by the hand that is nearer."""
         performer = self._performer
         grip = at.held.grip if at.held else None
@@ -156,9 +157,11 @@ class Motions:
             if blocked is not None and blocked.part != thing:
                 failed = f"{taker}'s {side} hand would meet {performer.agent.name}'s {blocked.part}"
                 continue
-            at.qpos = qpos[-1]
+            coming, at.qpos = len(qpos) - round(CLOSING_S * RATE_HZ), qpos[-1]
+            yield Phase("take", qpos[:coming], at.holds)
             at.holds |= {Hold(taker, side, thing)}
-            return Phase("take", qpos, at.holds)
+            yield Phase("take", qpos[coming:], at.holds)
+            return
         raise NoMotionError(f"{taker} cannot take the {thing}: {failed}")
 
     def _arm(self, at: _At, name: PhaseName, way: HandWay, goal: Array) -> Phase:
@@ -206,13 +209,19 @@ class Motions:
         way = way + math.tau * np.where(endless, turns, 0.0)
         return self._timed(at, name, hand_way.positions, way, *self._limits(hand_way.side))
 
-    def _fingers(self, at: _At, name: PhaseName, way: HandWay, goal: Array) -> Iterator[Phase]:
+    def _fingers(
+        self, at: _At, name: PhaseName, way: HandWay, goal: Array, grip: Grip | None = None
+    ) -> Iterator[Phase]:
         """Open or close the hand; what it would push into ends the plan."""
         now = at.qpos[way.hand_positions]
         if np.abs(goal - now).max(initial=0.0) < SAME_RAD / 100:
             return  # some models have fingers without joints
         count = max(2, round(self._settings.closing_s * RATE_HZ))
         steps = now + np.linspace(0.0, 1.0, count)[:, None] * (goal - now)
+        for values in steps:
+            blocked = self._performer.blocking(with_values(at.qpos, way.hand_positions, values), grip)
+            if blocked is not None:
+                raise NoMotionError(f"its {blocked.part} would push into {blocked.other}, closing or opening")
         yield self._phase(at, name, way.hand_positions, steps)
 
     def _drive(self, at: _At, name: PhaseName, goal: Base) -> Iterator[Phase]:
