@@ -25,6 +25,8 @@ from taskgist.world.state import Hold, State
 
 BEFORE_S, AFTER_S = 1.0, 1.2
 """Recorded before the first motion, and after the last one: facts are confirmed over time."""
+FASTEST_HEAD_RAD_S = 5.0
+"""How fast a head turns, at most, to look at something (of the order of [Guitton & Volle 1987])."""
 LABEL_BEFORE_S, LABEL_AFTER_S = 0.5, 0.8
 """The label begins so long before the first motion, and ends so long after the last one."""
 SOURCE = "planned and carried out by taskgist, kinematically: held things follow the hand, released ones physics"
@@ -121,4 +123,12 @@ def _look(scene: Scene, plan: Plan, times: Array, frames: Array, attention: Atte
     start = frames[:, columns].copy()
     begins_s = fixations[1].from_s if len(fixations) > 1 else float(times[-1])
     turned = minimum_jerk((times - begins_s) / TURN_S)[:, None]
-    frames[:, columns] = start + turned * (looked(scene, plan.target, times, frames, fixations) - start)
+    frames[:, columns] = _unhurried(start + turned * (looked(scene, plan.target, times, frames, fixations) - start))
+
+
+def _unhurried(angles: Array) -> Array:
+    """Angles, (n, 2), as a head follows them: what passes behind somebody turns it no faster than heads turn."""
+    followed, most = np.array(angles), FASTEST_HEAD_RAD_S / RATE_HZ
+    for index in range(1, len(angles)):
+        followed[index] = followed[index - 1] + np.clip(angles[index] - followed[index - 1], -most, most)
+    return followed

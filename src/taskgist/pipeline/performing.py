@@ -26,6 +26,7 @@ from taskgist.learning.understanding import Literal
 from taskgist.performing.audit import audit
 from taskgist.performing.execution import Execution, carried_out
 from taskgist.performing.findings import Audit, MotionLimits, Tolerances
+from taskgist.performing.settling import settled
 from taskgist.pipeline.explain import explain_recording
 from taskgist.planning.goal import Goal
 from taskgist.planning.performer import Performer
@@ -139,7 +140,12 @@ def _tried(
     scene, request, goal = planner.scene, planner.request, planner.goal
     execution = carried_out(scene, plan, attention=request.attention)
     recording = execution.recording
-    limits = {request.performer: limits_of(planner.performer, settings.planning)}
+    unsettled = _unsettled(scene, execution)
+    if unsettled is not None:
+        return unsettled
+    takers = {hold.agent for holds in execution.holds for hold in holds}
+    limits = dict.fromkeys(takers, MotionLimits())  # people who take move as they do, and push into nothing either
+    limits |= {request.performer: limits_of(planner.performer, settings.planning)}
     tolerances = SOFT_HANDS if planner.performer is None else None
     found = audit(
         scene,
@@ -158,6 +164,19 @@ def _tried(
         value = explanation.nodes[failed.node].value if failed.node in explanation.nodes else "not observed"
         return f"judged by its facts {failed} fails: it is {value}"
     return Performance(plan, execution, found, explanation, request.clause.holds(explanation.nodes))
+
+
+def _unsettled(scene: Scene, execution: Execution) -> str | None:
+    """Why what is let go does not stay where it is put, by physics, with what it stands on loose; None if it does."""
+    holds, recording = execution.holds, execution.recording
+    for index in range(1, len(holds)):
+        let_go = {hold.object: hold for hold in holds[index - 1]}
+        for thing in let_go.keys() - {hold.object for hold in holds[index]}:
+            hand = f"{let_go[thing].agent}/{let_go[thing].side}_arm"
+            found = settled(scene, recording.state(index - 1), thing, passing=[hand])
+            if not found.stays:
+                return f"once it is let go, {found.text}"
+    return None
 
 
 def _controllable(goal: Goal) -> Iterator[Literal]:
