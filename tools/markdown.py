@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
+from taskgist_lab.evaluation.sheets import Sheet
+
 
 def header(*titles: str) -> Iterator[str]:
     """The first two lines of a table."""
@@ -14,6 +16,15 @@ def header(*titles: str) -> Iterator[str]:
 def row(*cells: object) -> str:
     """One line of a table."""
     return f"| {' | '.join(map(str, cells))} |"
+
+
+def sheet_lines(sheet: Sheet) -> Iterator[str]:
+    """A table of an evaluation, its note below."""
+    yield from header(*sheet.header)
+    yield from (row(*cells) for cells in sheet.rows)
+    if sheet.note:
+        yield ""
+        yield f"*{sheet.note}*"
 
 
 def filled(page: str, parts: Mapping[str, Iterable[str]]) -> str:

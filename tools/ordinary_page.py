@@ -13,7 +13,7 @@ from taskgist_lab.evaluation.ordinary_rooms import RoomsFound, judged_room, judg
 from taskgist_lab.evaluation.sheets import Sheet
 from taskgist_lab.ordinary.furnishing import furnished
 from taskgist_lab.view import ordinary_room_picture
-from tools.markdown import filled, header, row
+from tools.markdown import filled, sheet_lines
 
 PAGE, PICTURE = Path("docs/research/people.md"), Path("docs/pictures/ordinary_room.png")
 DRAWN = 0
@@ -36,7 +36,7 @@ def main() -> None:
 def parts(found: RoomsFound) -> Mapping[str, Iterator[str]]:
     """The measured parts of the page by name: each table by what it shows."""
     first, *others = sheets(found)
-    named = {sheet.title.lower(): table(sheet) for sheet in others}
+    named = {sheet.title.lower(): sheet_lines(sheet) for sheet in others}
     return {"all": whole(found, first), **named}
 
 
@@ -44,16 +44,7 @@ def whole(found: RoomsFound, sheet: Sheet) -> Iterator[str]:
     """What was measured, and the first table."""
     yield f"Seed {found.seed}, settings {DEFAULT.digest}. {sheet.title}."
     yield ""
-    yield from table(sheet)
-
-
-def table(sheet: Sheet) -> Iterator[str]:
-    """A table in Markdown, its note below."""
-    yield from header(*sheet.header)
-    yield from (row(*cells) for cells in sheet.rows)
-    if sheet.note:
-        yield ""
-        yield f"*{sheet.note}*"
+    yield from sheet_lines(sheet)
 
 
 if __name__ == "__main__":

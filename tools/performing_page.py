@@ -16,7 +16,7 @@ from taskgist.settings import DEFAULT
 from taskgist_lab.cli.evaluate import HELD_OUT_SEED
 from taskgist_lab.evaluation.performing.trials import TrialsFound, performed_trials, sheets
 from taskgist_lab.evaluation.sheets import Sheet
-from tools.markdown import filled, header, row
+from tools.markdown import filled, sheet_lines
 
 PAGE = Path(__file__).parents[1] / "docs" / "research" / "performing.md"
 NAMES = ("shares", "times", "gates", "faults")
@@ -50,14 +50,10 @@ def about(found: TrialsFound) -> Iterator[str]:
 
 
 def table(sheet: Sheet) -> Iterator[str]:
-    """A table in Markdown, its title above and its note below."""
+    """A table in Markdown, its title above."""
     yield f"**{sheet.title}**"
     yield ""
-    yield from header(*sheet.header)
-    yield from (row(*cells) for cells in sheet.rows)
-    if sheet.note:
-        yield ""
-        yield f"*{sheet.note}*"
+    yield from sheet_lines(sheet)
 
 
 if __name__ == "__main__":

@@ -15,12 +15,13 @@ from taskgist.common.text import clean_name
 from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.tree import Node
+from taskgist.facts.tree import HypothesisTree, Node
 from taskgist.language.sentences import asked, indifference, meaning, why
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Context
+from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.understanding import Judgement, Understanding, clause_of, questions_of
-from taskgist.settings import BANDS, DEFAULT
+from taskgist.settings import BANDS, DEFAULT, Learning
 
 STYLES = {
     Verdict.RELEVANT: "green",
@@ -133,6 +134,14 @@ def _node_document(judgement: Judgement) -> dict[str, Any]:
     }
 
 
+def understood(
+    known: Knowledge, where: str, task: str, tree: HypothesisTree, settings: Learning = DEFAULT.learning
+) -> Understanding:
+    """What is known of a task, however its name is spelled; errors name where the knowledge is kept."""
+    with about(where):
+        return known.understand(task if task in known.tasks else clean_name(task), tree, settings)
+
+
 @command
 def explain(
     task: Annotated[str | None, typer.Argument(help="The task; without one, the known tasks are listed.")] = None,
@@ -161,12 +170,10 @@ def explain(
     if task is None:
         _list_tasks(known.tasks, as_json=as_json)
         return
-    with about(shown(knowledge)):
-        task = task if task in known.tasks else clean_name(task)
-        understanding = known.understand(task, tree, replace(DEFAULT.learning, band=band))
+    understanding = understood(known, shown(knowledge), task, tree, replace(DEFAULT.learning, band=band))
     if node is not None:
         sentence = why(understanding, node)
-        print_json({"task": task, "node": node, "why": sentence}) if as_json else console.print(sentence)
+        print_json({"task": understanding.task, "node": node, "why": sentence}) if as_json else console.print(sentence)
     elif as_json:
         print_json(understanding_document(understanding))
     else:

@@ -25,8 +25,8 @@ from taskgist.cli.common import (
     print_json,
     progress_bar,
 )
+from taskgist.cli.explain import understood
 from taskgist.cli.performance_files import check_files, write_files
-from taskgist.common.text import clean_name
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
@@ -36,8 +36,8 @@ from taskgist.settings import DEFAULT
 
 if TYPE_CHECKING:  # with MuJoCo, which a wrong name should not wait for
     from taskgist.pipeline.performing import Outcome, Performance
+    from taskgist.planning.judging import Attention
 
-ATTENTIONS = ("stays", "thing", "performer")
 MOST_WAYS = 12
 
 
@@ -86,8 +86,7 @@ def perform(
 
     Example: taskgist perform give room.toml --robot J --for P2 --object cup
     """
-    if attention not in ATTENTIONS:
-        raise UnknownNameError("attention", attention, ATTENTIONS, where="--attention")
+    assumed = _attention(attention)
     files = {
         "--out": out,
         "--trajectory": trajectory,
@@ -115,7 +114,7 @@ def perform(
                 raise UnknownNameError("object" if option == "--object" else "agent", given, known, where=option)
         if robot == target:
             raise InputError("a task is performed for another", field="--for", value=target, hint="name another agent")
-        request = Request(clause, robot, target, thing, attention, _names(allow), _names(prefer) or (), seed)  # type: ignore[arg-type]
+        request = Request(clause, robot, target, thing, assumed, _names(allow), _names(prefer) or (), seed)
         with progress_bar(quiet=as_json) as progress:
             outcome = performed(
                 stage.scene,
@@ -139,15 +138,22 @@ def _names(given: list[str] | None) -> tuple[str, ...] | None:
     return tuple(given) if given else None
 
 
+def _attention(text: str) -> Attention:
+    from taskgist.planning.judging import ATTENTIONS
+
+    for attention in ATTENTIONS:
+        if text == attention:
+            return attention
+    raise UnknownNameError("attention", text, ATTENTIONS, where="--attention")
+
+
 def _clause(knowledge: str, task: str) -> Clause:
     from taskgist.store.address import shown
     from taskgist.store.database import load
 
     tree = with_predicates(STANDARD_TREE)
     known = load(knowledge, expected=Context.of(DEFAULT, tree))
-    with about(shown(knowledge)):
-        task = task if task in known.tasks else clean_name(task)
-        clause = clause_of(known.understand(task, tree, DEFAULT.learning))
+    clause = clause_of(understood(known, shown(knowledge), task, tree))
     if not clause.literals:
         hint = "its demonstrations have nothing in common; see taskgist explain"
         raise InputError(
@@ -194,15 +200,7 @@ def outcome_document(outcome: Outcome, written: Sequence[Mapping[str, Path]]) ->
         outcome: What came of it.
         written: Of each way, the files that were written, by kind.
     """
-    from taskgist.language.performing import (
-        assumed,
-        candidate_table,
-        chosen,
-        not_as_demonstrated,
-        phase_table,
-        refused,
-        steps,
-    )
+    from taskgist.language.performing import assumed, not_as_demonstrated, refused
 
     request, tree, search = outcome.request, with_predicates(STANDARD_TREE), outcome.search
     return {
@@ -214,21 +212,8 @@ def outcome_document(outcome: Outcome, written: Sequence[Mapping[str, Path]]) ->
         "assumed": assumed(request),
         "notes": list(not_as_demonstrated(outcome.goal, tree)),
         "given": [{"literal": str(each.literal), "holds": each.holds is True} for each in outcome.goal.given],
-        "wanted": [str(literal) for wanted in outcome.goal.wanted for literal in wanted.literals],
-        "ways": [
-            {
-                "text": chosen(found.plan),
-                "steps": list(steps(found.plan)),
-                "side": found.plan.side,
-                "place": candidate_table(found.plan.candidate),
-                "phases": phase_table(found.plan.phases),
-                "duration_s": round(found.plan.duration_s, 3),
-                "audit": found.audit.to_json(),
-                "strict": found.strict is True,
-                "files": {name: str(path) for name, path in files.items()},
-            }
-            for found, files in zip(outcome.performances, written, strict=True)
-        ],
+        "wanted": [str(literal) for literal in outcome.goal.controllable],
+        "ways": [_way_document(found, files) for found, files in zip(outcome.performances, written, strict=True)],
         "search": {
             "places": search.places,
             "wanted": search.wanted,
@@ -239,4 +224,34 @@ def outcome_document(outcome: Outcome, written: Sequence[Mapping[str, Path]]) ->
             "thrown_away": list(outcome.spoiled),
         },
         "why_not": [] if outcome.performances else list(refused(request, outcome.goal, search, outcome.spoiled, tree)),
+    }
+
+
+def _way_document(found: Performance, files: Mapping[str, Path]) -> dict[str, Any]:
+    from taskgist.language.performing import chosen, steps
+    from taskgist.performing.outputs import hold_document
+
+    plan, candidate = found.plan, found.plan.candidate
+    return {
+        "text": chosen(plan),
+        "steps": list(steps(plan)),
+        "side": plan.side,
+        "place": {
+            "means": candidate.means,
+            "carrier": candidate.carrier,
+            "position_m": [round(value, 4) for value in candidate.pose[:3].tolist()],
+            "wxyz": [round(value, 5) for value in candidate.pose[3:].tolist()],
+        },
+        "phases": [
+            {
+                "name": phase.name,
+                "duration_s": round(phase.duration_s, 3),
+                "holds": [hold_document(hold) for hold in sorted(phase.holds)],
+            }
+            for phase in plan.phases
+        ],
+        "duration_s": round(plan.duration_s, 3),
+        "audit": found.audit.to_json(),
+        "strict": found.strict is True,
+        "files": {name: str(path) for name, path in files.items()},
     }

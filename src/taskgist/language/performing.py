@@ -10,9 +10,8 @@ from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import UNKNOWN
 from taskgist.language.phrases import listed, phrase
 from taskgist.learning.understanding import Literal
-from taskgist.planning.candidates import Candidate
 from taskgist.planning.goal import Goal
-from taskgist.planning.plan import Phase, PhaseName, Plan
+from taskgist.planning.plan import PhaseName, Plan
 from taskgist.planning.planner import Request, Search
 
 DOINGS = {
@@ -73,11 +72,6 @@ def assumed(request: Request) -> str:
     return ATTENTION[request.attention].format(**words)
 
 
-def brought_about(goal: Goal, tree: HypothesisTree) -> tuple[str, ...]:
-    """What is wanted, literal by literal."""
-    return tuple(_said(literal, tree) for wanted in goal.wanted for literal in wanted.literals)
-
-
 def not_as_demonstrated(goal: Goal, tree: HypothesisTree) -> tuple[str, ...]:
     """Given literals that do not hold here, and literals that nobody can judge."""
     told = [
@@ -122,25 +116,3 @@ def _found(value: object) -> str:
         level = v.EFFORT_LEVELS.get(value)
         return value if level is None else f"effort level {level}"
     return f"a score of {value:.2g}" if isinstance(value, float) else str(value)
-
-
-def phase_table(phases: Sequence[Phase]) -> list[dict[str, object]]:
-    """Phases as plain values: name, seconds, what is held."""
-    return [
-        {
-            "name": phase.name,
-            "duration_s": round(phase.duration_s, 3),
-            "holds": [{"agent": hold.agent, "side": hold.side, "object": hold.object} for hold in sorted(phase.holds)],
-        }
-        for phase in phases
-    ]
-
-
-def candidate_table(candidate: Candidate) -> dict[str, object]:
-    """A final place as plain values: means, carrier, pose."""
-    return {
-        "means": candidate.means,
-        "carrier": candidate.carrier,
-        "position_m": [round(value, 4) for value in candidate.pose[:3].tolist()],
-        "wxyz": [round(value, 5) for value in candidate.pose[3:].tolist()],
-    }

@@ -112,10 +112,7 @@ def snapshot(
     stage.show(observer.with_holding(stage.state))
     observations = ability_observations(stage, agent, name, settings)
     observations |= status_observations(observer, agent, name, stage.state.time_s)
-    for predicate in predicates:
-        if predicate.observe is not None:
-            observations[predicate.subtree.attribute.name] = predicate_observation(predicate, stage, agent, name)
-    return observations
+    return observations | _predicate_observations(predicates, stage, agent, name)
 
 
 def status_observations(observer: Observer, agent: str, name: str, time_s: float) -> Snapshot:
@@ -147,6 +144,15 @@ def _hands(statuses: Mapping[str, HandStatus | None], name: str) -> Observation[
         if status.thing:
             evidence[side] = status.thing
     return Observation(symbols or UNKNOWN, evidence)
+
+
+def _predicate_observations(predicates: Iterable[Predicate], stage: Stage, agent: str, name: str) -> Snapshot:
+    """The attributes of those of a user's own predicates that have a function."""
+    return {
+        predicate.subtree.attribute.name: predicate_observation(predicate, stage, agent, name)
+        for predicate in predicates
+        if predicate.observe is not None
+    }
 
 
 def predicate_observation(predicate: Predicate, stage: Stage, agent: str, name: str) -> Observation[Raw]:
@@ -194,10 +200,7 @@ def resting_snapshot(
     observations = ability_observations(stage, agent, name, settings)
     for attribute, observe in RESTING.items():
         observations[attribute] = observe(stage, agent, name, settings)
-    for predicate in predicates:
-        if predicate.observe is not None:
-            observations[predicate.subtree.attribute.name] = predicate_observation(predicate, stage, agent, name)
-    return observations
+    return observations | _predicate_observations(predicates, stage, agent, name)
 
 
 def _resting_posture(stage: Stage, agent: str, _name: str, settings: Settings) -> Observation[Raw]:

@@ -15,10 +15,10 @@ import numpy as np
 from taskgist.common.arrays import Array
 from taskgist.moving.gaze import TURN_S, Fixation, Onlooker, looked
 from taskgist.moving.motion import minimum_jerk
+from taskgist.performing.settling import Settled, settled
 from taskgist.planning.judging import Attention
 from taskgist.planning.plan import RATE_HZ, Plan
 from taskgist.recording.recording import Label, Provenance, Recording
-from taskgist.world.dynamics import free_motion
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
 from taskgist.world.state import Hold, State
@@ -39,10 +39,12 @@ class Execution:
     Attributes:
         recording: What happened, labelled.
         holds: Which hands hold what, frame by frame.
+        settled: What physics made of each thing that was let go, in order.
     """
 
     recording: Recording
     holds: tuple[frozenset[Hold], ...]
+    settled: tuple[Settled, ...]
 
 
 def carried_out(scene: Scene, plan: Plan, *, attention: Attention, name: str = "") -> Execution:
@@ -56,7 +58,7 @@ def carried_out(scene: Scene, plan: Plan, *, attention: Attention, name: str = "
     """
     frames, holds = _filmed(plan)
     times = np.arange(len(frames)) / RATE_HZ
-    _let_go(scene, plan, frames, holds)
+    let_go = _let_go(scene, frames, holds)
     _look(scene, plan, times, frames, attention)
     label = Label(
         task=plan.task,
@@ -72,7 +74,7 @@ def carried_out(scene: Scene, plan: Plan, *, attention: Attention, name: str = "
     recording = Recording(
         scene=scene, times_s=times, qpos=frames, label=label, provenance=provenance, name=name or plan.task
     )
-    return Execution(recording, tuple(holds))
+    return Execution(recording, tuple(holds), let_go)
 
 
 def phase_frames(plan: Plan) -> tuple[range, ...]:
@@ -97,15 +99,20 @@ def _filmed(plan: Plan) -> tuple[Array, list[frozenset[Hold]]]:
     return np.concatenate(frames), holds
 
 
-def _let_go(scene: Scene, plan: Plan, frames: Array, holds: list[frozenset[Hold]]) -> None:
-    """What is let go moves by physics from then on."""
+def _let_go(scene: Scene, frames: Array, holds: list[frozenset[Hold]]) -> tuple[Settled, ...]:
+    """What is let go, and what it touches, moves by physics from then on, until somebody takes it."""
+    found = []
     for index in range(1, len(frames)):
-        for thing in {hold.object for hold in holds[index - 1]} - {hold.object for hold in holds[index]}:
-            column = scene.object_slice(thing)
-            motion = free_motion(scene, State(frames[index]), thing, passing=[plan.performer])
-            taken = (i for i in range(index, len(frames)) if thing in {hold.object for hold in holds[i]})
-            until = next(taken, len(frames))
-            frames[index:until, column] = motion.at((np.arange(index, until) - index) / RATE_HZ)
+        held = {hold.object for hold in holds[index]}
+        for thing, hand in sorted({hold.object: f"{hold.agent}/{hold.side}_arm" for hold in holds[index - 1]}.items()):
+            if thing not in held:
+                found.append(settled(scene, State(frames[index]), thing, passing=[hand]))
+                for name, motion in found[-1].motions.items():
+                    taken = (i for i in range(index, len(frames)) if name in {hold.object for hold in holds[i]})
+                    until = next(taken, len(frames))
+                    times_s = np.arange(until - index) / RATE_HZ
+                    frames[index:until, scene.object_slice(name)] = motion.at(times_s)
+    return tuple(found)
 
 
 def _look(scene: Scene, plan: Plan, times: Array, frames: Array, attention: Attention) -> None:

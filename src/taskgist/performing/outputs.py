@@ -227,9 +227,11 @@ def _phases(plan: Plan, execution: Execution) -> Iterator[Document]:
             "name": phase.name,
             "start_s": _number(frames.start / RATE_HZ),
             "end_s": _number(frames.stop / RATE_HZ),
-            "holds": [_hold(hold) for hold in sorted(phase.holds)],
-            "attach": [_hold(hold) | {"in_palm": _in_palm(stage, hold)} for hold in sorted(phase.holds - before)],
-            "detach": [_hold(hold) for hold in sorted(before - phase.holds)],
+            "holds": [hold_document(hold) for hold in sorted(phase.holds)],
+            "attach": [
+                hold_document(hold) | {"in_palm": _in_palm(stage, hold)} for hold in sorted(phase.holds - before)
+            ],
+            "detach": [hold_document(hold) for hold in sorted(before - phase.holds)],
             "base": _planar(last[agent.base]),
             "palm": _pose(stage.site(arm.palm_site)),
             "opening_m": _opening_m(gripper, last),
@@ -255,7 +257,8 @@ def _opening_m(gripper: Gripper | None, qpos: Array) -> float | None:
     return _number(gripper.pads(qpos[gripper.positions]).opening_m)
 
 
-def _hold(hold: Hold) -> Document:
+def hold_document(hold: Hold) -> Document:
+    """Which hand holds which object."""
     return {"agent": hold.agent, "side": hold.side, "object": hold.object}
 
 

@@ -4,15 +4,15 @@ Each plan that the planner finds is carried out, looked at by the audit, which b
 and judged by the very facts that explain demonstrations. One that does not come through is counted and thrown away,
 and the next one is asked for; only what is clean and judged true is returned::
 
-    performed = perform(scene, clause, Request(clause, "PR2", "P2", "tape"))
-    if isinstance(performed, Performance):
-        write(performed.execution.recording, "done.mcap")
+    outcome = perform(scene, Request(clause, "PR2", "P2", "tape"))
+    for performance in outcome.performances:
+        write(performance.execution.recording, "done.mcap")
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from taskgist.common.extras import door
@@ -22,11 +22,9 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import Unknown
 from taskgist.learning.explanation import Explanation
-from taskgist.learning.understanding import Literal
 from taskgist.performing.audit import audit
 from taskgist.performing.execution import Execution, carried_out
 from taskgist.performing.findings import Audit, MotionLimits, Tolerances
-from taskgist.performing.settling import settled
 from taskgist.pipeline.explain import explain_recording
 from taskgist.planning.goal import Goal
 from taskgist.planning.performer import Performer
@@ -140,9 +138,9 @@ def _tried(
     scene, request, goal = planner.scene, planner.request, planner.goal
     execution = carried_out(scene, plan, attention=request.attention)
     recording = execution.recording
-    unsettled = _unsettled(scene, execution)
-    if unsettled is not None:
-        return unsettled
+    for let_go in execution.settled:
+        if not let_go.stays:
+            return f"once it is let go, {let_go.text}"
     takers = {hold.agent for holds in execution.holds for hold in holds}
     limits = dict.fromkeys(takers, MotionLimits())  # people who take move as they do, and push into nothing either
     limits |= {request.performer: limits_of(planner.performer, settings.planning)}
@@ -159,28 +157,11 @@ def _tried(
     if not found.clean:
         return f"the audit found: {found.findings[0].text}"
     explanation = explain_recording(recording, tree=tree, settings=settings, predicates=predicates)
-    failed = next((each for each in _controllable(goal) if each.holds(explanation.nodes) is not True), None)
+    failed = next((each for each in goal.controllable if each.holds(explanation.nodes) is not True), None)
     if failed is not None:
         value = explanation.nodes[failed.node].value if failed.node in explanation.nodes else "not observed"
         return f"judged by its facts {failed} fails: it is {value}"
     return Performance(plan, execution, found, explanation, request.clause.holds(explanation.nodes))
-
-
-def _unsettled(scene: Scene, execution: Execution) -> str | None:
-    """Why what is let go does not stay where it is put, by physics, with what it stands on loose; None if it does."""
-    holds, recording = execution.holds, execution.recording
-    for index in range(1, len(holds)):
-        let_go = {hold.object: hold for hold in holds[index - 1]}
-        for thing in let_go.keys() - {hold.object for hold in holds[index]}:
-            hand = f"{let_go[thing].agent}/{let_go[thing].side}_arm"
-            found = settled(scene, recording.state(index - 1), thing, passing=[hand])
-            if not found.stays:
-                return f"once it is let go, {found.text}"
-    return None
-
-
-def _controllable(goal: Goal) -> Iterator[Literal]:
-    return (literal for wanted in goal.wanted for literal in wanted.literals)
 
 
 def limits_of(performer: Performer | None, planning: Planning) -> MotionLimits:

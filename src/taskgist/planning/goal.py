@@ -313,6 +313,11 @@ class Goal:
         )
 
     @property
+    def controllable(self) -> tuple[Literal, ...]:
+        """All literals that the performer is to make true, in the order of ``wanted``."""
+        return tuple(literal for wanted in self.wanted for literal in wanted.literals)
+
+    @property
     def given_hold(self) -> Truth:
         """Whether what is given is as the clause has it."""
         return conjunction(each.holds for each in self.given)

@@ -207,7 +207,7 @@ class Grasping:
 
     def _at(self, place: State, qpos: Array) -> Array:
         """Positions of the scene, (nq,), with the thing where a state has it."""
-        return with_values(qpos, np.arange(self.thing_slice.start, self.thing_slice.stop), place.qpos[self.thing_slice])
+        return with_values(qpos, self.thing_slice, place.qpos[self.thing_slice])
 
     def _palm_at(self, place: State, grip: Grip) -> Pose:
         """Where the palm is when the held thing is at a place."""

@@ -6,6 +6,8 @@ beside the thing, and closes around it, the torso helping where the arm alone is
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from taskgist.common.arrays import Array
@@ -16,55 +18,68 @@ from taskgist.moving.steps import CLOSING_S, open_level, taking
 from taskgist.planning.plan import RATE_HZ
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
-from taskgist.world.state import Hold, State
+from taskgist.world.state import State
 
 ITERATIONS = 60
 """Most steps of the fit that brings a hand to a thing."""
 
 
-def taking_motion(scene: Scene, qpos: Array, thing: str, taker: str, side: str) -> Array:
-    """Frames, (n, nq), in which a hand comes and closes around a thing that is held where it is.
+class Taker:
+    """Somebody to whom things are handed over.
 
     Args:
         scene: The scene.
-        qpos: Where everything is, (nq,).
-        thing: The thing.
-        taker: Who takes it: a body with a torso that turns and leans, and two arms.
-        side: The hand.
+        name: Who it is.
+        state: How it is before: a hand that does nothing stays where it is there.
 
-    Raises:
-        SceneError: It is no such body, or its hand does not get there.
+    Attributes:
+        name: As given.
     """
-    state, body = State(qpos), Body(scene, taker, State(qpos))
-    hand, torso_rad = taking(Stage(scene, state), body, thing, side)
-    way = sampled([body.hand(state, side), *body.raising(side), open_level(hand), hand])[1:]
-    states = followed(body, state, side, way, torso_rad=torso_rad, phase="out", role="target")
-    motion = paced(body, side, states, start_s=0.0, tempo=1.0, duration_s=None)
-    times_s = np.arange(0.0, motion.end_s + CLOSING_S, 1.0 / RATE_HZ)
-    frames = np.tile(qpos, (len(times_s), 1))
-    frames[:, body.columns] = np.clip(motion.at(times_s), *body.ranges_rad.T)
-    return frames
 
+    def __init__(self, scene: Scene, name: str, state: State) -> None:
+        self.name, self._scene, self._before = name, scene, state
 
-def taken(scene: Scene, state: State, thing: str, taker: str) -> State | None:
-    """A state in which a thing is in a taker's hand, where it is; None if neither hand gets there.
+    @cached_property
+    def _body(self) -> Body:
+        """Its body.
 
-    Args:
-        scene: The scene.
-        state: Where everything is, the thing where it is handed over.
-        thing: The thing.
-        taker: Who takes it.
-    """
-    for side in sides_by_distance(scene, state.qpos, thing, taker):
-        try:
-            body = Body(scene, taker, state)
-            hand, torso_rad = taking(Stage(scene, state), body, thing, side)
-            reached, error_m = body.reaching(state, side, hand, torso_rad, iterations=ITERATIONS)
-        except SceneError:
-            continue
-        if error_m <= LARGEST_ERROR_M:
-            return reached.with_holding([Hold(taker, side, thing)])
-    return None
+        Raises:
+            SceneError: It has no torso that turns and leans, or not two arms.
+        """
+        return Body(self._scene, self.name, self._before)
+
+    def holding(self, state: State, thing: str) -> State | None:
+        """A state in which its hand is around a thing, where that is; None if neither hand gets there."""
+        for side in sides_by_distance(self._scene, state.qpos, thing, self.name):
+            try:
+                hand, torso_rad = taking(Stage(self._scene, state), self._body, thing, side)
+                reached, error_m = self._body.reaching(state, side, hand, torso_rad, iterations=ITERATIONS)
+            except SceneError:
+                continue
+            if error_m <= LARGEST_ERROR_M:
+                return reached
+        return None
+
+    def motion(self, qpos: Array, thing: str, side: str) -> Array:
+        """Frames, (n, nq), in which a hand comes and closes around a thing that is held where it is.
+
+        Args:
+            qpos: Where everything is, (nq,).
+            thing: The thing.
+            side: The hand.
+
+        Raises:
+            SceneError: Its hand does not get there, or its body takes nothing.
+        """
+        state, body = State(qpos), self._body
+        hand, torso_rad = taking(Stage(self._scene, state), body, thing, side)
+        way = sampled([body.hand(state, side), *body.raising(side), open_level(hand), hand])[1:]
+        states = followed(body, state, side, way, torso_rad=torso_rad, phase="out", role="target")
+        motion = paced(body, side, states, start_s=0.0, tempo=1.0, duration_s=None)
+        times_s = np.arange(0.0, motion.end_s + CLOSING_S, 1.0 / RATE_HZ)
+        frames = np.tile(qpos, (len(times_s), 1))
+        frames[:, body.columns] = np.clip(motion.at(times_s), *body.ranges_rad.T)
+        return frames
 
 
 def sides_by_distance(scene: Scene, qpos: Array, thing: str, name: str) -> tuple[str, ...]:

@@ -20,9 +20,9 @@ from taskgist.errors import SceneError
 from taskgist.moving.steps import CLOSING_S
 from taskgist.planning.candidates import Means
 from taskgist.planning.hand_ways import HandWay
-from taskgist.planning.handing import sides_by_distance, taking_motion
+from taskgist.planning.handing import Taker, sides_by_distance
 from taskgist.planning.paths import base_path, joint_path
-from taskgist.planning.performer import Base, Grip, Performer, with_values
+from taskgist.planning.performer import Base, Grip, Performer, near_bases, with_values
 from taskgist.planning.plan import RATE_HZ, Phase, PhaseName
 from taskgist.planning.timing import timed
 from taskgist.planning.transfer import Transfer
@@ -73,18 +73,18 @@ class Motions:
     def __init__(self, performer: Performer, settings: Planning, *, seed: int = 0) -> None:
         self._performer, self._settings, self._seed = performer, settings, seed
 
-    def of(self, transfer: Transfer, means: Means, target: str) -> tuple[Phase, ...]:
+    def of(self, transfer: Transfer, means: Means, taker: Taker) -> tuple[Phase, ...]:
         """The phases of a transfer, from the robot's start.
 
         Args:
             transfer: Grasp and stands.
             means: Whether the thing is put down in the end, held up, or handed over.
-            target: To whom it is handed over.
+            taker: To whom it is handed over.
 
         Raises:
             NoMotionError: One of them was not found.
         """
-        return tuple(self._phases(transfer, means, target))
+        return tuple(self._phases(transfer, means, taker))
 
     def back(self, qpos: Array, holds: frozenset[Hold], goal: Base) -> tuple[Phase, ...]:
         """The way back to where the robot stood, when all is done.
@@ -99,7 +99,7 @@ class Motions:
         """
         return tuple(self._drive(_At(np.array(qpos), holds=holds), "withdraw", goal))
 
-    def _phases(self, transfer: Transfer, means: Means, target: str) -> Iterator[Phase]:
+    def _phases(self, transfer: Transfer, means: Means, taker: Taker) -> Iterator[Phase]:
         performer, pick, place = self._performer, transfer.pick, transfer.place
         thing, side = pick.thing, pick.side
         at = _At(np.array(performer.start.qpos))
@@ -112,7 +112,7 @@ class Motions:
         hold = Hold(performer.agent.name, side, thing)
         at.held, at.holds = Held(pick.grip, hold), frozenset({hold})
         yield self._line(at, "lift", pick, pick.lift)
-        if not _same(transfer.start.base, transfer.goal.base):
+        if not near_bases(transfer.start.base, transfer.goal.base, SAME_M, SAME_RAD):
             yield from self._transport(at, pick, transfer.goal.base)
         at.held = Held(place.grip, hold)
         yield self._arm(at, "transfer", place, place.lower[0])
@@ -120,10 +120,11 @@ class Motions:
         if means == "hold_up":
             return
         if means == "hand_over":
-            yield from self._taken(at, thing, target)
+            yield from self._taken(at, thing, taker)
             at.holds -= {hold}
         else:
-            at.qpos = with_values(at.qpos, _columns(performer, thing), place.before[_columns(performer, thing)])
+            column = performer.scene.object_slice(thing)
+            at.qpos = with_values(at.qpos, column, place.before[column])
             at.holds = frozenset()
         at.held = None
         yield from self._fingers(at, "open", place, place.open_hand, place.grip)
@@ -140,33 +141,33 @@ class Motions:
             chain = performer.chain(side)
             goal = folded[chain.positions]
             if np.abs(goal - at.qpos[chain.positions]).max() > SAME_RAD:
-                yield self._joints(at, "fold", chain.positions, side, goal[None], "fold its arm")
+                yield self._joints(at, "fold", side, goal, "fold its arm")
 
-    def _taken(self, at: _At, thing: str, taker: str) -> Iterator[Phase]:
+    def _taken(self, at: _At, thing: str, taker: Taker) -> Iterator[Phase]:
         """The taker's hand comes and closes around the thing, by the hand that is nearer."""
         performer = self._performer
         grip = at.held.grip if at.held else None
         failed = ""
-        for side in sides_by_distance(performer.scene, at.qpos, thing, taker):
+        for side in sides_by_distance(performer.scene, at.qpos, thing, taker.name):
             try:
-                qpos = taking_motion(performer.scene, at.qpos, thing, taker, side)
+                qpos = taker.motion(at.qpos, thing, side)
             except SceneError as error:
                 failed = str(error)
                 continue
             blocked = performer.blocking(qpos[-1], grip)
             if blocked is not None and blocked.part != thing:
-                failed = f"{taker}'s {side} hand would meet {performer.agent.name}'s {blocked.part}"
+                failed = f"{taker.name}'s {side} hand would meet {performer.agent.name}'s {blocked.part}"
                 continue
             coming, at.qpos = len(qpos) - round(CLOSING_S * RATE_HZ), qpos[-1]
             yield Phase("take", qpos[:coming], at.holds)
-            at.holds |= {Hold(taker, side, thing)}
+            at.holds |= {Hold(taker.name, side, thing)}
             yield Phase("take", qpos[coming:], at.holds)
             return
-        raise NoMotionError(f"{taker} cannot take the {thing}: {failed}")
+        raise NoMotionError(f"{taker.name} cannot take the {thing}: {failed}")
 
     def _arm(self, at: _At, name: PhaseName, way: HandWay, goal: Array) -> Phase:
         what = f"bring its {way.side} hand to the {way.thing}" if at.held is None else f"bring the {way.thing} there"
-        return self._joints(at, name, way.positions, way.side, goal[None], what)
+        return self._joints(at, name, way.side, goal, what)
 
     def _transport(self, at: _At, pick: HandWay, goal: Base) -> Iterator[Phase]:
         """Draw the thing near as far as that goes, and drive."""
@@ -179,7 +180,7 @@ class Motions:
                 phases = []
                 if np.abs(carrying - now.qpos[chain.positions]).max() > SAME_RAD:
                     what = f"draw the {pick.thing} near"
-                    phases.append(self._joints(now, "carry", chain.positions, pick.side, carrying[None], what))
+                    phases.append(self._joints(now, "carry", pick.side, carrying, what))
                 phases += self._drive(now, "transport", goal)
             except NoMotionError as error:
                 failed = error
@@ -190,24 +191,22 @@ class Motions:
         assert failed is not None
         raise failed
 
-    def _joints(self, at: _At, name: PhaseName, positions: Indices, side: str, goals: Array, what: str) -> Phase:
-        """Joints of an arm to one of some goals, (g, k), along a free way."""
+    def _joints(self, at: _At, name: PhaseName, side: str, goal: Array, what: str) -> Phase:
+        """Joints of an arm to others, (k,), along a free way."""
         chain = self._performer.chain(side)
         ranges = np.stack((np.where(chain.endless, -np.inf, chain.low), np.where(chain.endless, np.inf, chain.high)), 1)
         step = np.where(chain.lifts, LIFT_STEP_M, ARM_STEP_RAD)
-        way = joint_path(
-            at.qpos[positions], goals, ranges, self._free(at, positions), step=step, seed=self._seed, checks=ARM_CHECKS
-        )
+        start, free = at.qpos[chain.positions], self._free(at, chain.positions)
+        way = joint_path(start, goal[None], ranges, free, step=step, seed=self._seed, checks=ARM_CHECKS)
         if way is None:
             raise NoMotionError(f"{self._performer.agent.name} finds no way to {what}")
-        return self._timed(at, name, positions, way, *self._limits(side))
+        return self._timed(at, name, side, way)
 
     def _line(self, at: _At, name: PhaseName, hand_way: HandWay, way: Array) -> Phase:
         """A hand's line, which begins where the arm is, though it may have turned more often to get there."""
         endless = self._performer.chain(hand_way.side).endless
         turns = np.round((at.qpos[hand_way.positions] - way[0]) / math.tau)
-        way = way + math.tau * np.where(endless, turns, 0.0)
-        return self._timed(at, name, hand_way.positions, way, *self._limits(hand_way.side))
+        return self._timed(at, name, hand_way.side, way + math.tau * np.where(endless, turns, 0.0))
 
     def _fingers(
         self, at: _At, name: PhaseName, way: HandWay, goal: Array, grip: Grip | None = None
@@ -228,7 +227,7 @@ class Motions:
         performer, settings = self._performer, self._settings
         start = np.array(performer.base(at.qpos))
         end = np.array(goal)
-        if _same(performer.base(at.qpos), goal):
+        if near_bases(performer.base(at.qpos), goal, SAME_M, SAME_RAD):
             return
         end[2] = start[2] + wrapped(end[2] - start[2])
         low, high = np.minimum(start, end)[:2] - AROUND_M, np.maximum(start, end)[:2] + AROUND_M
@@ -255,16 +254,13 @@ class Motions:
         grip = at.held.grip if at.held else None
         return lambda values: self._performer.blocking(with_values(at.qpos, positions, values), grip) is None
 
-    def _limits(self, side: str) -> tuple[Array, Array]:
-        lifts, settings = self._performer.chain(side).lifts, self._settings
-        velocity = np.where(lifts, settings.lift_m_s, settings.joint_rad_s)
-        return velocity, np.where(lifts, settings.lift_m_s2, settings.joint_rad_s2)
-
-    def _timed(
-        self, at: _At, name: PhaseName, positions: Indices, way: Array, velocity: Array, acceleration: Array
-    ) -> Phase:
+    def _timed(self, at: _At, name: PhaseName, side: str, way: Array) -> Phase:
+        """An arm along a way, (n, k), within its limits."""
+        chain, settings = self._performer.chain(side), self._settings
+        velocity = np.where(chain.lifts, settings.lift_m_s, settings.joint_rad_s)
+        acceleration = np.where(chain.lifts, settings.lift_m_s2, settings.joint_rad_s2)
         _, values = timed(way, velocity, acceleration, rate_hz=RATE_HZ)
-        return self._phase(at, name, positions, values)
+        return self._phase(at, name, chain.positions, values)
 
     def _phase(self, at: _At, name: PhaseName, positions: Indices, values: Array) -> Phase:
         return self._shown(at, name, np.array([with_values(at.qpos, positions, each) for each in values]))
@@ -277,16 +273,6 @@ class Motions:
         return Phase(name, qpos, at.holds)
 
 
-def _columns(performer: Performer, thing: str) -> Indices:
-    column = performer.scene.object_slice(thing)
-    return np.arange(column.start, column.stop)
-
-
 def _base(values: Array) -> Base:
     x, y, yaw = (float(value) for value in values)
     return x, y, yaw
-
-
-def _same(one: Base, other: Base) -> bool:
-    away_m = float(np.hypot(one[0] - other[0], one[1] - other[1]))
-    return away_m < SAME_M and abs(wrapped(one[2] - other[2])) < SAME_RAD

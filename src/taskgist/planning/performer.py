@@ -13,6 +13,7 @@ and judged as it is.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import cached_property
 
@@ -27,7 +28,7 @@ from taskgist.planning.inverse_kinematics import ArmKinematics, Chain, Pointing,
 from taskgist.planning.whole_body import TOLERANCE_M, Grip, WholeBody
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
-from taskgist.world.geometry.transforms import Pose, turned_about_z, yaw_of
+from taskgist.world.geometry.transforms import Pose, turned_about_z, wrapped, yaw_of
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
@@ -287,8 +288,14 @@ class Performer:
         return np.array(sorted(found - own), dtype=np.intp)
 
 
-def with_values(qpos: Array, positions: Indices, values: Array) -> Array:
+def with_values(qpos: Array, positions: Indices | slice, values: Array) -> Array:
     """Positions of the whole scene, (nq,), with some replaced."""
     changed = np.array(qpos)
     changed[positions] = values
     return changed
+
+
+def near_bases(one: Base, other: Base, within_m: float, within_rad: float) -> bool:
+    """Whether two places to stand are nearer to one another than that, and turned alike."""
+    away_m = math.hypot(one[0] - other[0], one[1] - other[1])
+    return away_m < within_m and abs(wrapped(one[2] - other[2])) < within_rad

@@ -25,7 +25,7 @@ from taskgist.observe.attributes import resting_snapshot
 from taskgist.planning.candidates import Candidate, Means, candidates
 from taskgist.planning.goal import Goal
 from taskgist.planning.grasping import Grasping
-from taskgist.planning.handing import sides_by_distance, taken
+from taskgist.planning.handing import Taker, sides_by_distance
 from taskgist.planning.judging import Attention, Judge, Verdict
 from taskgist.planning.motions import Motions, NoMotionError
 from taskgist.planning.performer import Performer
@@ -160,6 +160,7 @@ class Planner:
             attention=request.attention,
             performer=request.performer,
         )
+        self._taker = Taker(scene, request.target, state)
         self.search = Search()
         self._refusal: str | None = None
 
@@ -206,7 +207,7 @@ class Planner:
             search.places += 1
             state: State | None = candidate.state
             if candidate.means == "hand_over":
-                state = taken(self.scene, candidate.state, request.thing, request.target)
+                state = self._taker.holding(candidate.state, request.thing)
             if state is None:
                 search.out_of_hand += 1
                 continue
@@ -269,7 +270,7 @@ class Planner:
                 phases = phases_of(
                     scene, self._state, request.performer, request.target, candidate, side, seed=request.seed
                 )
-                return self._ends_well(phases)
+                return self._ending_well(phases, self._end_of(phases))
 
             yield side, attempt
 
@@ -283,7 +284,7 @@ class Planner:
         for transfer in islice(transfers, TRANSFERS_A_PLACE):
 
             def attempt(transfer: Transfer = transfer) -> tuple[Phase, ...]:
-                return self._in_nobodys_way(motions, motions.of(transfer, candidate.means, request.target))
+                return self._in_nobodys_way(motions, motions.of(transfer, candidate.means, self._taker))
 
             yield transfer.pick.side, attempt
         self._refusal = transfers.refusal
@@ -295,22 +296,21 @@ class Planner:
             NoMotionError: It spoils the end either way.
         """
         assert self.performer is not None
-        holds = phases[-1].holds
-        if self._ends(phases).holds is True or any(hold.agent == self.request.performer for hold in holds):
-            return self._ends_well(phases)
-        back = motions.back(phases[-1].qpos[-1], holds, self.performer.base(self._state.qpos))
-        return self._ends_well((*phases, *back))
+        verdict, holds = self._end_of(phases), phases[-1].holds
+        if verdict.holds is not True and all(hold.agent != self.request.performer for hold in holds):
+            phases += motions.back(phases[-1].qpos[-1], holds, self.performer.base(self._state.qpos))
+            verdict = self._end_of(phases)
+        return self._ending_well(phases, verdict)
 
-    def _ends_well(self, phases: tuple[Phase, ...]) -> tuple[Phase, ...]:
+    def _ending_well(self, phases: tuple[Phase, ...], verdict: Verdict) -> tuple[Phase, ...]:
         """The phases.
 
         Raises:
             NoMotionError: With all as it is in the end, the goal is not satisfied.
         """
-        verdict = self._ends(phases)
         if verdict.holds is not True:
             raise NoMotionError(f"with {self.request.performer} where it is in the end, {verdict.failed} fails")
         return phases
 
-    def _ends(self, phases: tuple[Phase, ...]) -> Verdict:
+    def _end_of(self, phases: tuple[Phase, ...]) -> Verdict:
         return self._judge.verdict(self._state.replace(at=slice(None), to=phases[-1].qpos[-1]))

@@ -26,7 +26,7 @@ from taskgist.perspective.floor import Floor, Place
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.perspective.target import Recorder
 from taskgist.planning.grasping import Grasping
-from taskgist.planning.performer import Base, with_values
+from taskgist.planning.performer import Base, near_bases, with_values
 from taskgist.world.geometry.transforms import wrapped
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
@@ -88,8 +88,7 @@ class Stands:
         assert place is not None, "a thing that is not to be put down has no such stands"
         self._place: State = place
         self._now = self._performer.at_rest(self._performer.start.qpos if qpos is None else qpos)
-        of_thing = np.arange(*grasping.thing_slice.indices(len(self._now))[:2])
-        self._now = with_values(self._now, of_thing, place.qpos[of_thing])
+        self._now = with_values(self._now, grasping.thing_slice, place.qpos[grasping.thing_slice])
         self.rejected: Counter[str] = Counter()
         self.looked_at = 0
 
@@ -121,7 +120,7 @@ class Stands:
             near = self._near(places, waiting)
             for index in sorted(near, key=lambda index: (self._cost(waiting[index], near[index]), index)):
                 base = waiting[index]
-                if any(_alike(base, other) for other in yielded):
+                if any(near_bases(base, other, APART_M, APART_RAD) for other in yielded):
                     continue
                 stand = self._checked(base, near[index])
                 if stand is not None:
@@ -228,7 +227,3 @@ def _moved(shoulder: Array, base: Base) -> Array:
     turn = np.array([[math.cos(yaw), -math.sin(yaw), 0.0], [math.sin(yaw), math.cos(yaw), 0.0], [0.0, 0.0, 1.0]])
     position = turn @ shoulder[:3] + (x, y, 0.0)
     return np.concatenate((position, (turn @ shoulder[3:].reshape(3, 3)).reshape(9)))
-
-
-def _alike(one: Base, other: Base) -> bool:
-    return math.hypot(one[0] - other[0], one[1] - other[1]) < APART_M and abs(wrapped(one[2] - other[2])) < APART_RAD

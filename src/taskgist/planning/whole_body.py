@@ -27,7 +27,7 @@ from taskgist.common.compiled import compiled
 from taskgist.perspective.constraints import part_of
 from taskgist.perspective.effort import Blocking
 from taskgist.world.bodies.agent import Agent, subtree
-from taskgist.world.geometry.distances import RADIUS, ball_gap_m, boxes_gap_m
+from taskgist.world.geometry.distances import may_be_near
 from taskgist.world.geometry.transforms import Pose, matrix_from_wxyz, wxyz_from_matrix
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
@@ -199,15 +199,7 @@ def near_of(table: Array, pairs: Indices, limit_m: float) -> Indices:
     found, count = np.empty_like(pairs), 0
     for row in range(len(pairs)):
         i, j = pairs[row]
-        x, y, z = table[i, 0] - table[j, 0], table[i, 1] - table[j, 1], table[i, 2] - table[j, 2]
-        reach = max(table[i, RADIUS] + table[j, RADIUS] + limit_m, 0.0)
-        if x * x + y * y + z * z > reach * reach:
-            continue
-        if ball_gap_m(table, i, table[i, RADIUS], table, j) >= limit_m:
-            continue
-        if ball_gap_m(table, j, table[j, RADIUS], table, i) >= limit_m:
-            continue
-        if boxes_gap_m(table, i, table, j, limit_m) < limit_m:
+        if may_be_near(table, i, table, j, limit_m):
             found[count] = pairs[row]
             count += 1
     return found[:count]

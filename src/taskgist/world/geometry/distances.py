@@ -154,24 +154,30 @@ PARALLEL = 1e-4
 def next_near(first: Array, second: Array, limit_m: float, start: int) -> int:
     """The first pair, from a number on, whose gap may be below a limit; −1 if there is none.
 
-    Neither their balls nor their boxes keep its shapes apart. Pairs count along ``second`` first.
+    Pairs count along ``second`` first.
     """
     count = max(len(second), 1)
     begin = start % count
     for i in range(start // count, len(first)):
         for j in range(begin, len(second)):
-            x, y, z = first[i, 0] - second[j, 0], first[i, 1] - second[j, 1], first[i, 2] - second[j, 2]
-            reach = max(first[i, RADIUS] + second[j, RADIUS] + limit_m, 0.0)
-            if x * x + y * y + z * z > reach * reach:
-                continue
-            if ball_gap_m(first, i, first[i, RADIUS], second, j) >= limit_m:
-                continue
-            if ball_gap_m(second, j, second[j, RADIUS], first, i) >= limit_m:
-                continue
-            if boxes_gap_m(first, i, second, j, limit_m) < limit_m:
+            if may_be_near(first, i, second, j, limit_m):
                 return i * count + j
         begin = 0
     return -1
+
+
+@compiled_part
+def may_be_near(first: Array, i: int, second: Array, j: int, limit_m: float) -> bool:
+    """Whether the gap of two shapes may be below a limit: neither their balls nor their boxes keep them apart."""
+    x, y, z = first[i, 0] - second[j, 0], first[i, 1] - second[j, 1], first[i, 2] - second[j, 2]
+    reach = max(first[i, RADIUS] + second[j, RADIUS] + limit_m, 0.0)
+    if x * x + y * y + z * z > reach * reach:
+        return False
+    if ball_gap_m(first, i, first[i, RADIUS], second, j) >= limit_m:
+        return False
+    if ball_gap_m(second, j, second[j, RADIUS], first, i) >= limit_m:
+        return False
+    return bool(boxes_gap_m(first, i, second, j, limit_m) < limit_m)
 
 
 @compiled

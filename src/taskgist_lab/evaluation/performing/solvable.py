@@ -32,7 +32,7 @@ from taskgist.observe.attributes import resting_snapshot
 from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.goal import Goal
-from taskgist.planning.handing import taken
+from taskgist.planning.handing import Taker
 from taskgist.planning.judging import Attention, Judge
 from taskgist.settings import DEFAULT
 from taskgist.world.scene import Scene
@@ -257,7 +257,7 @@ class _Sampler:
             place = eye.position + far * _direction(ahead + math.radians(aside), math.radians(below))
             for state in self._held(place):
                 yield "held up", state.with_holding([Hold(self._performer, performer_side, self._thing)])
-        efforts = SceneEfforts(Stage(scene))
+        efforts, taker = SceneEfforts(Stage(scene)), Taker(scene, self._target, scene.initial)
         for arm in agent.arms:
             shoulder = stage.shoulder(arm)
             ahead = math.atan2(shoulder.matrix[1, 0], shoulder.matrix[0, 0])
@@ -269,7 +269,7 @@ class _Sampler:
                     level = efforts.level(self._target, self._thing, "reach", up_to=TORSO_LEVEL)
                     if level is None or level > TORSO_LEVEL:
                         continue
-                    there = taken(scene, state, self._thing, self._target)
+                    there = taker.holding(state, self._thing)
                     if there is not None:
                         yield "handed over", there
 

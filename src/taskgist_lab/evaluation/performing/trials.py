@@ -39,6 +39,7 @@ from taskgist_lab.evaluation.performing.second_audit import second_audit
 from taskgist_lab.evaluation.performing.solvable import Solvable, goal_of, solvable
 from taskgist_lab.evaluation.sheets import NONE, Sheet
 from taskgist_lab.evaluation.values import Result, rounded
+from taskgist_lab.paper.displacements import wilson
 
 ROBOTS = ("pr2", "jido")
 """Profiles of the robots that perform."""
@@ -46,8 +47,6 @@ TAKE_AWAY = frozenset({"hide", "put away", "hide away"})
 """Tasks that begin with the thing before the target agent."""
 ARRANGEMENTS = 10
 """How often things are arranged anew where the task cannot be from the start."""
-Z95 = 1.959964
-"""Two-sided 95 % quantile of the normal distribution, for intervals of shares [Wilson 1927]."""
 
 # --- What came of a trial.
 
@@ -242,12 +241,7 @@ class Share:
     @property
     def interval(self) -> tuple[float, float]:
         """Both ends of the interval; from 0 to 1 if there are none."""
-        if not self.of:
-            return 0.0, 1.0
-        share, spread = self.count / self.of, Z95**2 / self.of
-        middle = (share + spread / 2) / (1 + spread)
-        half = Z95 / (1 + spread) * math.sqrt(share * (1 - share) / self.of + spread / (4 * self.of))
-        return max(0.0, middle - half), min(1.0, middle + half)
+        return wilson(self.count, self.of) if self.of else (0.0, 1.0)
 
     @property
     def text(self) -> str:
