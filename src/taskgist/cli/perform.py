@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,7 +14,6 @@ from taskgist.cli.common import (
     FAILED,
     KNOWLEDGE,
     OK,
-    AtOption,
     JsonOption,
     KnowledgeOption,
     ReplaceOption,
@@ -37,6 +37,7 @@ from taskgist.settings import DEFAULT
 if TYPE_CHECKING:  # with MuJoCo, which a wrong name should not wait for
     from taskgist.pipeline.performing import Outcome, Performance
     from taskgist.planning.judging import Attention
+    from taskgist.world.stage import Stage
 
 MOST_WAYS = 12
 
@@ -46,7 +47,9 @@ def perform(
     task: Annotated[str, typer.Argument(help="The task, as it was learned.")],
     where: WhereArgument,
     knowledge: KnowledgeOption = KNOWLEDGE,
-    robot: Annotated[str, typer.Option(help="Who performs it: an agent of the room.")] = "",
+    robot: Annotated[
+        str, typer.Option(help="Who performs it: an agent of the room; or a profile, which --at places there.")
+    ] = "",
     target: Annotated[str, typer.Option("--for", help="For whom: another agent of the room.")] = "",
     thing: Annotated[str, typer.Option("--object", help="With what: an object of the room.")] = "",
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Write the performance here (.mcap).")] = None,
@@ -70,7 +73,13 @@ def perform(
     allow: Annotated[list[str] | None, typer.Option(help="Only on, or in, this; may be given again.")] = None,
     prefer: Annotated[list[str] | None, typer.Option(help="First on, or in, this; may be given again.")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of all searches; the same seed gives the same plan.")] = 0,
-    at: AtOption = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Seconds into a recording (default: its start); or X,Y,YAW in metres and degrees, where a --robot "
+            "that is not in the room is placed.",
+        ),
+    ] = None,
     replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> int:
@@ -82,9 +91,11 @@ def perform(
 
     Example: taskgist perform hide room.toml --robot PR2 --for P2 --object cup
 
-    Example: taskgist perform show room.toml --robot J --for P2 --object cup
-
     Example: taskgist perform give room.toml --robot J --for P2 --object cup
+
+    Example: taskgist perform show day.mcap --at 3.5 --robot J --for P2 --object cup
+
+    Example: taskgist perform hide room.toml --robot pr2 --at 1,0.5,90 --for P2 --object cup
     """
     assumed = _attention(attention)
     files = {
@@ -98,11 +109,14 @@ def perform(
     asked = {option: path for option, path in files.items() if path is not None}
     check_files(asked, ways, replace=replace, inputs=[where, Path(knowledge)])
     clause = _clause(knowledge, task)
-    stage = open_stage(where, at)
+    time_s, place = _when_and_where(at or [])
+    stage = open_stage(where, time_s)
     from taskgist.pipeline.performing import perform as performed
     from taskgist.planning.planner import Request
 
     with about(where):
+        if place is not None:
+            stage, robot = _joined(stage, robot, place)
         for option, given, known in (
             ("--robot", robot, stage.scene.agents),
             ("--for", target, stage.scene.agents),
@@ -136,6 +150,36 @@ def perform(
 
 def _names(given: list[str] | None) -> tuple[str, ...] | None:
     return tuple(given) if given else None
+
+
+def _when_and_where(given: Sequence[str]) -> tuple[float | None, tuple[float, float, float] | None]:
+    """The time in a recording, and where a robot is placed: metres, metres, degrees."""
+    times, places = [text for text in given if "," not in text], [text for text in given if "," in text]
+    hint = "one time in seconds, such as 2.5, or one place as X,Y,YAW in metres and degrees, such as 1,0.5,90"
+    found = []
+    for texts, count in ((times, 1), (places, 3)):
+        try:
+            found.append([float(number) for text in texts for number in text.split(",")])
+        except ValueError:
+            raise InputError("no number", field="--at", value=" ".join(texts), hint=hint) from None
+        if len(texts) > 1 or len(found[-1]) not in (0, count) or not all(map(math.isfinite, found[-1])):
+            raise InputError("neither a time nor a place", field="--at", value=" ".join(texts), hint=hint)
+    (time_s, place) = found
+    return (time_s[0] if time_s else None), ((place[0], place[1], place[2]) if place else None)
+
+
+def _joined(stage: Stage, robot: str, place: tuple[float, float, float]) -> tuple[Stage, str]:
+    """The room with a robot in it that is placed there, and its name."""
+    from taskgist.world.scene_file import AgentEntry
+    from taskgist.world.stage import Stage
+
+    if robot in stage.scene.agents:
+        raise InputError("is in the room already, where it stays", field="--robot", value=robot, hint="leave --at out")
+    name = Path(robot).stem
+    x, y, yaw_deg = place
+    entry = AgentEntry(name, robot, (x, y), math.radians(yaw_deg))
+    scene, state = stage.scene.joined_by(entry, stage.state)
+    return Stage(scene, state), name
 
 
 def _attention(text: str) -> Attention:

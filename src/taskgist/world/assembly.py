@@ -6,7 +6,7 @@ import logging
 import math
 import re
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import mujoco
@@ -103,6 +103,29 @@ def bundle_from_spec(
         elif agent.model_key not in bundle:
             _add_packaged(agent, bundle, file.where, limits)
     return bundle
+
+
+def bundle_with_agent(
+    bundle: Mapping[str, bytes], agent: AgentEntry, *, where: str, limits: Limits = DEFAULT.limits
+) -> dict[str, bytes]:
+    """The files of a scene with one more agent in it.
+
+    Args:
+        bundle: The scene's files.
+        agent: Who comes in, the last of all; a profile of its own is looked for from the working folder.
+        where: What the scene comes from, for messages.
+        limits: Bounds of what it may hold.
+
+    Raises:
+        SceneError: Somebody of that name is there, or its profile or model cannot be used.
+    """
+    file = parse_scene_file(bundle[SCENE_FILE], where=where, limits=limits)
+    if agent.name in {each.name for each in file.agents}:
+        raise SceneError("is in the room already", where=where, field="agents", value=agent.name, hint="another name")
+    found = dict(bundle)
+    _add_agent(agent, found, Path(), where, limits)
+    found[SCENE_FILE] = write_scene_file(replace(file, agents=(*file.agents, agent)))
+    return found
 
 
 def _add_packaged(agent: AgentEntry, bundle: dict[str, bytes], where: str, limits: Limits) -> None:

@@ -41,6 +41,7 @@ from taskgist.world.assembly import (
     assemble,
     bundle_from_path,
     bundle_from_spec,
+    bundle_with_agent,
     free_bodies,
 )
 from taskgist.world.bodies.agent import SEEN_GROUPS, Agent, subtree
@@ -162,6 +163,35 @@ class Scene:
         file = SceneFile(name, ROOM_FILE, chosen, tuple(estimated), tuple(agents), where, groups)
         bundle = bundle_from_spec(room, file, files or {}, limits=limits)
         return cls.from_bundle(bundle, where=where, limits=limits)
+
+    def joined_by(
+        self, agent: AgentEntry, state: State | None = None, *, where: str | None = None
+    ) -> tuple[Scene, State]:
+        """This scene with one more agent in it, and a state of it.
+
+        Example: a PR2 comes into a room whose recording knows none::
+
+            scene, state = recording.scene.joined_by(AgentEntry("PR2", "pr2", (1.0, 0.5)), recording.at(3.0))
+
+        Args:
+            agent: Who comes in, and where it stands; a profile of its own is looked for from the working folder.
+            state: Where everything else is; None: as this scene has it.
+            where: What the scene comes from, for messages; default: its name.
+
+        Returns:
+            The scene, and the state in which all others are where they were.
+
+        Raises:
+            SceneError: Somebody or something of that name is there, or the profile or its model cannot be used.
+        """
+        where = self.name if where is None else where
+        bundle = bundle_with_agent(self.bundle, agent, where=where, limits=self._limits)
+        scene = Scene.from_bundle(bundle, where=where, limits=self._limits)
+        before = self.initial if state is None else state
+        at = {column: index for index, column in enumerate(scene.columns)}
+        values = {at[column]: float(value) for column, value in zip(self.columns, before.qpos, strict=True)}
+        qpos = scene.initial.replace(values).qpos
+        return scene, State(qpos, before.time_s, before.untracked, before.holding)
 
     def __reduce__(self) -> tuple[object, ...]:
         return partial(Scene.from_bundle, limits=self._limits), (dict(self.bundle),)
