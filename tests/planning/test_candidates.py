@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.perspective.search import least_effort
+from taskgist.pipeline import shipped_room
 from taskgist.planning.candidates import NEAR_M, Candidate, Means, candidates
 from taskgist.planning.resting import TIP_RAD, level_faces, sides_of
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, container_of, holding_of, support_of
 from taskgist.world.dynamics import free_motion
+from taskgist.world.scene_file import AgentEntry
 from taskgist.world.state import Hold, State
 from taskgist_lab.ordinary.furnishing import furnished
 from taskgist_lab.ordinary.furniture import chair, drawer, table
@@ -150,14 +152,22 @@ def plain() -> Scene:
     return scene_of("plain", pieces, things, (stands(), replace(stands(1.8, 0.0, 180.0), name="Q")))
 
 
-def test_floors_and_seats_come_last(plain: Scene) -> None:
+def test_floors_seats_and_ledges_come_last(plain: Scene) -> None:
+    """A chair's back and a drawer's rim carry a cup as well, but nobody would put it there."""
     found = first(plain, "cup", 1500)
     carriers = [each.carrier for each in found]
-    assert set(carriers[:1000]) - {"chair"} == {"table", "book", "tin", "drawer"}
-    assert all(each.pose[2] > 0.7 for each in found[:1000] if each.carrier == "chair"), "on its back, not on its seat"
-    assert set(carriers[1000:1200]) == {"chair"}
+    assert set(carriers[:1000]) == {"table", "book", "tin", "drawer"}
+    assert set(carriers[1000:1200]) == {"chair", "drawer"}
     assert set(carriers[1200:1400]) == {"floor"}
-    assert set(carriers[1400:]) - {"chair"} <= {"table", "book", "tin", "drawer"}, "and then the others again"
+    assert set(carriers[1400:]) <= {"table", "book", "tin", "drawer"}, "and then the others again"
+
+
+def test_what_is_low_around_a_robots_wheels_is_floor_and_the_bottom_of_a_bin_is_not() -> None:
+    room = Scene.load(shipped_room())
+    for turned_rad in (0.0, -math.pi / 2):
+        scene, state = room.joined_by(AgentEntry("PR2", "pr2", (-0.9, 0.9), turned_rad))
+        found = candidates(Stage(scene, state), "cup", "PR2", "P2")
+        assert {each.carrier for each in islice(found, 200)} == {"table", "sideboard", "bin", "box", "book", "bottle"}
 
 
 def test_only_what_is_allowed_and_first_what_is_preferred(plain: Scene) -> None:

@@ -113,6 +113,7 @@ def perform(
     stage = open_stage(where, time_s)
     from taskgist.pipeline.performing import perform as performed
     from taskgist.planning.planner import Request
+    from taskgist.world.bodies.profile import builtin_profiles
 
     with about(where):
         if place is not None:
@@ -124,6 +125,9 @@ def perform(
         ):
             if not given:
                 raise InputError("not given", field=option, hint=f"one of {', '.join(known)}")
+            if option == "--robot" and given in builtin_profiles() and given not in known:
+                hint = "it is placed there by --at X,Y,YAW"
+                raise InputError("is not in the room", field=option, value=given, hint=hint)
             if given not in known:
                 raise UnknownNameError("object" if option == "--object" else "agent", given, known, where=option)
         if robot == target:

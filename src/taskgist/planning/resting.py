@@ -22,7 +22,7 @@ from scipy.spatial import ConvexHull
 
 from taskgist.common.arrays import Array, Mask
 from taskgist.settings import Contact, Settings
-from taskgist.world.bodies.agent import subtree
+from taskgist.world.bodies.agent import standing_height_m, subtree
 from taskgist.world.contacts import support_of
 from taskgist.world.geometry.shapes import hull_triangles, surface_points
 from taskgist.world.geometry.transforms import conjugate, matrix_from_wxyz, multiply, rotate
@@ -373,8 +373,10 @@ LOW_M = 0.05
 """What is no higher above where the performer stands is the floor: carpets, thresholds."""
 SEAT_HEIGHT_M, SEAT_M, UNDER_HEAD_M = (0.3, 0.55), 0.25, 0.8
 """Seats are so high and so wide, with nothing of their own that far above (ours: people sit on low tables, too)."""
-WALLS, UNDER_WALLS_M = 36, 0.03
-"""In how many directions, and how far above it, a seat's own walls are looked for: all round, it is a container."""
+LEDGE_M = 0.06
+"""What is narrower is a ledge (ours): tops of doors, of chairs' backs, of bins' walls; narrow shelves are wider."""
+WALLS, ABOVE_M = 36, 0.03
+"""In how many directions, and how far above a face, its owner's walls are looked for: all round, it is a container."""
 
 
 def tiers(
@@ -386,12 +388,12 @@ def tiers(
     allow: Collection[str] | None,
     prefer: Collection[str],
 ) -> list[list[Face]]:
-    """Faces in the order in which they are tried: preferred ones, others, seats, floors.
+    """Faces in the order in which they are tried: preferred ones, others, seats and ledges, floors.
 
     Args:
         stage: The scene in a state.
         faces: All level faces.
-        performer: Who stands on the floor.
+        performer: Who stands on the floor, with its feet, or its wheels.
         settings: For what a container is, which is no seat.
         allow: Whose faces are tried at all, seats and floors as others are; None: everybody's.
         prefer: Whose faces come first.
@@ -399,29 +401,46 @@ def tiers(
     Returns:
         Four lists.
     """
-    floor_m = float(stage.bounds(stage.scene.agent(performer).geoms)[0, 2])
+    agent = stage.scene.agent(performer)
+    qpos = stage.state.qpos
+    floor_m = float(qpos[agent.base][2]) - standing_height_m(stage.scene.model, agent, qpos)
     found: list[list[Face]] = [[], [], [], []]
     for face in faces:
         if face.owner in prefer:
             found[0].append(face)
         elif allow is not None:
             found[1] += [face] if face.owner in allow else []
-        elif face.height_m <= floor_m + LOW_M:
+        elif face.height_m <= floor_m + LOW_M and not _walled(stage, face, settings.contact):
             found[3].append(face)
         else:
-            found[2 if _is_seat(stage, face, face.height_m - floor_m, settings.contact) else 1].append(face)
+            last = _is_ledge(face) or _is_seat(stage, face, face.height_m - floor_m, settings.contact)
+            found[2 if last else 1].append(face)
     return found
+
+
+def _is_ledge(face: Face) -> bool:
+    """Whether it is so narrow that people put things there only for want of better: backs of chairs, rims of bins."""
+    return bool(face.sides_m.min() < LEDGE_M)
 
 
 def _is_seat(stage: Stage, face: Face, height_m: float, settings: Contact) -> bool:
     """Whether somebody could sit there: a seat's height and size, nothing of its own above, nor all round."""
     if not SEAT_HEIGHT_M[0] <= height_m <= SEAT_HEIGHT_M[1] or face.sides_m.min() < SEAT_M:
         return False
-    own = np.setdiff1d(stage.scene.geoms_of(face.owner), [face.geom])
+    above_m = _own_away_m(stage, face, np.array([(0.0, 0.0, 1.0)]))[0]
+    return bool(above_m > UNDER_HEAD_M) and not _walled(stage, face, settings)
+
+
+def _walled(stage: Stage, face: Face, settings: Contact) -> bool:
+    """Whether its owner's walls are all round it, as around the bottom of a bin."""
     angles = 2 * math.pi * np.arange(WALLS) / WALLS
-    ways = np.stack((np.cos(angles), np.sin(angles), np.zeros(WALLS)), axis=1)
-    ways = np.concatenate(([(0.0, 0.0, 1.0)], ways))
-    middle = face.points(np.full((1, 2), 0.5)) + (0.0, 0.0, UNDER_WALLS_M)
+    away_m = _own_away_m(stage, face, np.stack((np.cos(angles), np.sin(angles), np.zeros(WALLS)), axis=1))
+    return bool((away_m <= settings.container_m).mean() >= settings.container_walls)
+
+
+def _own_away_m(stage: Stage, face: Face, ways: Array) -> Array:
+    """How far its owner's other shapes are from a face's middle, along some directions (n, 3): metres, (n,)."""
+    own = np.setdiff1d(stage.scene.geoms_of(face.owner), [face.geom])
+    middle = face.points(np.full((1, 2), 0.5)) + (0.0, 0.0, ABOVE_M)
     _, away_m, _ = stage.cast_each(own, np.tile(middle, (len(ways), 1)), ways)
-    walls = float((away_m[1:] <= settings.container_m).mean())
-    return bool(away_m[0] > UNDER_HEAD_M) and walls < settings.container_walls
+    return np.asarray(away_m)
