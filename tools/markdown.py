@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING
 
-from taskgist_lab.evaluation.sheets import Sheet
+if TYPE_CHECKING:  # tools that measure what a command loads load nothing themselves
+    from taskgist_lab.evaluation.sheets import Sheet
 
 
 def header(*titles: str) -> Iterator[str]:

@@ -144,6 +144,16 @@ def test_what_is_performed_ends_at_rest(node: Node, before: str) -> None:
             assert "ends at rest" in goal.impossible[0].why
 
 
+def test_whether_the_thing_moves_in_anothers_hand_is_up_to_that_one() -> None:
+    """Handovers of people end in motion, and a robot that hands something over does all that it can."""
+    moving, given = ("motion.status.2", v.MOVING), ("hands.class", v.MANIP_GAINED)
+    assert kinds(goal_of(moving)) == (0, 0, 1, 0)
+    goal = goal_of(moving, given)
+    assert kinds(goal) == (1, 1, 0, 0)
+    assert (goal.given[0].holds, goal.given[0].found) == (False, v.STATIC)
+    assert kinds(goal_of(moving, ("hands.class", v.MANIP_AVOIDED))) == (0, 1, 1, 0)
+
+
 @pytest.mark.parametrize("node", [node for node in STANDARD_TREE.nodes if node.name.startswith("posture")])
 @pytest.mark.parametrize("before", v.POSTURES)
 def test_postures_are_given(node: Node, before: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.text import Text
@@ -19,9 +19,11 @@ from taskgist.facts.tree import HypothesisTree, Node
 from taskgist.language.sentences import asked, indifference, meaning, why
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Context
-from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.understanding import Judgement, Understanding, clause_of, questions_of
 from taskgist.settings import BANDS, DEFAULT, Learning
+
+if TYPE_CHECKING:  # with MuJoCo
+    from taskgist.learning.knowledge import Knowledge
 
 STYLES = {
     Verdict.RELEVANT: "green",

@@ -304,6 +304,8 @@ class Goal:
             subtrees = tuple(subtree for subtree in tree.subtrees if subtree.attribute.name == name)
             aspect = Aspect(tree.attributes[name], subtrees, tuple(by_attribute[name]), FrozenMap(known), settings)
             found += _inverted(aspect, at_rest)
+        if _is_taken(found):
+            found = [given for each in found for given in _left_to_the_taker(each, at_rest)]
         return cls(
             clause,
             given=tuple(each for each in found if isinstance(each, Given)),
@@ -342,6 +344,22 @@ def _attribute_of(subtree: Subtree, node: str) -> str:
             return leaf.attribute.name
         leaves.extend(leaf.children)
     return subtree.attribute.name
+
+
+def _is_taken(found: Iterable[Given | Wanted | Impossible | Unjudged]) -> bool:
+    """Whether the target agent is to hold the thing in the end, whatever final value of its hands is chosen."""
+    hands = next((each for each in found if isinstance(each, Wanted) and each.attribute == HANDS), None)
+    values = () if hands is None else hands.values or ()
+    return bool(values) and all(isinstance(each, Mapping) and v.HOLDING_OBJECT in each.values() for each in values)
+
+
+def _left_to_the_taker(
+    found: Given | Wanted | Impossible | Unjudged, at_rest: Nodes
+) -> Iterable[Given | Wanted | Impossible | Unjudged]:
+    """What was found; but that the thing moves in the other's hand is up to that one, and not impossible."""
+    if isinstance(found, Impossible) and found.attribute == MOTION:
+        return [_given(literal, at_rest) for literal in found.literals]
+    return [found]
 
 
 def _given(literal: Literal, at_rest: Nodes) -> Given:
