@@ -1,9 +1,9 @@
-"""One meaning, three bodies: *hide*, learned from people, done by two robots and a person in a room that none showed."""
+"""One meaning, three bodies: *hide*, learned from people, done by two robots and a person in another room."""
 
 from math import radians
 
 from taskgist import Knowledge, Scene, read_recording
-from taskgist.language.performing import chosen
+from taskgist.language import chosen
 from taskgist.learning import clause_of
 from taskgist.pipeline import explain_all, perform, shipped_room, shipped_study
 from taskgist.planning import Request

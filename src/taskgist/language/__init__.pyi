@@ -1,3 +1,5 @@
+from .performing import chosen as chosen
+from .performing import refused as refused
 from .phrases import listed as listed
 from .phrases import phrase as phrase
 from .phrases import topic as topic
