@@ -36,7 +36,7 @@ MEANS = {
     "put_in": "puts the {thing} into the {carrier}",
     "hold_up": "holds the {thing} up for {target}",
     "hand_over": "hands the {thing} over to {carrier}",
-    "put_over": "puts the {thing} over what lies on the {carrier}",
+    "put_over": "puts the {thing} over the {covered}",
 }
 ATTENTION = {
     "stays": "{target} is assumed to keep its head as it is",
@@ -53,16 +53,12 @@ def chosen(plan: Plan) -> str:
 def acted(plan: Plan, action: Action) -> str:
     """One action of a plan, and what it is for where that is not plain."""
     candidate = action.candidate
-    words = {"thing": action.thing, "carrier": candidate.carrier, "target": plan.target}
+    words = {"thing": action.thing, "carrier": candidate.carrier, "target": plan.target, "covered": plan.thing}
     x, y, z = candidate.pose[:3]
     how = f"{action.performer} {MEANS[candidate.means].format(**words)}, its middle at ({x:.2f}, {y:.2f}, {z:.2f}) m"
-    why = {
-        "move": "",
-        "cover": f", which covers the {plan.thing}",
-        "clear": ", out of the way",
-        "relay": f", where {plan.actions[-1].performer} takes it",
-    }
-    return how + why[action.purpose]
+    then = plan.actions[(plan.actions.index(action) + 1) % len(plan.actions)]
+    why = {"clear": ", out of the way", "relay": f", where {then.performer} takes it"}
+    return how + why.get(action.purpose, "")
 
 
 def steps(plan: Plan) -> tuple[str, ...]:
@@ -112,10 +108,11 @@ def refused(
     if goal.impossible:
         return tuple(each.why for each in goal.impossible)
     told = []
-    if not search.places:
+    if not search.places and "move" in request.means:
         where = listed(request.allow or ()) or "this room"
-        return (f"there is no place for the {request.thing} in {where}",)
-    told.append(f"{search.wanted} of {search.places} places would do")
+        told.append(f"there is no place for the {request.thing} in {where}")
+    elif "move" in request.means:
+        told.append(f"{search.wanted} of {search.places} places would do")
     for literal, count in search.missed.most_common():
         nearest = search.nearest.get(literal)
         miss = f", the nearest with {_found(nearest.found)}" if nearest is not None else ""
@@ -124,6 +121,7 @@ def refused(
         told.append(f"at {search.out_of_hand} of them {request.target} could not take it")
     for reason, count in search.refusals.most_common():
         told.append(f"{count} of those {search.wanted} {request.performer} does not bring about: {reason}")
+    told += [f"{each.what}: {each.why}" for each in search.others]
     told += [f"1 plan was thrown away: {reason}" for reason in spoiled]
     return tuple(told)
 

@@ -14,13 +14,13 @@ from itertools import islice, pairwise
 
 from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.perspective.scene_efforts import SceneEfforts
-from taskgist.planning.candidates import Candidate
 from taskgist.planning.grasping import Grasping
 from taskgist.planning.hand_ways import Gate
 from taskgist.planning.handing import Taker, sides_by_distance
 from taskgist.planning.motions import Motions, NoMotionError
 from taskgist.planning.performer import Performer
-from taskgist.planning.persons import moves_itself, phases_of, why_out_of_reach
+from taskgist.planning.persons import moves_itself, phases_of, usable, why_out_of_reach
+from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Phase, Purpose
 from taskgist.planning.settling import settled
 from taskgist.planning.transfer import Transfers
@@ -50,6 +50,7 @@ class Actions:
     def __init__(self, scene: Scene, settings: Settings, *, target: str, seed: int = 0) -> None:
         self._scene, self._settings, self._target, self._seed = scene, settings, target, seed
         self._robots: dict[tuple[str, bytes], Performer] = {}
+        self._levels: dict[tuple[bytes, str, str], int] = {}
 
     def robot(self, name: str, state: State) -> Performer | None:
         """A robot that starts from a state; None for a person.
@@ -119,16 +120,28 @@ class Actions:
         after = efforts.effort(name, candidate.thing, "reach").level
         return None if before is None or after is None else max(before, after)
 
+    def level(self, state: State, name: str, thing: str) -> int:
+        """The least effort level with which an agent grasps a thing where it is; what is unknown counts as none known.
+
+        Only virtual actions count that it carries out here: people stay where they are.
+        """
+        key = (state.qpos.tobytes(), name, thing)
+        if key not in self._levels:
+            efforts = SceneEfforts(Stage(self._scene, state.with_holding(None)), self._settings)
+            agent = self._scene.agent(name)
+            actions = usable(agent) if moves_itself(agent) else self._start(name).actions
+            level = efforts.effort(name, thing, "grasp", actions).level
+            self._levels[key] = NO_KNOWN_LEVEL if level is None else level
+        return self._levels[key]
+
     def grasps(self, state: State, name: str, thing: str) -> bool:
         """Whether an agent can grasp a thing where it is, by its own effort."""
-        efforts = SceneEfforts(Stage(self._scene, state.with_holding(None)), self._settings)
-        level = efforts.effort(name, thing, "grasp", self._usable(name, state)).level
-        return level is not None and level < NO_KNOWN_LEVEL
+        return self.level(state, name, thing) < NO_KNOWN_LEVEL
 
-    def _usable(self, name: str, state: State) -> tuple[str, ...] | None:
-        """Virtual actions that an agent carries out here."""
-        robot = self.robot(name, state)
-        return None if robot is None else robot.actions
+    def _start(self, name: str) -> Performer:
+        """A robot wherever it stands: what it can do is the same everywhere."""
+        known = next((robot for (who, _), robot in self._robots.items() if who == name), None)
+        return known or Performer(self._scene, name, self._settings)
 
     def _blockers(self, grasping: Grasping) -> list[str]:
         """Things that are in the way of a hand that would pick a thing up, those that block most first."""

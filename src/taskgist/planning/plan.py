@@ -12,7 +12,7 @@ from taskgist.common.arrays import Array
 from taskgist.common.frozen import FrozenMap
 from taskgist.moving.acting import RATE_HZ
 from taskgist.perspective.effort import NO_KNOWN_LEVEL
-from taskgist.planning.candidates import Candidate
+from taskgist.planning.placing import Candidate
 from taskgist.world.state import Hold
 
 __all__ = ["RATE_HZ", "Action", "Cost", "Phase", "PhaseName", "Plan", "Purpose"]

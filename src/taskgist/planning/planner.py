@@ -12,7 +12,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 
 from taskgist.common.workers import Progress, silent
-from taskgist.facts import vocabulary as v
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
@@ -20,13 +19,13 @@ from taskgist.facts.values import Raw
 from taskgist.learning.understanding import Literal
 from taskgist.observe.attributes import resting_snapshot
 from taskgist.planning.actions import Actions
-from taskgist.planning.candidates import Candidate, Means, candidates
+from taskgist.planning.endings import Endings
 from taskgist.planning.goal import Goal
-from taskgist.planning.handing import Taker
-from taskgist.planning.judging import Judge
 from taskgist.planning.performer import Performer
+from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Cost, Plan
 from taskgist.planning.requests import Missed, Request, Search
+from taskgist.planning.sequences import Sequences
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
@@ -34,13 +33,6 @@ from taskgist.world.state import State
 
 __all__ = ["Planner"]
 
-ENDS: Mapping[Means, str] = {
-    "put_on": v.ON_SUPPORT,
-    "put_in": v.INSIDE_CONTAINER,
-    "hold_up": v.IN_HAND,
-    "hand_over": v.IN_HAND,
-}
-"""Where a thing is in the end, by how it gets there."""
 MOST_PLACES = 1000
 """Candidates that are judged at most."""
 MOST_TRIED = 12
@@ -87,18 +79,7 @@ class Planner:
             Stage(scene, state), agent=request.target, name=request.thing, settings=settings, predicates=predicates
         )
         self.goal = Goal.of(request.clause, start, tree, settings)
-        self._judge = Judge(
-            scene,
-            state,
-            request.target,
-            request.thing,
-            self.goal,
-            settings,
-            predicates,
-            attention=request.attention,
-            performer=request.performer,
-        )
-        self._taker = Taker(scene, request.target, state)
+        self._endings = Endings(scene, state, request, self.goal, settings, predicates)
         self.search = Search()
 
     def robot(self, name: str) -> Performer | None:
@@ -106,54 +87,50 @@ class Planner:
         return self._actions.robot(name, self._state)
 
     def plans(self, progress: Progress = silent) -> Iterator[Plan]:
-        """Plans, the nearest to the candidates' order first, each for another place.
+        """Plans, the nearest to the candidates' order first, each for another place; then those by other means.
 
         Args:
             progress: Told how far it is.
         """
         if self.goal.impossible:
             return
+        blocked = dict[str, None]()
+        if "move" in self.request.means:
+            for action in self._moves(progress, blocked):
+                yield self._plan((action,))
+        sequences = Sequences(self.scene, self._state, self.request, self._endings, self._actions, self.search)
+        for actions in sequences.found(progress, tuple(blocked)):
+            yield self._plan(actions)
+
+    def _moves(self, progress: Progress, blocked: dict[str, None]) -> Iterator[Action]:
+        """The thing moved by the performer alone; what is in the way of its hand is noted."""
+        who, why_not = self.request.performer, self._endings.why_not(self._state, self.request.performer)
         for candidate in self._wanted(progress):
             if self.search.tried == MOST_TRIED:
                 return
-            out = self._actions.out_of_reach(self.request.performer, candidate)
+            out = self._actions.out_of_reach(who, candidate)
             if out is not None:
                 self.search.refusals[out] += 1
                 continue
             self.search.tried += 1
-            progress(f"how {self.request.performer} gets the {self.request.thing} there", self._share())
-            action = self._actions.plan(self._state, self.request.performer, "move", candidate, self._why_not)
+            progress(f"how {who} gets the {self.request.thing} there", self._share())
+            action = self._actions.plan(self._state, who, "move", candidate, why_not, blockers=blocked)
             if isinstance(action, str):
                 self.search.refusals[action] += 1
             else:
-                yield self._plan((action,))
+                yield action
 
     def _share(self) -> float:
         return min(1.0, max(self.search.places / MOST_PLACES, self.search.tried / MOST_TRIED))
 
     def _wanted(self, progress: Progress) -> Iterator[Candidate]:
         """Candidates that satisfy the goal."""
-        request, search = self.request, self.search
-        all_of_them = candidates(
-            Stage(self.scene, self._state),
-            request.thing,
-            request.performer,
-            request.target,
-            self._settings,
-            allow=request.allow,
-            prefer=request.prefer,
-            means=self._means(),
-            seed=request.seed,
-        )
-        for candidate in islice(all_of_them, MOST_PLACES):
+        search = self.search
+        for candidate, verdict in islice(self._endings.moved(self._state, self.request.performer), MOST_PLACES):
             search.places += 1
-            state: State | None = candidate.state
-            if candidate.means == "hand_over":
-                state = self._taker.holding(candidate.state, request.thing)
-            if state is None:
+            if verdict is None:
                 search.out_of_hand += 1
                 continue
-            verdict = self._judge.verdict(state)
             if verdict.failed is not None:
                 search.missed[verdict.failed] += 1
                 self._note(verdict.failed, verdict.values)
@@ -163,15 +140,6 @@ class Planner:
             if search.places % 20 == 0:
                 progress(f"{search.places} places judged", self._share())
 
-    def _means(self) -> tuple[Means, ...]:
-        """Means that may bring about the placement, and the target's hands, that are wanted."""
-        placement, hands = self.goal.wants("placement"), self.goal.wants("hands")
-        found = [means for means, end in ENDS.items() if placement is None or end in (placement.values or ())]
-        if hands is not None and hands.values is not None:
-            taken = [v.HOLDING_OBJECT in final.values() for final in hands.values if isinstance(final, Mapping)]
-            found = [means for means in found if (means == "hand_over") in taken]
-        return tuple(found)
-
     def _note(self, literal: Literal, values: Mapping[str, Raw]) -> None:
         """Keep the nearest miss of a literal."""
         for wanted in self.goal.wanted:
@@ -180,13 +148,6 @@ class Planner:
                 off = wanted.missed_by(found)
                 if off is not None and off < self.search.nearest.get(literal, Missed(math.inf, found)).off:
                     self.search.nearest[literal] = Missed(off, found)
-
-    def _why_not(self, state: State) -> str | None:
-        """Why a final state, as the performer leaves it, does not satisfy the goal; None if it does."""
-        verdict = self._judge.verdict(state)
-        if verdict.holds is True:
-            return None
-        return f"with {self.request.performer} where it is in the end, {verdict.failed} fails"
 
     def _plan(self, actions: tuple[Action, ...]) -> Plan:
         request, efforts = self.request, dict[str, int]()
