@@ -59,7 +59,8 @@ def test_all_files_tell_of_one_performance(folder: Path, document: Any) -> None:
     hold_to_schema("perform_trajectory", trajectory)
     hold_to_schema("perform_plan", plan)
     (way,) = document["ways"]
-    assert [each["name"] for each in plan["phases"]] == [each["name"] for each in way["phases"]]
+    (action,), (told,) = plan["actions"], way["actions"]
+    assert [each["name"] for each in action["phases"]] == [each["name"] for each in told["phases"]]
     assert trajectory["duration_s"] == pytest.approx(recording.times_s[-1], abs=1e-5)
     with np.load(folder / "all.npz", allow_pickle=False) as file:
         assert np.abs(file["qpos"] - np.array(recording.qpos)).max() < 1e-3, "recordings are rounded"

@@ -12,7 +12,8 @@ from taskgist.learning.understanding import Clause, Literal
 from taskgist.performing.execution import Execution, carried_out
 from taskgist.pipeline import shipped_room
 from taskgist.planning.plan import Plan
-from taskgist.planning.planner import Planner, Request
+from taskgist.planning.planner import Planner
+from taskgist.planning.requests import Request
 from taskgist.world import Scene
 
 MEANS = {

@@ -136,7 +136,8 @@ def test_the_base_is_a_planar_joint(hidden: CarriedOut, trajectory: Any) -> None
 
 
 def test_phases_follow_one_another_and_end_where_the_recording_is(hidden: CarriedOut, document: Any) -> None:
-    recording, phases = hidden.execution.recording, document["phases"]
+    (action,) = document["actions"]
+    recording, phases = hidden.execution.recording, action["phases"]
     assert [each["name"] for each in phases] == [phase.name for phase in hidden.plan.phases]
     assert all(one["end_s"] == other["start_s"] for one, other in itertools.pairwise(phases))
     scene, stage = recording.scene, Stage(recording.scene)
@@ -151,11 +152,12 @@ def test_phases_follow_one_another_and_end_where_the_recording_is(hidden: Carrie
 
 
 def test_the_thing_is_attached_once_and_let_go_once_and_stays_in_the_palm_between(document: Any) -> None:
-    phases = document["phases"]
+    (action,) = document["actions"]
+    phases = action["phases"]
     (first,) = (index for index, each in enumerate(phases) if each["attach"])
     (last,) = (index for index, each in enumerate(phases) if each["detach"])
     assert (phases[first]["name"], phases[last - 1]["name"]) == ("lift", "lower")
-    grasp = matrix_of(document["grasp"])
+    grasp = matrix_of(action["grasp"])
     for phase in phases[first:last]:
         palm, thing = matrix_of(phase["palm"]), matrix_of(phase["object"])
         assert palm.to_world(grasp.position) == pytest.approx(thing.position, abs=1e-3)
@@ -165,8 +167,9 @@ def test_the_thing_is_attached_once_and_let_go_once_and_stays_in_the_palm_betwee
 def test_the_robot_stands_still_where_it_stands(hidden: CarriedOut, document: Any) -> None:
     recording = hidden.execution.recording
     rows = np.array(recording.qpos)[:, recording.scene.base_slice("Jido")]
-    assert len(document["stands"]) == 2, "for picking up, and for putting down"
-    for stand in document["stands"]:
+    stands = document["actions"][0]["stands"]
+    assert len(stands) == 2, "for picking up, and for putting down"
+    for stand in stands:
         there = rows[round(stand["start_s"] * RATE_HZ) : round(stand["end_s"] * RATE_HZ)]
         assert np.ptp(there, axis=0).max() < 1e-6
         assert (stand["base"]["x_m"], stand["base"]["y_m"]) == pytest.approx(there[0, :2], abs=NEAR)
@@ -177,11 +180,12 @@ def test_a_thing_that_is_handed_over_goes_from_palm_to_palm() -> None:
     document = plan_document(given.plan, given.execution)
     hold_to_schema("perform_plan", document)
     hold_to_schema("perform_trajectory", robot_trajectory(given.plan, given.execution))
-    attached = [(each["agent"], phase["name"]) for phase in document["phases"] for each in phase["attach"]]
-    detached = [each["agent"] for phase in document["phases"] for each in phase["detach"]]
+    (action,) = document["actions"]
+    attached = [(each["agent"], phase["name"]) for phase in action["phases"] for each in phase["attach"]]
+    detached = [each["agent"] for phase in action["phases"] for each in phase["detach"]]
     assert attached == [("Jido", "lift"), ("P2", "take")]
     assert detached == ["Jido"]
-    assert document["means"] == "hand_over"
+    assert (action["purpose"], action["means"]) == ("move", "hand_over")
 
 
 # --- Positions, and files.
@@ -245,7 +249,9 @@ def test_moments_tell_the_story_in_order(hidden: CarriedOut) -> None:
 
 def test_few_phases_have_moments_enough(hidden: CarriedOut) -> None:
     """People have fewer phases than robots."""
-    short = replace(hidden.plan, phases=tuple(phase for phase in hidden.plan.phases if phase.name == "drive"))
+    (action,) = hidden.plan.actions
+    action = replace(action, phases=tuple(phase for phase in action.phases if phase.name == "drive"))
+    short = replace(hidden.plan, actions=(action,))
     frames = [frame for frame, _ in view.moments(short, hidden.execution)]
     assert len(frames) == 6
     assert (np.diff(frames) > 12).all(), "none of them is near another"

@@ -14,7 +14,7 @@ from taskgist.facts.values import NEGLIGIBLE
 from taskgist.language.performing import chosen, refused, steps
 from taskgist.learning.understanding import Clause, Literal
 from taskgist.pipeline.performing import Outcome, perform
-from taskgist.planning.planner import Request
+from taskgist.planning.requests import Request
 from taskgist.world import Scene, Stage
 from taskgist_lab.simulator.room import TABLE, Person, Room, on_table
 
@@ -73,7 +73,7 @@ def test_a_robot_performs_every_task(task: str) -> None:
     assert found.audit.clean
     assert found.strict is True
     assert found.explanation.nodes["posture.class"].value == v.MAINTAINED
-    assert found.plan.side == "right"
+    assert [action.side for action in found.plan.actions] == ["right"]
     last = found.execution.recording.qpos[-1]
     column = scene("jido").object_slice("cup")
     assert np.linalg.norm(last[column][:3] - found.plan.candidate.pose[:3]) < 0.010, "where it was planned"

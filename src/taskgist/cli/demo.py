@@ -21,7 +21,7 @@ from taskgist.learning.understanding import clause_of
 from taskgist.pipeline.explain import explain_all, label_of
 from taskgist.pipeline.performing import perform, planners
 from taskgist.pipeline.shipped import shipped_recordings, shipped_room
-from taskgist.planning.planner import Request
+from taskgist.planning.requests import Request
 from taskgist.recording.mcap import read
 from taskgist.recording.recording import Recording
 from taskgist.world.scene import Scene

@@ -37,6 +37,7 @@ from taskgist.settings import DEFAULT
 if TYPE_CHECKING:  # with MuJoCo, which a wrong name should not wait for
     from taskgist.pipeline.performing import Outcome, Performance
     from taskgist.planning.judging import Attention
+    from taskgist.planning.plan import Action, Plan
     from taskgist.world.stage import Stage
 
 MOST_WAYS = 12
@@ -112,7 +113,7 @@ def perform(
     time_s, place = _when_and_where(at or [])
     stage = open_stage(where, time_s)
     from taskgist.pipeline.performing import perform as performed
-    from taskgist.planning.planner import Request
+    from taskgist.planning.requests import Request
     from taskgist.world.bodies.profile import builtin_profiles
 
     with about(where):
@@ -212,7 +213,7 @@ def _clause(knowledge: str, task: str) -> Clause:
 
 def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> None:
     """Print what was chosen and done, way by way, and the files that were written; or why there is none."""
-    from taskgist.language.performing import assumed, chosen, not_as_demonstrated, refused, steps
+    from taskgist.language.performing import assumed, chosen, cost, not_as_demonstrated, refused, steps
 
     tree, request = with_predicates(STANDARD_TREE), outcome.request
     for note in not_as_demonstrated(outcome.goal, tree):
@@ -220,7 +221,8 @@ def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> No
     for number, found in enumerate(outcome.performances):
         plan, count = found.plan, len(outcome.performances)
         console.print(Text(f"{f'way {number + 1}: ' if count > 1 else ''}{chosen(plan)}", style="bold"))
-        console.print(f"  {plan.performer} {', '.join(steps(plan))}")
+        console.print(f"  {'' if len(plan.actions) > 1 else f'{plan.performer} '}{', '.join(steps(plan))}")
+        console.print(f"  cost: {cost(plan)}")
         console.print(f"  audited in {len(found.execution.recording.times_s)} frames and between them: clean")
         console.print(
             f"  judged by its facts: what {request.clause.task} means for {request.target} is so; {_strict(found)}"
@@ -270,20 +272,41 @@ def outcome_document(outcome: Outcome, written: Sequence[Mapping[str, Path]]) ->
             "failed": [{"literal": str(literal), "count": count} for literal, count in search.missed.most_common()],
             "refusals": [{"reason": reason, "count": count} for reason, count in search.refusals.most_common()],
             "thrown_away": list(outcome.spoiled),
+            "others": [{"what": each.what, "places": each.places, "why": each.why} for each in search.others],
         },
         "why_not": [] if outcome.performances else list(refused(request, outcome.goal, search, outcome.spoiled, tree)),
     }
 
 
 def _way_document(found: Performance, files: Mapping[str, Path]) -> dict[str, Any]:
-    from taskgist.language.performing import chosen, steps
-    from taskgist.performing.outputs import hold_document
+    from taskgist.language.performing import chosen, cost, steps
+    from taskgist.performing.outputs import cost_document
 
-    plan, candidate = found.plan, found.plan.candidate
+    plan = found.plan
     return {
         "text": chosen(plan),
         "steps": list(steps(plan)),
-        "side": plan.side,
+        "actions": [_action_document(plan, action) for action in plan.actions],
+        "cost": cost_document(plan.cost) | {"text": cost(plan)},
+        "duration_s": round(plan.duration_s, 3),
+        "audit": found.audit.to_json(),
+        "strict": found.strict is True,
+        "files": {name: str(path) for name, path in files.items()},
+    }
+
+
+def _action_document(plan: Plan, action: Action) -> dict[str, Any]:
+    from taskgist.language.performing import acted
+    from taskgist.performing.outputs import hold_document
+
+    candidate = action.candidate
+    return {
+        "text": acted(plan, action),
+        "purpose": action.purpose,
+        "performer": action.performer,
+        "side": action.side,
+        "object": action.thing,
+        "effort": action.effort,
         "place": {
             "means": candidate.means,
             "carrier": candidate.carrier,
@@ -296,10 +319,6 @@ def _way_document(found: Performance, files: Mapping[str, Path]) -> dict[str, An
                 "duration_s": round(phase.duration_s, 3),
                 "holds": [hold_document(hold) for hold in sorted(phase.holds)],
             }
-            for phase in plan.phases
+            for phase in action.phases
         ],
-        "duration_s": round(plan.duration_s, 3),
-        "audit": found.audit.to_json(),
-        "strict": found.strict is True,
-        "files": {name: str(path) for name, path in files.items()},
     }

@@ -11,8 +11,8 @@ from taskgist.facts.values import UNKNOWN
 from taskgist.language.phrases import listed, phrase
 from taskgist.learning.understanding import Literal
 from taskgist.planning.goal import Goal
-from taskgist.planning.plan import PhaseName, Plan
-from taskgist.planning.planner import Request, Search
+from taskgist.planning.plan import Action, PhaseName, Plan
+from taskgist.planning.requests import Request, Search
 
 DOINGS = {
     "drive": "drives to the {thing}",
@@ -25,7 +25,7 @@ DOINGS = {
     "transport": "drives with it",
     "transfer": "brings it over its place",
     "lower": "lowers it",
-    "take": "waits until {target} has taken it",
+    "take": "waits until {taker} has taken it",
     "retreat": "draws the hand back",
     "fold": "folds its arm",
     "withdraw": "drives back to where it was",
@@ -35,7 +35,8 @@ MEANS = {
     "put_on": "puts the {thing} on the {carrier}",
     "put_in": "puts the {thing} into the {carrier}",
     "hold_up": "holds the {thing} up for {target}",
-    "hand_over": "hands the {thing} over to {target}",
+    "hand_over": "hands the {thing} over to {carrier}",
+    "put_over": "puts the {thing} over the {covered}",
 }
 ATTENTION = {
     "stays": "{target} is assumed to keep its head as it is",
@@ -45,25 +46,42 @@ ATTENTION = {
 
 
 def chosen(plan: Plan) -> str:
-    """What the robot does with the thing: "PR2 puts the tape on the table, at (0.31, −0.20, 0.75) m"."""
-    candidate = plan.candidate
-    words = {"thing": plan.thing, "carrier": candidate.carrier, "target": plan.target}
+    """What is done: "PR2 puts the tape on the table, its middle at (0.31, −0.20, 0.75) m"; action after action."""
+    return "; then ".join(acted(plan, action) for action in plan.actions)
+
+
+def acted(plan: Plan, action: Action) -> str:
+    """One action of a plan, and what it is for where that is not plain."""
+    candidate = action.candidate
+    words = {"thing": action.thing, "carrier": candidate.carrier, "target": plan.target, "covered": plan.thing}
     x, y, z = candidate.pose[:3]
-    return f"{plan.performer} {MEANS[candidate.means].format(**words)}, its middle at ({x:.2f}, {y:.2f}, {z:.2f}) m"
+    how = f"{action.performer} {MEANS[candidate.means].format(**words)}, its middle at ({x:.2f}, {y:.2f}, {z:.2f}) m"
+    then = plan.actions[(plan.actions.index(action) + 1) % len(plan.actions)]
+    why = {"clear": ", out of the way", "relay": f", where {then.performer} takes it"}
+    return how + why.get(action.purpose, "")
 
 
 def steps(plan: Plan) -> tuple[str, ...]:
-    """The phases one by one, with the time that each takes."""
+    """The phases one by one, with the time that each takes; where several act, the first of each action says who."""
     told = []
-    for name, phases in groupby(plan.phases, key=lambda phase: phase.name):
-        seconds = sum(phase.duration_s for phase in phases)
-        told.append(f"{doing(plan, name)} ({seconds:.1f} s)")
+    for action in plan.actions:
+        for number, (name, phases) in enumerate(groupby(action.phases, key=lambda phase: phase.name)):
+            seconds = sum(phase.duration_s for phase in phases)
+            who = f"{action.performer} " if number == 0 and len(plan.actions) > 1 else ""
+            told.append(f"{who}{doing(action, name)} ({seconds:.1f} s)")
     return tuple(told)
 
 
-def doing(plan: Plan, name: PhaseName) -> str:
-    """What the robot does in a phase: "lifts the tape"."""
-    return DOINGS[name].format(thing=plan.thing, side=plan.side, target=plan.target)
+def doing(action: Action, name: PhaseName) -> str:
+    """What its performer does in a phase of an action: "lifts the tape"."""
+    return DOINGS[name].format(thing=action.thing, side=action.side, taker=action.taker)
+
+
+def cost(plan: Plan) -> str:
+    """What a plan costs: "1 action; effort level 4 of PR2"."""
+    efforts = [f"{level} of {name}" for name, level in plan.cost.efforts.items()]
+    count = plan.cost.actions
+    return f"{count} action{'s' if count > 1 else ''}; effort {listed(efforts)}"
 
 
 def assumed(request: Request) -> str:
@@ -90,10 +108,11 @@ def refused(
     if goal.impossible:
         return tuple(each.why for each in goal.impossible)
     told = []
-    if not search.places:
+    if not search.places and "move" in request.means:
         where = listed(request.allow or ()) or "this room"
-        return (f"there is no place for the {request.thing} in {where}",)
-    told.append(f"{search.wanted} of {search.places} places would do")
+        told.append(f"there is no place for the {request.thing} in {where}")
+    elif "move" in request.means:
+        told.append(f"{search.wanted} of {search.places} places would do")
     for literal, count in search.missed.most_common():
         nearest = search.nearest.get(literal)
         miss = f", the nearest with {_found(nearest.found)}" if nearest is not None else ""
@@ -102,6 +121,7 @@ def refused(
         told.append(f"at {search.out_of_hand} of them {request.target} could not take it")
     for reason, count in search.refusals.most_common():
         told.append(f"{count} of those {search.wanted} {request.performer} does not bring about: {reason}")
+    told += [f"{each.what}: {each.why}" for each in search.others]
     told += [f"1 plan was thrown away: {reason}" for reason in spoiled]
     return tuple(told)
 

@@ -5,5 +5,3 @@ from .findings import Tolerances as Tolerances
 from .outputs import plan_document as plan_document
 from .outputs import robot_trajectory as robot_trajectory
 from .outputs import write_positions as write_positions
-from .settling import Settled as Settled
-from .settling import settled as settled

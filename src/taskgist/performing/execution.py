@@ -9,15 +9,16 @@ recording as of any demonstration, whose provenance says that it is kinematic.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.moving.gaze import TURN_S, Fixation, Onlooker, looked
 from taskgist.moving.motion import minimum_jerk
-from taskgist.performing.settling import Settled, settled
 from taskgist.planning.judging import Attention
 from taskgist.planning.plan import RATE_HZ, Plan
+from taskgist.planning.settling import Settled, settled
 from taskgist.recording.recording import Label, Provenance, Recording
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
@@ -123,14 +124,28 @@ def _look(scene: Scene, plan: Plan, times: Array, frames: Array, attention: Atte
         return
     fixations = [Fixation(0.0, plan.performer), Fixation(BEFORE_S, plan.performer)]
     if attention == "thing":
-        onlooker = Onlooker(plan.target, plan.performer, f"{plan.performer}/{plan.side}_arm", plan.thing)
-        fixations = onlooker.fixations(Stage(scene), times, frames, plan.performer)
+        fixations = _followed(scene, plan, times, frames)
         fixations.append(Fixation(float(times[-1]) - AFTER_S, plan.thing))  # what all was about, once it is done
     columns = [agent.joints[pan.joint], agent.joints[tilt.joint]]
     start = frames[:, columns].copy()
     begins_s = fixations[1].from_s if len(fixations) > 1 else float(times[-1])
     turned = minimum_jerk((times - begins_s) / TURN_S)[:, None]
     frames[:, columns] = _unhurried(start + turned * (looked(scene, plan.target, times, frames, fixations) - start))
+
+
+def _followed(scene: Scene, plan: Plan, times: Array, frames: Array) -> list[Fixation]:
+    """What the target agent looks at as it follows one action after the other."""
+    stage, found, spans = Stage(scene), list[Fixation](), phase_frames(plan)
+    ends, phases = [0], 0
+    for action in plan.actions:
+        phases += len(action.phases)
+        ends.append(spans[phases - 1].stop)
+    ends[-1] = len(times)
+    for action, (first, last) in zip(plan.actions, pairwise(ends), strict=True):
+        onlooker = Onlooker(plan.target, action.performer, f"{action.performer}/{action.side}_arm", action.thing)
+        subject = found[-1].subject if found else action.performer
+        found += onlooker.fixations(stage, times[first:last], frames[first:last], subject)[1 if found else 0 :]
+    return found
 
 
 def _unhurried(angles: Array) -> Array:

@@ -9,8 +9,9 @@ model, without the agent's prefix, so that they are those of its URDF.
     is planar: x, y and yaw in the frame "world". Frames in which nothing of a group moves are left out: its velocity
     is zero on both sides of such a gap, so that a controller, which interpolates by cubics, stays where it is.
 ``plan_document``
-    Phase by phase when it begins and ends, what is attached to which hand and what is let go, and where base, palm,
-    joints and thing are at its end; the grasp; where the robot stands meanwhile.
+    Action by action who brings what where, and what for; phase by phase when it begins and ends, what is attached to
+    which hand and what is let go, and where base, palm, joints and thing are at its end; the grasp; where the robot
+    stands meanwhile.
 ``write_positions``
     Every frame as MuJoCo's ``qpos``, with the model of the whole scene: a file that numpy and MuJoCo read without
     taskgist.
@@ -25,7 +26,7 @@ Example::
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import IO, Any
@@ -37,7 +38,7 @@ from taskgist.common.files import writing
 from taskgist.performing.execution import Execution, phase_frames
 from taskgist.planning.gripper import Gripper
 from taskgist.planning.inverse_kinematics import chain_of_arm
-from taskgist.planning.plan import RATE_HZ, PhaseName, Plan
+from taskgist.planning.plan import RATE_HZ, Action, Cost, PhaseName, Plan
 from taskgist.recording.recording import Recording
 from taskgist.world.geometry.transforms import Pose, wxyz_from_matrix, yaw_of
 from taskgist.world.scene import Scene
@@ -63,7 +64,7 @@ Document = dict[str, Any]
 
 
 def robot_trajectory(plan: Plan, execution: Execution) -> Document:
-    """What the performer's controllers are to follow.
+    """What the controllers of the performer, and of those who help it, are to follow.
 
     Args:
         plan: What was done.
@@ -71,20 +72,28 @@ def robot_trajectory(plan: Plan, execution: Execution) -> Document:
 
     Returns:
         ``joint_trajectories`` by group ("left_arm", "torso", "right_gripper", ...; those without joints are not
-        there, and "body" is what moves beside them), ``base_trajectory``, and whose they are.
+        there, and "body" is what moves beside them), ``base_trajectory``, and whose they are; ``helpers`` has the same
+        of each other agent that acts.
     """
-    recording = execution.recording
-    times_s, qpos = recording.times_s, np.array(recording.qpos)
-    agent = recording.scene.agent(plan.performer)
-    groups = joint_groups(recording.scene, plan.performer, qpos)
+    helpers = [name for name in plan.performers if name != plan.performer]
     return {
         "format": FORMAT,
         "task": plan.task,
-        "robot": plan.performer,
+        "duration_s": _number(execution.recording.times_s[-1]),
+        **_trajectories(execution.recording, plan.performer),
+        "helpers": [_trajectories(execution.recording, name) for name in helpers],
+    }
+
+
+def _trajectories(recording: Recording, name: str) -> Document:
+    """The trajectories of one agent, on the clock of all."""
+    times_s, qpos, agent = recording.times_s, np.array(recording.qpos), recording.scene.agent(name)
+    groups = joint_groups(recording.scene, name, qpos)
+    return {
+        "robot": name,
         "profile": agent.profile.name,
-        "duration_s": _number(times_s[-1]),
-        "joint_trajectories": {name: _joint_trajectory(times_s, qpos, joints) for name, joints in groups.items()},
-        "base_trajectory": _base_trajectory(times_s, qpos[:, agent.base], _root(recording.scene, plan.performer)),
+        "joint_trajectories": {group: _joint_trajectory(times_s, qpos, joints) for group, joints in groups.items()},
+        "base_trajectory": _base_trajectory(times_s, qpos[:, agent.base], _root(recording.scene, name)),
     }
 
 
@@ -185,44 +194,68 @@ def _twist(x: float, y: float, z: float, yaw: float) -> Document:
 
 
 def plan_document(plan: Plan, execution: Execution) -> Document:
-    """A plan as it was carried out, phase by phase.
+    """A plan as it was carried out, action by action and phase by phase.
 
     Args:
         plan: What was done.
         execution: How it was carried out.
     """
-    candidate, phases = plan.candidate, list(_phases(plan, execution))
-    grasps = (each["in_palm"] for phase in phases for each in phase["attach"] if each["agent"] == plan.performer)
-    column = execution.recording.scene.object_slice(plan.thing)
+    frames, actions = list(phase_frames(plan)), []
+    for action in plan.actions:
+        own, frames = frames[: len(action.phases)], frames[len(action.phases) :]
+        actions.append(_action(action, own, execution.recording))
     return {
         "format": FORMAT,
         "task": plan.task,
         "performer": plan.performer,
         "target": plan.target,
         "object": plan.thing,
-        "side": plan.side,
-        "means": candidate.means,
-        "carrier": candidate.carrier,
-        "planned": _pose_of(candidate.pose),
-        "attained": _pose_of(np.array(execution.recording.qpos[-1])[column]),
-        "grasp": next(grasps),
-        "stands": list(_stands(phases)),
-        "phases": phases,
+        "cost": cost_document(plan.cost),
+        "attained": _attained(execution.recording, plan.thing, -1),
+        "actions": actions,
         "notes": list(plan.notes),
     }
 
 
-def _phases(plan: Plan, execution: Execution) -> Iterator[Document]:
-    scene, qpos = execution.recording.scene, np.array(execution.recording.qpos)
-    agent, stage = scene.agent(plan.performer), Stage(scene)
-    joints = {name: at for group in joint_groups(scene, plan.performer, qpos).values() for name, at in group.items()}
+def cost_document(cost: Cost) -> Document:
+    """What a plan costs: its actions, and effort levels by agent."""
+    return {"actions": cost.actions, "efforts": dict(cost.efforts), "total": round(cost.total, 3)}
+
+
+def _action(action: Action, frames: Sequence[range], recording: Recording) -> Document:
+    phases = list(_phases(action, frames, recording))
+    grasps = (each["in_palm"] for phase in phases for each in phase["attach"] if each["agent"] == action.performer)
+    return {
+        "purpose": action.purpose,
+        "performer": action.performer,
+        "side": action.side,
+        "object": action.thing,
+        "means": action.candidate.means,
+        "carrier": action.candidate.carrier,
+        "effort": action.effort,
+        "planned": _pose_of(action.candidate.pose),
+        "attained": _attained(recording, action.thing, frames[-1].stop - 1),
+        "grasp": next(grasps),
+        "stands": list(_stands(phases)),
+        "phases": phases,
+    }
+
+
+def _attained(recording: Recording, thing: str, frame: int) -> Document:
+    return _pose_of(np.array(recording.qpos[frame])[recording.scene.object_slice(thing)])
+
+
+def _phases(action: Action, spans: Sequence[range], recording: Recording) -> Iterator[Document]:
+    scene, qpos = recording.scene, np.array(recording.qpos)
+    agent, stage = scene.agent(action.performer), Stage(scene)
+    joints = {name: at for group in joint_groups(scene, action.performer, qpos).values() for name, at in group.items()}
     moving = {name: at for name, at in joints.items() if np.ptp(qpos[:, at]) > STILL / RATE_HZ}
-    arm, hand = agent.arm(plan.side), agent.profile.hand
+    arm, hand = agent.arm(action.side), agent.profile.hand
     gripper = None if hand is None else Gripper(stage, agent, arm, hand)
     before: frozenset[Hold] = frozenset()
-    for phase, frames in zip(plan.phases, phase_frames(plan), strict=True):
+    for phase, frames in zip(action.phases, spans, strict=True):
         last = qpos[frames[-1]]
-        stage.show(execution.recording.state(frames[-1]))
+        stage.show(recording.state(frames[-1]))
         yield {
             "name": phase.name,
             "start_s": _number(frames.start / RATE_HZ),
@@ -236,7 +269,7 @@ def _phases(plan: Plan, execution: Execution) -> Iterator[Document]:
             "palm": _pose(stage.site(arm.palm_site)),
             "opening_m": _opening_m(gripper, last),
             "joints": {name: _number(last[at]) for name, at in moving.items()},
-            "object": _pose_of(last[scene.object_slice(plan.thing)]),
+            "object": _pose_of(last[scene.object_slice(action.thing)]),
         }
         before = phase.holds
 

@@ -29,7 +29,8 @@ from taskgist.pipeline.explain import explain_recording
 from taskgist.planning.goal import Goal
 from taskgist.planning.performer import Performer
 from taskgist.planning.plan import Plan
-from taskgist.planning.planner import Planner, Request, Search
+from taskgist.planning.planner import Planner
+from taskgist.planning.requests import Request, Search
 from taskgist.settings import DEFAULT, Planning, Settings
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
@@ -143,8 +144,8 @@ def _tried(
             return f"once it is let go, {let_go.text}"
     takers = {hold.agent for holds in execution.holds for hold in holds}
     limits = dict.fromkeys(takers, MotionLimits())  # people who take move as they do, and push into nothing either
-    limits |= {request.performer: limits_of(planner.performer, settings.planning)}
-    tolerances = SOFT_HANDS if planner.performer is None else None
+    limits |= {name: limits_of(planner.robot(name), settings.planning) for name in plan.performers}
+    tolerances = SOFT_HANDS if any(planner.robot(name) is None for name in plan.performers) else None
     found = audit(
         scene,
         recording.times_s,

@@ -8,6 +8,9 @@ from .judging import ATTENTIONS as ATTENTIONS
 from .judging import Attention as Attention
 from .judging import Judge as Judge
 from .judging import Verdict as Verdict
+from .plan import Action as Action
 from .plan import Plan as Plan
 from .planner import Planner as Planner
-from .planner import Request as Request
+from .requests import Request as Request
+from .settling import Settled as Settled
+from .settling import settled as settled

@@ -18,11 +18,11 @@ import numpy as np
 from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
 from taskgist.moving.steps import CLOSING_S
-from taskgist.planning.candidates import Means
 from taskgist.planning.hand_ways import HandWay
 from taskgist.planning.handing import Taker, sides_by_distance
 from taskgist.planning.paths import base_path, joint_path
 from taskgist.planning.performer import Base, Grip, Performer, near_bases, with_values
+from taskgist.planning.placing import Means
 from taskgist.planning.plan import RATE_HZ, Phase, PhaseName
 from taskgist.planning.timing import timed
 from taskgist.planning.transfer import Transfer

@@ -1,18 +1,21 @@
-"""A plan: what a robot does, phase by phase. A value that planning makes and performing carries out."""
+"""A plan: what is done, action by action, phase by phase. A value that planning makes and performing carries out."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from taskgist.common.arrays import Array
+from taskgist.common.frozen import FrozenMap
 from taskgist.moving.acting import RATE_HZ
-from taskgist.planning.candidates import Candidate
+from taskgist.perspective.effort import NO_KNOWN_LEVEL
+from taskgist.planning.placing import Candidate
 from taskgist.world.state import Hold
 
-__all__ = ["RATE_HZ", "Phase", "PhaseName", "Plan"]
+__all__ = ["RATE_HZ", "Action", "Cost", "Phase", "PhaseName", "Plan", "Purpose"]
 
 PhaseName = Literal[
     "drive",
@@ -57,18 +60,85 @@ class Phase:
         return len(self.qpos) / RATE_HZ
 
 
+Purpose = Literal["move", "cover", "clear", "relay"]
+"""What an action is for: to bring the thing where it shall be; to cover it; to take something out of the way of whoever
+shall see, reach or grasp it; to bring it where a helper takes it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Action:
+    """One thing brought to one place by one agent.
+
+    Attributes:
+        performer: Who does it.
+        side: The hand.
+        purpose: What it is for.
+        candidate: Where what is carried is in the end, and what that is.
+        effort: The least effort level with which the performer grasps it where it lies, and gets at it there; None if
+            one of them is unknown.
+        phases: One motion after the other.
+    """
+
+    performer: str
+    side: str
+    purpose: Purpose
+    candidate: Candidate
+    effort: int | None
+    phases: tuple[Phase, ...]
+
+    @property
+    def thing(self) -> str:
+        """What is carried: what the task is about, or what covers it, or is in the way."""
+        return self.candidate.thing
+
+    @property
+    def taker(self) -> str | None:
+        """To whom it is handed over; None if it is not."""
+        return self.candidate.carrier if self.candidate.means == "hand_over" else None
+
+    @property
+    def duration_s(self) -> float:
+        """How long it takes."""
+        return sum(phase.duration_s for phase in self.phases)
+
+
+EFFORT_COST = 1 / NO_KNOWN_LEVEL
+"""What a level of effort costs, in actions: the greatest weighs as much as an action (ours)."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a plan costs: its actions, and the efforts of all who take part.
+
+    Attributes:
+        actions: How many actions.
+        efforts: Effort levels by agent: of each that acts the sum over its actions, of whoever the thing is for what it
+            takes it in the end to get at it.
+    """
+
+    actions: int
+    efforts: Mapping[str, int]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "efforts", FrozenMap(self.efforts))
+
+    @property
+    def total(self) -> float:
+        """In actions."""
+        return self.actions + EFFORT_COST * sum(self.efforts.values())
+
+
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What a robot does to perform a task.
+    """What is done to perform a task, by a robot or a person, and by those who help.
 
     Attributes:
         task: Its name.
         performer: Who performs it.
         target: For whom.
         thing: With what.
-        side: The hand.
-        candidate: Where the thing is in the end.
-        phases: One motion after the other.
+        actions: One after the other, each from where the one before has left everything.
+        cost: What they cost.
         notes: What was chosen, in words.
     """
 
@@ -76,12 +146,31 @@ class Plan:
     performer: str
     target: str
     thing: str
-    side: str
-    candidate: Candidate
-    phases: tuple[Phase, ...]
+    actions: tuple[Action, ...]
+    cost: Cost
     notes: tuple[str, ...] = ()
+
+    @property
+    def phases(self) -> tuple[Phase, ...]:
+        """Motions of all actions."""
+        return tuple(phase for action in self.actions for phase in action.phases)
+
+    @property
+    def candidate(self) -> Candidate:
+        """Where what was moved last is in the end."""
+        return self.actions[-1].candidate
+
+    @property
+    def performers(self) -> tuple[str, ...]:
+        """All who act, each once, in the order in which they do."""
+        return tuple(dict.fromkeys(action.performer for action in self.actions))
+
+    @property
+    def moved(self) -> tuple[str, ...]:
+        """All that is carried, each once."""
+        return tuple(dict.fromkeys(action.thing for action in self.actions))
 
     @property
     def duration_s(self) -> float:
         """How long it takes, seconds."""
-        return sum(phase.duration_s for phase in self.phases)
+        return sum(action.duration_s for action in self.actions)

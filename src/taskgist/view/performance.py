@@ -24,7 +24,7 @@ from taskgist.common.workers import Progress, silent
 from taskgist.errors import InputError
 from taskgist.language.performing import chosen, doing
 from taskgist.performing.execution import Execution, phase_frames
-from taskgist.planning.plan import RATE_HZ, Plan
+from taskgist.planning.plan import RATE_HZ, Phase, Plan
 from taskgist.recording.recording import Label, Recording
 from taskgist.settings import DEFAULT, Settings
 from taskgist.view.rendering import pinhole, render, save_figure
@@ -73,11 +73,11 @@ def moments(plan: Plan, execution: Execution) -> list[tuple[int, str]]:
     """Frames that tell a performance, six in order of time, and what happens in each."""
     last = len(execution.recording.times_s) - 1
     found, texts = {0: "at the start"}, ["at the start"] * (last + 1)
-    for phase, frames in zip(plan.phases, phase_frames(plan), strict=True):
-        texts[frames.start : frames.stop] = [doing(plan, phase.name)] * len(frames)
+    for (phase, text), frames in zip(_told(plan), phase_frames(plan), strict=True):
+        texts[frames.start : frames.stop] = [text] * len(frames)
         share = TELLING.get(phase.name)
         if share is not None:
-            found[frames.start + round(share * (len(frames) - 1))] = doing(plan, phase.name)
+            found[frames.start + round(share * (len(frames) - 1))] = text
     found[last] = "at the end"
     while True:
         one, other = min(pairwise(sorted(found)), key=lambda pair: pair[1] - pair[0] if pair[1] < last else last)
@@ -95,6 +95,14 @@ MOMENTS, NEAR_S = 6, 0.4
 """So many are shown, none of them so near to another."""
 TELLING = {"approach": 1.0, "transport": 0.5, "transfer": 1.0, "lower": 1.0, "take": 1.0}
 """Phases of robots that are shown, and how far each has come; where there are fewer, the longest gaps are filled."""
+
+
+def _told(plan: Plan) -> Iterator[tuple[Phase, str]]:
+    """Each phase and what happens in it; where several act, who does it."""
+    for action in plan.actions:
+        who = f"{action.performer} " if len(plan.performers) > 1 else ""
+        for phase in action.phases:
+            yield phase, f"{who}{doing(action, phase.name)}"
 
 
 def _label(execution: Execution) -> Label:
@@ -195,8 +203,9 @@ def film_frames(count: int) -> Indices:
 def _texts(plan: Plan, count: int) -> list[str]:
     """What happens in each frame of the recording."""
     texts = [""] * count
-    for phase, frames in zip(plan.phases, phase_frames(plan), strict=True):
-        texts[frames.start : frames.stop] = [f"{plan.performer} {doing(plan, phase.name)}"] * len(frames)
+    who = "" if len(plan.performers) > 1 else f"{plan.performers[0]} "
+    for (_, text), frames in zip(_told(plan), phase_frames(plan), strict=True):
+        texts[frames.start : frames.stop] = [f"{who}{text}"] * len(frames)
     return texts
 
 

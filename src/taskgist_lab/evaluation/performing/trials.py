@@ -32,7 +32,7 @@ from taskgist.learning.understanding import Clause
 from taskgist.pipeline.explain import explain_all
 from taskgist.pipeline.performing import Outcome, perform
 from taskgist.pipeline.shipped import TASKS, shipped_study
-from taskgist.planning.planner import Request
+from taskgist.planning.requests import Request
 from taskgist.world.scene import Scene
 from taskgist_lab.evaluation.performing.rooms import ROBOT, TARGET, THING, RoomToPerformIn, room_to_perform_in
 from taskgist_lab.evaluation.performing.second_audit import second_audit

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from taskgist.errors import UnknownNameError
-from taskgist.performing.settling import Settled, settled
+from taskgist.planning.settling import Settled, settled
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, State, support_of
 from tests.scenes import TABLE, agent, box, cylinder, scene

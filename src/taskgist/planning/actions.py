@@ -1,0 +1,218 @@
+"""Single actions: how one agent brings one thing to one place, from any state (9.2).
+
+Whatever an action is for, it is planned alike: a robot needs a grasp that does for both ends, two places to stand, and
+free ways between (``transfer``, ``motions``); a person moves as the engine's own bodies do (``persons``). The next
+action begins where this one ends: with everybody where they are then, and what was let go where physics has it.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import islice, pairwise
+
+from taskgist.perspective.effort import NO_KNOWN_LEVEL
+from taskgist.perspective.scene_efforts import SceneEfforts
+from taskgist.planning.grasping import Grasping
+from taskgist.planning.hand_ways import Gate
+from taskgist.planning.handing import Taker, sides_by_distance
+from taskgist.planning.motions import Motions, NoMotionError
+from taskgist.planning.performer import Performer
+from taskgist.planning.persons import moves_itself, phases_of, usable, why_out_of_reach
+from taskgist.planning.placing import Candidate
+from taskgist.planning.plan import Action, Phase, Purpose
+from taskgist.planning.settling import settled
+from taskgist.planning.transfer import Transfers
+from taskgist.settings import Settings
+from taskgist.world.scene import Scene
+from taskgist.world.stage import Stage
+from taskgist.world.state import State
+
+Attempt = tuple[str, Callable[[], tuple[Phase, ...]]]
+"""A hand, and what makes the phases with it, or raises ``NoMotionError``."""
+WhyNot = Callable[[State], str | None]
+"""Why the end of an action, seen as a state, will not do; None if it will."""
+TRANSFERS_A_PLACE = 3
+"""Ways to bring the thing to a place, grasps and stands, whose motions are tried."""
+
+
+class Actions:
+    """Plans single actions of the agents of a scene.
+
+    Args:
+        scene: The scene.
+        settings: All settings.
+        target: For whom people act; they look at it.
+        seed: The same question with the same seed has the same plans.
+    """
+
+    def __init__(self, scene: Scene, settings: Settings, *, target: str, seed: int = 0) -> None:
+        self._scene, self._settings, self._target, self._seed = scene, settings, target, seed
+        self._robots: dict[tuple[str, bytes], Performer] = {}
+        self._levels: dict[tuple[bytes, str, str], int] = {}
+
+    def robot(self, name: str, state: State) -> Performer | None:
+        """A robot that starts from a state; None for a person.
+
+        Raises:
+            UnknownNameError: There is no such agent.
+            SceneError: It has no arm, or no hand that grasps.
+        """
+        if moves_itself(self._scene.agent(name)):
+            return None
+        key = (name, state.qpos.tobytes())
+        if key not in self._robots:
+            self._robots[key] = Performer(self._scene, name, self._settings, start=state)
+        return self._robots[key]
+
+    def plan(
+        self,
+        state: State,
+        name: str,
+        purpose: Purpose,
+        candidate: Candidate,
+        why_not: WhyNot,
+        *,
+        leaves: bool = False,
+        blockers: dict[str, None] | None = None,
+    ) -> Action | str:
+        """How an agent brings a thing to a place.
+
+        Args:
+            state: Where everything is.
+            name: Who does it.
+            purpose: What for.
+            candidate: What is brought where.
+            why_not: What is asked of the end.
+            leaves: Whether a robot drives back to where it was, to make room for somebody else, if it can.
+            blockers: Filled with the things that are in the way of its hand.
+
+        Returns:
+            The action; or why there is none, in words.
+        """
+        robot, failed = self.robot(name, state), ""
+        way = None if robot is None else Grasping(robot, state, candidate.thing, candidate.pose)
+        transfers = None if way is None else Transfers(way)
+        for side, attempt in self._attempts(state, name, candidate, robot, transfers):
+            try:
+                phases = attempt()
+                phases = self._ending_well(robot, state, name, phases, why_not, leaves)
+            except NoMotionError as error:
+                failed = str(error)
+                continue
+            return Action(name, side, purpose, candidate, self.effort(state, name, candidate), phases)
+        if way is not None and blockers is not None:
+            blockers |= dict.fromkeys(self._blockers(way))
+        return failed or (transfers and transfers.refusal) or "no way was found"
+
+    def out_of_reach(self, name: str, candidate: Candidate) -> str | None:
+        """Why a person does not get at a place from where it sits or stands; None if it does, and for robots."""
+        if not moves_itself(self._scene.agent(name)):
+            return None
+        return why_out_of_reach(self._scene, candidate, name, self._settings)
+
+    def effort(self, state: State, name: str, candidate: Candidate) -> int | None:
+        """The least effort level with which an agent grasps a thing where it is and reaches it where it is to be."""
+        efforts = SceneEfforts(Stage(self._scene, state.with_holding(None)), self._settings)
+        before = efforts.effort(name, candidate.thing, "grasp").level
+        efforts.update(candidate.state.with_holding(None))
+        after = efforts.effort(name, candidate.thing, "reach").level
+        return None if before is None or after is None else max(before, after)
+
+    def level(self, state: State, name: str, thing: str) -> int:
+        """The least effort level with which an agent grasps a thing where it is; what is unknown counts as none known.
+
+        Only virtual actions count that it carries out here: people stay where they are.
+        """
+        key = (state.qpos.tobytes(), name, thing)
+        if key not in self._levels:
+            efforts = SceneEfforts(Stage(self._scene, state.with_holding(None)), self._settings)
+            agent = self._scene.agent(name)
+            actions = usable(agent) if moves_itself(agent) else self._start(name).actions
+            level = efforts.effort(name, thing, "grasp", actions).level
+            self._levels[key] = NO_KNOWN_LEVEL if level is None else level
+        return self._levels[key]
+
+    def grasps(self, state: State, name: str, thing: str) -> bool:
+        """Whether an agent can grasp a thing where it is, by its own effort."""
+        return self.level(state, name, thing) < NO_KNOWN_LEVEL
+
+    def _start(self, name: str) -> Performer:
+        """A robot wherever it stands: what it can do is the same everywhere."""
+        known = next((robot for (who, _), robot in self._robots.items() if who == name), None)
+        return known or Performer(self._scene, name, self._settings)
+
+    def _blockers(self, grasping: Grasping) -> list[str]:
+        """Things that are in the way of a hand that would pick a thing up, those that block most first."""
+        len(grasping.free)  # by which those are counted that are in the way where the thing lies
+        met = Counter[str]()
+        for gate in (Gate.HAND_AT_START, Gate.BODY, Gate.APPROACH, Gate.RISE):
+            met += Counter({name.removeprefix("the "): n for name, n in grasping.tally.met.get(gate, {}).items()})
+        return [name for name, _ in met.most_common() if name in self._scene.objects and name != grasping.thing]
+
+    def _attempts(
+        self, state: State, name: str, candidate: Candidate, robot: Performer | None, transfers: Transfers | None
+    ) -> Iterator[Attempt]:
+        taker = candidate.carrier if candidate.means == "hand_over" else self._target
+        if robot is None or transfers is None:  # a person, the nearer hand first
+            for side in sides_by_distance(self._scene, state.qpos, candidate.thing, name):
+                yield side, partial(phases_of, self._scene, state, name, taker, candidate, side, seed=self._seed)
+            return
+        motions = Motions(robot, self._settings.planning, seed=self._seed)
+        takes = Taker(self._scene, taker, state)
+        for transfer in islice(transfers, TRANSFERS_A_PLACE):
+            yield transfer.pick.side, partial(motions.of, transfer, candidate.means, takes)
+
+    def _ending_well(
+        self,
+        robot: Performer | None,
+        state: State,
+        name: str,
+        phases: tuple[Phase, ...],
+        why_not: WhyNot,
+        leaves: bool,
+    ) -> tuple[Phase, ...]:
+        """The phases, and if the robot would spoil the end where it stands, its way back.
+
+        Raises:
+            NoMotionError: The end will not do.
+        """
+        wrong, holds = why_not(_seen(state, phases)), phases[-1].holds
+        if robot is not None and (leaves or wrong is not None) and all(hold.agent != name for hold in holds):
+            motions = Motions(robot, self._settings.planning, seed=self._seed)
+            try:
+                phases += motions.back(phases[-1].qpos[-1], holds, robot.base(state.qpos))
+            except NoMotionError:
+                if wrong is not None:
+                    raise
+            wrong = why_not(_seen(state, phases))
+        if wrong is not None:
+            raise NoMotionError(wrong)
+        return phases
+
+
+def _seen(state: State, phases: tuple[Phase, ...]) -> State:
+    return state.replace(at=slice(None), to=phases[-1].qpos[-1])
+
+
+def after(scene: Scene, state: State, action: Action) -> State | str:
+    """The state that an action leaves behind, with what was let go where physics has it; or why it does not stay.
+
+    Args:
+        scene: The scene.
+        state: In which it began.
+        action: The action.
+    """
+    qpos = action.phases[-1].qpos[-1].copy()
+    for one, other in pairwise(action.phases):
+        held = {hold.object for hold in other.holds}
+        for hold in sorted(one.holds):
+            if hold.object not in held:
+                end = settled(scene, State(other.qpos[0]), hold.object, passing=[f"{hold.agent}/{hold.side}_arm"])
+                if not end.stays:
+                    return f"once it is let go, {end.text}"
+                for name in end.motions:
+                    column = scene.object_slice(name)
+                    qpos[column] = end.state.qpos[column]
+    return state.replace(at=slice(None), to=qpos)

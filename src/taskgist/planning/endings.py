@@ -1,0 +1,182 @@
+"""Endings: what is moved where so that the goal holds, whoever does it and from whatever state (9.1, 9.2).
+
+The thing itself may go anywhere that satisfies the goal; something else may go over it; what is in somebody's way may
+go elsewhere. All of these are candidates of one kind, and one judge says of each final state whether it will do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from taskgist.facts import vocabulary as v
+from taskgist.facts.predicates import Predicate
+from taskgist.planning.actions import WhyNot
+from taskgist.planning.candidates import candidates
+from taskgist.planning.covering import covers
+from taskgist.planning.goal import Goal
+from taskgist.planning.handing import Taker
+from taskgist.planning.judging import Judge, Verdict
+from taskgist.planning.placing import Candidate, Means
+from taskgist.planning.requests import Request
+from taskgist.settings import Settings
+from taskgist.world.contacts import rest_of
+from taskgist.world.scene import Scene
+from taskgist.world.stage import Stage
+from taskgist.world.state import State
+
+ENDS: Mapping[Means, str] = {
+    "put_on": v.ON_SUPPORT,
+    "put_in": v.INSIDE_CONTAINER,
+    "hold_up": v.IN_HAND,
+    "hand_over": v.IN_HAND,
+}
+"""Where a thing is in the end, by how it gets there."""
+AWAY_M = 1e3
+"""Where a thing is put that is thought away."""
+
+
+class Judged(NamedTuple):
+    """A candidate, and what is found of its state; None: the target agent's hand does not get there to take it."""
+
+    candidate: Candidate
+    verdict: Verdict | None
+
+
+class Endings:
+    """Final places of what is moved, each judged.
+
+    Args:
+        scene: The scene.
+        state: Where everything is at the start.
+        request: What is to be performed.
+        goal: What is wanted.
+        settings: All settings.
+        predicates: A user's own predicates.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        state: State,
+        request: Request,
+        goal: Goal,
+        settings: Settings,
+        predicates: Sequence[Predicate],
+    ) -> None:
+        self._scene, self._state, self._request, self._goal, self._settings = scene, state, request, goal, settings
+        self._predicates = tuple(predicates)
+        self._judges: dict[bytes, Judge] = {}
+        self.judge(state)  # names that nobody knows are told before any long work
+
+    def judge(self, state: State) -> Judge:
+        """The judge of states that differ little from one."""
+        key = state.qpos.tobytes()
+        if key not in self._judges:
+            request = self._request
+            self._judges[key] = Judge(
+                self._scene,
+                state,
+                request.target,
+                request.thing,
+                self._goal,
+                self._settings,
+                self._predicates,
+                attention=request.attention,
+                performer=request.performer,
+            )
+        return self._judges[key]
+
+    def why_not(self, state: State, agent: str) -> WhyNot:
+        """Why a final state, as an agent leaves it that began in another one, does not satisfy the goal."""
+        judge = self.judge(state)
+
+        def asked(end: State) -> str | None:
+            verdict = judge.verdict(end)
+            return None if verdict.holds is True else f"with {agent} where it is in the end, {verdict.failed} fails"
+
+        return asked
+
+    def moved(self, state: State, agent: str) -> Iterator[Judged]:
+        """The thing itself elsewhere, in the order in which places are tried."""
+        request = self._request
+        taker, judge = Taker(self._scene, request.target, state), self.judge(state)
+        for candidate in candidates(
+            Stage(self._scene, state),
+            request.thing,
+            agent,
+            request.target,
+            self._settings,
+            allow=request.allow,
+            prefer=request.prefer,
+            means=self._means,
+            seed=request.seed,
+        ):
+            end: State | None = candidate.state
+            if candidate.means == "hand_over":
+                end = taker.holding(candidate.state, request.thing)
+            yield Judged(candidate, None if end is None else judge.verdict(end))
+
+    def covered(self, state: State, agent: str, cover: str) -> Iterator[Judged]:
+        """A cover over the thing, which stays where it is."""
+        request, stage = self._request, Stage(self._scene, state)
+        found = covers(stage, request.thing, cover, agent, request.target, self._settings, seed=request.seed)
+        return self._judged(state, found)
+
+    def cleared(self, state: State, agent: str, other: str) -> Iterator[Judged]:
+        """Something that is in the way elsewhere."""
+        return self._judged(state, self.put(state, agent, other))
+
+    def put(self, state: State, agent: str, other: str) -> Iterator[Candidate]:
+        """Where something else than the thing may be put down."""
+        request = self._request
+        return candidates(Stage(self._scene, state), other, agent, request.target, self._settings, seed=request.seed)
+
+    def _judged(self, state: State, found: Iterator[Candidate]) -> Iterator[Judged]:
+        judge = self.judge(state)
+        return (Judged(candidate, judge.verdict(candidate.state)) for candidate in found)
+
+    @cached_property
+    def _means(self) -> tuple[Means, ...]:
+        """How the thing may get where it shall be: what brings about the placement, and the target's hands."""
+        placement, hands = self._goal.wants("placement"), self._goal.wants("hands")
+        found = [means for means, end in ENDS.items() if placement is None or end in (placement.values or ())]
+        if hands is not None and hands.values is not None:
+            taken = [v.HOLDING_OBJECT in final.values() for final in hands.values if isinstance(final, Mapping)]
+            found = [means for means in found if (means == "hand_over") in taken]
+        return tuple(found)
+
+    # --- What is in the way.
+
+    def loose(self, state: State) -> tuple[str, ...]:
+        """Things besides the thing itself that carry and hold nothing, and so can be moved alone."""
+        stage, scene = Stage(self._scene, state), self._scene
+        known = [name for name in scene.objects if state.known([name])]
+        rests = {name: rest_of(stage, name, self._settings.contact) for name in known}
+        laden = {carrier for rest in rests.values() for carrier in (rest.support, rest.container)}
+        return tuple(name for name in known if name not in laden and name != self._request.thing)
+
+    def occluders(self, state: State) -> tuple[str, ...]:
+        """Things without which the goal would hold as all else is; if none alone, those that hide the thing most."""
+        judge = self.judge(state)
+        loose = self.loose(state)
+        alone = tuple(name for name in loose if judge.verdict(self.without(state, name)).holds is True)
+        if alone:
+            return alone
+        hiding = judge.observed(state, "visibility.score").evidence.get("occluders", ())
+        names = [str(pair[0]) for pair in hiding if isinstance(pair, Sequence)] if isinstance(hiding, Sequence) else []
+        return tuple(name for name in names if name in loose)
+
+    def without(self, state: State, name: str) -> State:
+        """A state with a thing thought away."""
+        column = self._scene.object_slice(name)
+        pose = np.array(state.qpos[column])
+        pose[0] += AWAY_M
+        return state.replace(at=column, to=pose)
+
+    def blockers(self, state: State, able: Callable[[State], bool]) -> tuple[str, ...]:
+        """Things without which somebody would be able to do what it is not now."""
+        return tuple(name for name in self.loose(state) if able(self.without(state, name)))

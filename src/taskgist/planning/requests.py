@@ -1,0 +1,112 @@
+"""What is to be performed, and what became of the search for it: the values that go into a planner and come out."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Literal as OneOf
+from typing import NamedTuple, get_args
+
+from taskgist.errors import UnknownNameError
+from taskgist.facts.values import Raw
+from taskgist.learning.understanding import Clause, Literal
+from taskgist.planning.judging import Attention
+from taskgist.planning.plan import Purpose
+
+MEANS: tuple[Purpose, ...] = get_args(Purpose)
+"""All means, in the order in which they are tried at equal cost."""
+Spared = OneOf["nobody", "performer", "target", "both"]
+"""Whose effort decides which place comes first (Fig. 2): nobody's, the giver's, the taker's, or both alike."""
+SPARED: tuple[Spared, ...] = get_args(Spared)
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is to be performed.
+
+    Attributes:
+        clause: The meaning of the task.
+        performer: Who performs it.
+        target: For whom.
+        thing: With what.
+        attention: What the target agent is assumed to look at in the end.
+        allow: Supports that may be used; None for all.
+        prefer: Supports that come first.
+        seed: The same request with the same seed has the same plans.
+        means: By what means it may be performed; moving the thing alone is tried first.
+        helpers: Who may take part in a relay, people only if they are named; None: every other robot of the room.
+        spare: Whose effort decides which of the places that will do comes first.
+    """
+
+    clause: Clause
+    performer: str
+    target: str
+    thing: str
+    attention: Attention = "thing"
+    allow: tuple[str, ...] | None = None
+    prefer: tuple[str, ...] = ()
+    seed: int = 0
+    means: tuple[Purpose, ...] = MEANS
+    helpers: tuple[str, ...] | None = None
+    spare: Spared = "nobody"
+
+    def __post_init__(self) -> None:
+        _check("means", self.means, MEANS)
+        _check("spare", (self.spare,), SPARED)
+
+
+def _check(what: str, given: Iterable[str], known: tuple[str, ...]) -> None:
+    for each in given:
+        if each not in known:
+            raise UnknownNameError(what, each, known, where="Request")
+
+
+class Missed(NamedTuple):
+    """The nearest miss of a literal: how far off it was, and what was found."""
+
+    off: float
+    found: Raw
+
+
+@dataclass
+class Search:
+    """What became of the candidates.
+
+    Places are counted where the thing itself is to be moved by the performer alone, which is tried first; what became
+    of all other means is told by them.
+
+    Attributes:
+        places: How many were judged.
+        missed: How many failed at each literal.
+        out_of_hand: How many are where the target agent's hand does not get to take the thing.
+        nearest: The nearest miss at each literal whose attribute is a number or a level.
+        wanted: How many satisfy the goal.
+        tried: How many of these were tried with the performer's body.
+        refusals: Why the performer does not bring these about, each with its number.
+        others: Of every other way that was tried why it does not do, in the order in which they were.
+    """
+
+    places: int = 0
+    missed: Counter[Literal] = field(default_factory=Counter)
+    nearest: dict[Literal, Missed] = field(default_factory=dict)
+    out_of_hand: int = 0
+    wanted: int = 0
+    tried: int = 0
+    refusals: Counter[str] = field(default_factory=Counter)
+    others: list[Tried] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A way besides moving the thing that was tried in vain.
+
+    Attributes:
+        what: The way, in words: "R covers the cup with the bin".
+        places: How many places were judged for its first action.
+        why: Why it does not do.
+    """
+
+    what: str
+    places: int
+    why: str

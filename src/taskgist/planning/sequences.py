@@ -1,0 +1,265 @@
+"""Sequences of actions: how a task is performed where moving the thing alone does not do (9.2).
+
+**The problem.** The mug stands where nobody can hide it elsewhere, but a box would go over it; the picture would be
+seen if the screen were not there; the tape lies under a bowl; the performer does not get to where the thing shall be,
+and another robot does. All of these are short sequences of one kind of action: somebody brings something somewhere.
+
+**The way.** A *sketch* says who moves what and why, and not where. Sketches wait in a queue, the cheapest first: an
+action costs one, an effort level of whoever acts a fifth. For each that comes up the places are looked for, step by
+step, by geometric tests as they are needed: the last step must bring about the goal, by the very judge of all others;
+a step before it must leave the next one possible. What turns out to be in the way of a hand makes a longer sketch, in
+which it is cleared first::
+
+    1.8   R covers the mug with the box           the mug's 6 places under it all do; but the lid lies on the box:
+    3.6   R clears the lid, R covers the mug with the box
+
+Nothing is believed that was not tried: each action is planned by what plans any, from the state that the one before
+leaves behind, with what was let go where physics has it.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import count, islice
+
+from taskgist.common.workers import Progress
+from taskgist.perspective.effort import NO_KNOWN_LEVEL
+from taskgist.planning.actions import Actions, after
+from taskgist.planning.endings import Endings, Judged
+from taskgist.planning.persons import moves_itself
+from taskgist.planning.placing import Candidate
+from taskgist.planning.plan import EFFORT_COST, Action, Purpose
+from taskgist.planning.requests import Request, Search, Tried
+from taskgist.world.scene import Scene
+from taskgist.world.state import State
+
+MOST_ACTIONS = 4
+"""Actions of a sequence."""
+MOST_PLACES = {"move": 300, "cover": 120, "clear": 300, "relay": 300}
+"""Places that are judged for a step at most, by what it is for."""
+MOST_TRIED = {"move": 4, "cover": 4, "clear": 4, "relay": 3}
+"""Of those that will do, so many are tried with the body of whoever acts."""
+MOST_SKETCHES = 24
+"""Sketches that are looked at (ours)."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One action of a sketch: who moves what, and why.
+
+    Attributes:
+        agent: Who.
+        purpose: Why.
+        thing: What is carried.
+    """
+
+    agent: str
+    purpose: Purpose
+    thing: str
+
+
+Sketch = tuple[Step, ...]
+
+
+@dataclass
+class _Trial:
+    """What becomes of a sketch: how many places were judged, why it fails, what was in the way of which step."""
+
+    places: int = 0
+    why: str = ""
+    blocked: tuple[int, tuple[str, ...]] | None = None
+
+
+class Sequences:
+    """Looks for sequences of actions besides moving the thing alone.
+
+    Args:
+        scene: The scene.
+        state: Where everything is.
+        request: What is to be performed.
+        endings: What ends will do.
+        actions: Plans single actions.
+        search: Told what became of sketches.
+    """
+
+    def __init__(
+        self, scene: Scene, state: State, request: Request, endings: Endings, actions: Actions, search: Search
+    ) -> None:
+        self._scene, self._state, self._request = scene, state, request
+        self._endings, self._actions, self._search = endings, actions, search
+
+    def found(self, progress: Progress, blocked: tuple[str, ...] = ()) -> Iterator[tuple[Action, ...]]:
+        """Sequences that bring about the goal, the cheapest sketch first, one for each sketch.
+
+        Args:
+            progress: Told how far it is.
+            blocked: What was in the way when the performer was to move the thing alone.
+        """
+        order, queue, known = count(), list[tuple[float, int, Sketch]](), set[Sketch]()
+
+        def wait(sketch: Sketch) -> None:
+            if sketch not in known and len(sketch) <= MOST_ACTIONS:
+                known.add(sketch)
+                heapq.heappush(queue, (self._cost(sketch), next(order), sketch))
+
+        for sketch in self._sketches(blocked):
+            wait(sketch)
+        for number in range(MOST_SKETCHES):
+            if not queue:
+                return
+            _, _, sketch = heapq.heappop(queue)
+            progress(self.told(sketch), min(1.0, number / MOST_SKETCHES))
+            trial = _Trial()
+            actions = next(self._carried_out(self._state, sketch, (), trial), None)
+            if actions is not None:
+                yield actions
+                continue
+            self._search.others.append(Tried(self.told(sketch), trial.places, trial.why or "there is no place for it"))
+            if trial.blocked is not None and "clear" in self._request.means:
+                at, names = trial.blocked
+                moved = {step.thing for step in sketch}
+                for name in names:
+                    if name not in moved:
+                        wait((*sketch[:at], Step(sketch[at].agent, "clear", name), *sketch[at:]))
+
+    def told(self, sketch: Sketch) -> str:
+        """A sketch in words."""
+        thing, words = self._request.thing, list[str]()
+        for step, then in zip(sketch, (*sketch[1:], None), strict=True):
+            words.append(
+                {
+                    "move": f"{step.agent} brings the {thing} there",
+                    "cover": f"{step.agent} covers the {thing} with the {step.thing}",
+                    "clear": f"{step.agent} clears the {step.thing} out of the way",
+                    "relay": f"{step.agent} brings the {thing} to where {then.agent if then else ''} takes it",
+                }[step.purpose]
+            )
+        return ", ".join(words)
+
+    # --- Sketches.
+
+    def _sketches(self, blocked: tuple[str, ...]) -> Iterator[Sketch]:
+        """Sketches to begin with."""
+        request, state, who = self._request, self._state, self._request.performer
+        move = Step(who, "move", request.thing)
+        if "cover" in request.means:
+            for cover in self._endings.loose(state):
+                yield (Step(who, "cover", cover),)
+        if "clear" in request.means:
+            occluders = self._endings.occluders(state)
+            for name in occluders:
+                yield (Step(who, "clear", name),)
+            if len(occluders) > 1:
+                yield tuple(Step(who, "clear", name) for name in occluders[:2])
+            if "move" in request.means:
+                for name in dict.fromkeys((*blocked, *self._in_the_way(state, move))):
+                    yield Step(who, "clear", name), move
+        if "relay" in request.means:
+            for helper in self.helpers:
+                yield Step(who, "relay", request.thing), Step(helper, "move", request.thing)
+                yield Step(helper, "relay", request.thing), move
+
+    @property
+    def helpers(self) -> tuple[str, ...]:
+        """Who may take part besides the performer: those that are named, or all robots with a hand."""
+        request, scene = self._request, self._scene
+        out = (request.performer, request.target)
+        if request.helpers is not None:
+            return tuple(name for name in request.helpers if name not in out)
+        agents = (scene.agent(name) for name in scene.agents if name not in out)
+        return tuple(
+            agent.name for agent in agents if agent.arms and agent.profile.hand is not None and not moves_itself(agent)
+        )
+
+    def _cost(self, sketch: Sketch) -> float:
+        """What a sketch costs at least: its actions, and the effort that is known before anything is moved."""
+        first = sketch[0]
+        level = min(self._actions.level(self._state, first.agent, first.thing), NO_KNOWN_LEVEL)
+        return len(sketch) + EFFORT_COST * level
+
+    def _in_the_way(self, state: State, step: Step) -> tuple[str, ...]:
+        """What must be cleared so that a step's agent grasps its thing at all; nothing if it does already."""
+        if self._actions.grasps(state, step.agent, step.thing):
+            return ()
+        return tuple(
+            name
+            for name in self._endings.blockers(state, lambda end: self._actions.grasps(end, step.agent, step.thing))
+            if name != step.thing
+        )
+
+    # --- Places and motions, step by step.
+
+    def _carried_out(
+        self, state: State, steps: Sketch, done: tuple[Action, ...], trial: _Trial
+    ) -> Iterator[tuple[Action, ...]]:
+        """All actions, where the steps that are left begin in a state."""
+        step, rest, blockers = steps[0], steps[1:], dict[str, None]()
+        if not self._actions.grasps(state, step.agent, step.thing):
+            trial.why = f"{step.agent} does not get hold of the {step.thing}"
+            trial.blocked = (len(done), self._in_the_way(state, step))
+            return
+        why_not = self._endings.why_not(state, step.agent)
+        if rest:
+            then = rest[0]
+
+            def why_not(end: State) -> str | None:
+                able = self._actions.grasps(end, then.agent, then.thing)
+                return None if able else f"{then.agent} does not get hold of the {then.thing} then"
+
+        for candidate in islice(self._places(state, step, rest, trial), MOST_TRIED[step.purpose]):
+            action = self._actions.out_of_reach(step.agent, candidate) or self._actions.plan(
+                state,
+                step.agent,
+                step.purpose,
+                candidate,
+                why_not,
+                leaves=bool(rest) and rest[0].agent != step.agent,
+                blockers=blockers,
+            )
+            if isinstance(action, str):
+                trial.why = action
+                continue
+            if not rest:
+                yield (*done, action)
+                continue
+            end = after(self._scene, state, action)
+            if isinstance(end, str):
+                trial.why = end
+            else:
+                yield from self._carried_out(end, rest, (*done, action), trial)
+        if blockers:
+            trial.blocked = (len(done), tuple(blockers))
+
+    def _places(self, state: State, step: Step, rest: Sketch, trial: _Trial) -> Iterator[Candidate]:
+        """Places to which a step brings its thing: at the last the goal holds, before it the next one can be done."""
+        most = MOST_PLACES[step.purpose]
+        if rest:
+            for candidate in islice(self._endings.put(state, step.agent, step.thing), most):
+                trial.places += 1
+                able = [(rest[0].agent, rest[0].thing)]
+                if step.purpose == "relay":  # who brings it there must get at the place, too
+                    able.append((step.agent, step.thing))
+                cannot = [each for each in able if not self._actions.grasps(candidate.state, *each)]
+                if cannot:
+                    trial.why = trial.why or "{} does not get hold of the {} there".format(*cannot[0])
+                else:
+                    yield candidate
+            return
+        for found in islice(self._ends(state, step), most):
+            trial.places += 1
+            if found.verdict is None:
+                trial.why = trial.why or f"{self._request.target} could not take it"
+            elif found.verdict.holds is True:
+                yield found.candidate
+            elif found.verdict.failed is not None:
+                trial.why = trial.why or f"{found.verdict.failed} fails"
+
+    def _ends(self, state: State, step: Step) -> Iterator[Judged]:
+        """Final places of what the last step moves, each judged."""
+        if step.purpose == "cover":
+            return self._endings.covered(state, step.agent, step.thing)
+        if step.purpose == "clear":
+            return self._endings.cleared(state, step.agent, step.thing)
+        return self._endings.moved(state, step.agent)
