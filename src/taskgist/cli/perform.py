@@ -213,7 +213,7 @@ def _clause(knowledge: str, task: str) -> Clause:
 
 def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> None:
     """Print what was chosen and done, way by way, and the files that were written; or why there is none."""
-    from taskgist.language.performing import assumed, chosen, cost, not_as_demonstrated, refused, steps
+    from taskgist.language.performing import assumed, chosen, cost, not_as_demonstrated, refused, steps, would_help
 
     tree, request = with_predicates(STANDARD_TREE), outcome.request
     for note in not_as_demonstrated(outcome.goal, tree):
@@ -235,6 +235,8 @@ def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> No
     console.print(Text(f"{request.performer} finds no way to {request.clause.task}:", style="bold"))
     for sentence in refused(request, outcome.goal, outcome.search, outcome.spoiled, tree):
         console.print(f"  {sentence}")
+    for sentence in would_help(outcome.helps):
+        console.print(Text("  what would help: ", style="yellow") + Text(sentence))
 
 
 def _strict(found: Performance) -> str:
@@ -250,7 +252,7 @@ def outcome_document(outcome: Outcome, written: Sequence[Mapping[str, Path]]) ->
         outcome: What came of it.
         written: Of each way, the files that were written, by kind.
     """
-    from taskgist.language.performing import assumed, not_as_demonstrated, refused
+    from taskgist.language.performing import assumed, not_as_demonstrated, refused, would_help
 
     request, tree, search = outcome.request, with_predicates(STANDARD_TREE), outcome.search
     return {
@@ -275,6 +277,7 @@ def outcome_document(outcome: Outcome, written: Sequence[Mapping[str, Path]]) ->
             "others": [{"what": each.what, "places": each.places, "why": each.why} for each in search.others],
         },
         "why_not": [] if outcome.performances else list(refused(request, outcome.goal, search, outcome.spoiled, tree)),
+        "would_help": list(would_help(outcome.helps)),
     }
 
 

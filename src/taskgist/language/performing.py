@@ -11,6 +11,7 @@ from taskgist.facts.values import UNKNOWN
 from taskgist.language.phrases import listed, phrase
 from taskgist.learning.understanding import Literal
 from taskgist.planning.goal import Goal
+from taskgist.planning.helping import Help
 from taskgist.planning.plan import Action, PhaseName, Plan
 from taskgist.planning.requests import Request, Search
 
@@ -123,6 +124,18 @@ def refused(
         told.append(f"{count} of those {search.wanted} {request.performer} does not bring about: {reason}")
     told += [f"{each.what}: {each.why}" for each in search.others]
     told += [f"1 plan was thrown away: {reason}" for reason in spoiled]
+    return tuple(told)
+
+
+def would_help(helps: Sequence[Help]) -> tuple[str, ...]:
+    """Changes of the room in words: "the tape could be grasped if it stood 14 cm nearer to PR2"."""
+    told = []
+    for each in helps:
+        where = f"{100 * each.shift_m:.0f} cm {'nearer to' if each.nearer else 'farther from'} {each.whom}"
+        if each.so == "grasped":
+            told.append(f"the {each.what} could be grasped if it stood {where}")
+        else:
+            told.append(f"a place on the {each.place} would do if the {each.what} stood {where}")
     return tuple(told)
 
 

@@ -27,6 +27,7 @@ from taskgist.performing.execution import Execution, carried_out
 from taskgist.performing.findings import Audit, MotionLimits, Tolerances
 from taskgist.pipeline.explain import explain_recording
 from taskgist.planning.goal import Goal
+from taskgist.planning.helping import Help
 from taskgist.planning.performer import Performer
 from taskgist.planning.plan import Plan
 from taskgist.planning.planner import Planner
@@ -68,6 +69,7 @@ class Outcome:
         performances: Those that came through, different ways; none: see ``search``.
         search: What became of the candidates.
         spoiled: Why plans were thrown away after they were carried out, a sentence for each.
+        helps: If nothing came through: changes of the room with which it would.
     """
 
     request: Request
@@ -75,6 +77,7 @@ class Outcome:
     performances: tuple[Performance, ...]
     search: Search
     spoiled: tuple[str, ...]
+    helps: tuple[Help, ...] = ()
 
 
 def perform(
@@ -119,7 +122,10 @@ def perform(
             spoiled.append(tried)
         if len(found) == ways:
             break
-    return Outcome(request, planner.goal, tuple(found), planner.search, tuple(spoiled))
+    if not found:
+        progress("what would help", 1.0)
+    helps = () if found else planner.helps()
+    return Outcome(request, planner.goal, tuple(found), planner.search, tuple(spoiled), helps)
 
 
 def planners() -> None:

@@ -228,6 +228,8 @@ class Grasping:
 
     def _free_of_others(self, place: State, rows: Indices, gate: Gate) -> Indices:
         """Those grasps with which the hand meets nothing where the thing is, the robot itself left aside."""
+        if not len(rows):
+            return rows
         performer, scene = self.performer, self.performer.scene
         agent = performer.agent
         away = np.array(place.qpos)

@@ -7,7 +7,6 @@ counted at the first gate that it fails, so that a refusal says what stood in th
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice
 
@@ -21,6 +20,7 @@ from taskgist.observe.attributes import resting_snapshot
 from taskgist.planning.actions import Actions
 from taskgist.planning.endings import Endings
 from taskgist.planning.goal import Goal
+from taskgist.planning.helping import Help, helps
 from taskgist.planning.performer import Performer
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Cost, Plan
@@ -102,6 +102,13 @@ class Planner:
         for actions in sequences.found(progress, tuple(blocked)):
             yield self._plan(actions)
 
+    def helps(self) -> tuple[Help, ...]:
+        """After a search in vain: the least changes of the room with which it would not have been."""
+        if self.goal.impossible:
+            return ()
+        contact = self._settings.contact
+        return tuple(helps(self.scene, self._state, self.request, self._endings, self._actions, self.search, contact))
+
     def _moves(self, progress: Progress, blocked: dict[str, None]) -> Iterator[Action]:
         """The thing moved by the performer alone; what is in the way of its hand is noted."""
         who, why_not = self.request.performer, self._endings.why_not(self._state, self.request.performer)
@@ -133,21 +140,22 @@ class Planner:
                 continue
             if verdict.failed is not None:
                 search.missed[verdict.failed] += 1
-                self._note(verdict.failed, verdict.values)
+                self._note(verdict.failed, verdict.values, candidate)
             elif verdict.holds is True:
                 search.wanted += 1
                 yield candidate
             if search.places % 20 == 0:
                 progress(f"{search.places} places judged", self._share())
 
-    def _note(self, literal: Literal, values: Mapping[str, Raw]) -> None:
+    def _note(self, literal: Literal, values: Mapping[str, Raw], candidate: Candidate) -> None:
         """Keep the nearest miss of a literal."""
         for wanted in self.goal.wanted:
             if literal in wanted.literals and wanted.attribute in values:
                 found = values[wanted.attribute]
                 off = wanted.missed_by(found)
-                if off is not None and off < self.search.nearest.get(literal, Missed(math.inf, found)).off:
-                    self.search.nearest[literal] = Missed(off, found)
+                nearest = self.search.nearest.get(literal)
+                if off is not None and (nearest is None or off < nearest.off):
+                    self.search.nearest[literal] = Missed(off, found, candidate)
 
     def _plan(self, actions: tuple[Action, ...]) -> Plan:
         request, efforts = self.request, dict[str, int]()

@@ -12,6 +12,7 @@ from taskgist.errors import UnknownNameError
 from taskgist.facts.values import Raw
 from taskgist.learning.understanding import Clause, Literal
 from taskgist.planning.judging import Attention
+from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Purpose
 
 MEANS: tuple[Purpose, ...] = get_args(Purpose)
@@ -63,10 +64,11 @@ def _check(what: str, given: Iterable[str], known: tuple[str, ...]) -> None:
 
 
 class Missed(NamedTuple):
-    """The nearest miss of a literal: how far off it was, and what was found."""
+    """The nearest miss of a literal: how far off it was, what was found, and where the thing was then."""
 
     off: float
     found: Raw
+    candidate: Candidate
 
 
 @dataclass
