@@ -61,3 +61,65 @@ def test_why_nothing_covers_it() -> None:
     scene = Room("room", (robot("R", -1.6), P2), (IT, small), TABLE).scene()
     outcome = perform(scene, Request(clause("hide"), "R", "P2", "tape", means=("cover",)))
     assert why_not(outcome) == "R covers the tape with the small: there is no place for it"
+
+
+# --- Cleared.
+
+
+def screen(deep_m: float) -> Thing:
+    return Thing("screen", (deep_m, 0.30, 0.26), (0.05, 0.3, TOP))
+
+
+def test_what_hides_a_thing_is_cleared_to_show_it() -> None:
+    scene = Room("room", (robot("R", -1.6), P2), (IT, screen(0.04)), TABLE).scene()
+    (found,) = perform(scene, Request(clause("show"), "R", "P2", "tape", means=("clear",))).performances
+    (action,) = found.plan.actions
+    assert (action.purpose, action.thing) == ("clear", "screen")
+    assert found.audit.clean
+    assert found.strict is True
+    assert found.explanation.nodes["visibility.class"].value == "Increased"
+    assert chosen(found.plan).endswith(" m, out of the way")
+
+
+def test_why_what_hides_a_thing_is_not_cleared() -> None:
+    scene = Room("room", (robot("R", -1.6), P2), (IT, screen(0.10)), TABLE).scene()
+    outcome = perform(scene, Request(clause("show"), "R", "P2", "tape", means=("clear",)))
+    assert why_not(outcome) == "R clears the screen out of the way: R does not get hold of the screen"
+
+
+def test_what_keeps_the_performers_hand_off_is_cleared_first() -> None:
+    dome = OpenBox("dome", (0.075, 0.075, 0.09), (-0.1, 0.3, TOP), upside_down=True)
+    scene = Room("room", (robot("R", -1.6), P2), (IT, dome), TABLE).scene()
+    outcome = perform(scene, Request(clause("give"), "R", "P2", "tape"))
+    (found,) = outcome.performances
+    assert [(each.purpose, each.thing) for each in found.plan.actions] == [("clear", "dome"), ("move", "tape")]
+    assert found.plan.cost.actions == 2
+    assert found.audit.clean
+    assert found.strict is True
+    assert {hold.agent for hold in found.execution.holds[-1]} == {"P2"}
+    assert all(settled.stays for settled in found.execution.settled), "physics has the dome before the tape is taken"
+    assert outcome.search.refusals, "moving the tape alone was tried first"
+
+
+@cache
+def beneath_a_laden_dome(wide_m: float) -> Scene:
+    dome = OpenBox("dome", (0.075, 0.075, 0.09), (-0.1, 0.3, TOP), upside_down=True)
+    on_top = Thing("book", (wide_m, wide_m, 0.09), (-0.1, 0.3, TOP + 0.09))
+    return Room("room", (robot("R", -1.6), P2), (IT, dome, on_top), TABLE).scene()
+
+
+def test_what_lies_on_what_is_in_the_way_is_cleared_before_that() -> None:
+    (found,) = perform(beneath_a_laden_dome(0.05), Request(clause("make accessible"), "R", "P2", "tape")).performances
+    cleared = [("clear", "book"), ("clear", "dome"), ("move", "tape")]
+    assert [(each.purpose, each.thing) for each in found.plan.actions] == cleared
+    assert found.audit.clean
+    assert found.strict is True
+
+
+def test_why_nothing_is_cleared_that_carries_what_no_hand_takes() -> None:
+    outcome = perform(beneath_a_laden_dome(0.12), Request(clause("give"), "R", "P2", "tape", means=("move", "clear")))
+    told = why_not(outcome)
+    assert "R cannot grasp the tape: shut in by dome and table" in told
+    assert "R clears the dome out of the way, R brings the tape there: on the dome, or in it, there is the book" in told
+    assert "R clears the book out of the way" in told
+    assert "R does not get hold of the book" in told

@@ -37,7 +37,8 @@ from taskgist.settings import DEFAULT
 if TYPE_CHECKING:  # with MuJoCo, which a wrong name should not wait for
     from taskgist.pipeline.performing import Outcome, Performance
     from taskgist.planning.judging import Attention
-    from taskgist.planning.plan import Action, Plan
+    from taskgist.planning.plan import Action, Plan, Purpose
+    from taskgist.planning.requests import Spared
     from taskgist.world.stage import Stage
 
 MOST_WAYS = 12
@@ -73,6 +74,16 @@ def perform(
     ] = "thing",
     allow: Annotated[list[str] | None, typer.Option(help="Only on, or in, this; may be given again.")] = None,
     prefer: Annotated[list[str] | None, typer.Option(help="First on, or in, this; may be given again.")] = None,
+    means: Annotated[
+        str, typer.Option(help="By what: some of move, cover, clear, relay, with commas; moving it alone comes first.")
+    ] = "",
+    helpers: Annotated[
+        list[str] | None,
+        typer.Option(help="Who may help in a relay, people only if named; may be given again (default: all robots)."),
+    ] = None,
+    spare: Annotated[
+        str, typer.Option(help="Whose effort decides which place is first: nobody, performer, target or both.")
+    ] = "nobody",
     seed: Annotated[int, typer.Option(min=0, help="Of all searches; the same seed gives the same plan.")] = 0,
     at: Annotated[
         list[str] | None,
@@ -133,7 +144,19 @@ def perform(
                 raise UnknownNameError("object" if option == "--object" else "agent", given, known, where=option)
         if robot == target:
             raise InputError("a task is performed for another", field="--for", value=target, hint="name another agent")
-        request = Request(clause, robot, target, thing, assumed, _names(allow), _names(prefer) or (), seed)
+        request = Request(
+            clause,
+            robot,
+            target,
+            thing,
+            assumed,
+            _names(allow),
+            _names(prefer) or (),
+            seed,
+            means=_means(means),
+            helpers=_helpers(helpers, stage.scene.agents),
+            spare=_spared(spare),
+        )
         with progress_bar(quiet=as_json) as progress:
             outcome = performed(
                 stage.scene,
@@ -155,6 +178,32 @@ def perform(
 
 def _names(given: list[str] | None) -> tuple[str, ...] | None:
     return tuple(given) if given else None
+
+
+def _means(text: str) -> tuple[Purpose, ...]:
+    from taskgist.planning.requests import MEANS
+
+    named = [each.strip() for each in text.split(",") if each.strip()]
+    for each in named:
+        if each not in MEANS:
+            raise UnknownNameError("means", each, MEANS, where="--means")
+    return tuple(means for means in MEANS if means in named) or MEANS
+
+
+def _helpers(given: list[str] | None, known: Sequence[str]) -> tuple[str, ...] | None:
+    for name in given or ():
+        if name not in known:
+            raise UnknownNameError("agent", name, known, where="--helpers")
+    return _names(given)
+
+
+def _spared(text: str) -> Spared:
+    from taskgist.planning.requests import SPARED
+
+    for spared in SPARED:
+        if text == spared:
+            return spared
+    raise UnknownNameError("whose effort", text, SPARED, where="--spare")
 
 
 def _when_and_where(given: Sequence[str]) -> tuple[float | None, tuple[float, float, float] | None]:

@@ -151,24 +151,26 @@ class Endings:
 
     # --- What is in the way.
 
-    def loose(self, state: State) -> tuple[str, ...]:
-        """Things besides the thing itself that carry and hold nothing, and so can be moved alone."""
-        stage, scene = Stage(self._scene, state), self._scene
-        known = [name for name in scene.objects if state.known([name])]
-        rests = {name: rest_of(stage, name, self._settings.contact) for name in known}
-        laden = {carrier for rest in rests.values() for carrier in (rest.support, rest.container)}
-        return tuple(name for name in known if name not in laden and name != self._request.thing)
+    def others(self, state: State) -> tuple[str, ...]:
+        """Things besides the thing itself whose place is known."""
+        return tuple(name for name in self._scene.objects if name != self._request.thing and state.known([name]))
+
+    def upon(self, state: State, name: str) -> tuple[str, ...]:
+        """Things that stand or lie on a thing, or in it."""
+        stage, contact = Stage(self._scene, state), self._settings.contact
+        known = [other for other in self._scene.objects if other != name and state.known([other])]
+        rests = {other: rest_of(stage, other, contact) for other in known}
+        return tuple(other for other, rest in rests.items() if name in (rest.support, rest.container))
 
     def occluders(self, state: State) -> tuple[str, ...]:
         """Things without which the goal would hold as all else is; if none alone, those that hide the thing most."""
-        judge = self.judge(state)
-        loose = self.loose(state)
-        alone = tuple(name for name in loose if judge.verdict(self.without(state, name)).holds is True)
+        judge, others = self.judge(state), self.others(state)
+        alone = tuple(name for name in others if judge.verdict(self.without(state, name)).holds is True)
         if alone:
             return alone
         hiding = judge.observed(state, "visibility.score").evidence.get("occluders", ())
         names = [str(pair[0]) for pair in hiding if isinstance(pair, Sequence)] if isinstance(hiding, Sequence) else []
-        return tuple(name for name in names if name in loose)
+        return tuple(name for name in names if name in others)
 
     def without(self, state: State, name: str) -> State:
         """A state with a thing thought away."""
@@ -179,4 +181,4 @@ class Endings:
 
     def blockers(self, state: State, able: Callable[[State], bool]) -> tuple[str, ...]:
         """Things without which somebody would be able to do what it is not now."""
-        return tuple(name for name in self.loose(state) if able(self.without(state, name)))
+        return tuple(name for name in self.others(state) if able(self.without(state, name)))

@@ -41,6 +41,8 @@ MOST_PLACES = {"move": 300, "cover": 120, "clear": 300, "relay": 300}
 """Places that are judged for a step at most, by what it is for."""
 MOST_TRIED = {"move": 4, "cover": 4, "clear": 4, "relay": 3}
 """Of those that will do, so many are tried with the body of whoever acts."""
+MOST_PLANS = 3
+"""Of one sketch: where an audit throws one away, others come."""
 MOST_SKETCHES = 24
 """Sketches that are looked at (ours)."""
 
@@ -91,7 +93,7 @@ class Sequences:
         self._endings, self._actions, self._search = endings, actions, search
 
     def found(self, progress: Progress, blocked: tuple[str, ...] = ()) -> Iterator[tuple[Action, ...]]:
-        """Sequences that bring about the goal, the cheapest sketch first, one for each sketch.
+        """Sequences that bring about the goal, the cheapest sketch first.
 
         Args:
             progress: Told how far it is.
@@ -111,17 +113,18 @@ class Sequences:
                 return
             _, _, sketch = heapq.heappop(queue)
             progress(self.told(sketch), min(1.0, number / MOST_SKETCHES))
-            trial = _Trial()
-            actions = next(self._carried_out(self._state, sketch, (), trial), None)
-            if actions is not None:
+            trial, plans = _Trial(), 0
+            for actions in islice(self._carried_out(self._state, sketch, (), trial), MOST_PLANS):
+                plans += 1
                 yield actions
+            if plans:
                 continue
             self._search.others.append(Tried(self.told(sketch), trial.places, trial.why or "there is no place for it"))
             if trial.blocked is not None and "clear" in self._request.means:
                 at, names = trial.blocked
                 moved = {step.thing for step in sketch}
                 for name in names:
-                    if name not in moved:
+                    if name not in moved and name != self._request.thing:
                         wait((*sketch[:at], Step(sketch[at].agent, "clear", name), *sketch[at:]))
 
     def told(self, sketch: Sketch) -> str:
@@ -145,7 +148,7 @@ class Sequences:
         request, state, who = self._request, self._state, self._request.performer
         move = Step(who, "move", request.thing)
         if "cover" in request.means:
-            for cover in self._endings.loose(state):
+            for cover in self._endings.others(state):
                 yield (Step(who, "cover", cover),)
         if "clear" in request.means:
             occluders = self._endings.occluders(state)
@@ -196,6 +199,11 @@ class Sequences:
     ) -> Iterator[tuple[Action, ...]]:
         """All actions, where the steps that are left begin in a state."""
         step, rest, blockers = steps[0], steps[1:], dict[str, None]()
+        upon = self._endings.upon(state, step.thing)
+        if upon:
+            trial.why = f"on the {step.thing}, or in it, there is the {' and the '.join(upon)}"
+            trial.blocked = (len(done), upon)
+            return
         if not self._actions.grasps(state, step.agent, step.thing):
             trial.why = f"{step.agent} does not get hold of the {step.thing}"
             trial.blocked = (len(done), self._in_the_way(state, step))
@@ -236,8 +244,11 @@ class Sequences:
         """Places to which a step brings its thing: at the last the goal holds, before it the next one can be done."""
         most = MOST_PLACES[step.purpose]
         if rest:
+            later = {each.thing for each in rest}
             for candidate in islice(self._endings.put(state, step.agent, step.thing), most):
                 trial.places += 1
+                if candidate.carrier in later:
+                    continue  # it would be on what is moved next
                 able = [(rest[0].agent, rest[0].thing)]
                 if step.purpose == "relay":  # who brings it there must get at the place, too
                     able.append((step.agent, step.thing))
