@@ -17,7 +17,8 @@ from taskgist.planning.requests import Request
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene
 from tests.pipeline.test_performing import clause
-from tests.planning.rooms import TABLE_M, Person, Room, Thing, box, cover, table
+from tests.planning.rooms import TABLE_M, box, cover, table
+from tools.rooms import Person, Room, Thing
 
 WIDE_TABLE = Thing("table", (1.0, 1.2, 0.02), (1.9, 0.0, TABLE_M - 0.02), free=False)
 TABLE = table("table", 1.7)
