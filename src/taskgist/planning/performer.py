@@ -25,6 +25,7 @@ from taskgist.perspective.effort import LEAN, MOVE, TURN, Blocking, stretch
 from taskgist.perspective.effort import LIFT as LIFT_TORSO
 from taskgist.planning.gripper import Gripper
 from taskgist.planning.inverse_kinematics import ArmKinematics, Chain, Pointing, ahead_in_palm, chain_of_arm
+from taskgist.planning.sweeps import BaseMoves, JointMoves, Sweep
 from taskgist.planning.whole_body import TOLERANCE_M, Grip, WholeBody
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
@@ -49,7 +50,7 @@ class Performer:
         scene: The scene.
         agent_name: Whose body.
         settings: All settings.
-        start: The state from which it starts, whose contacts count as usual; by default the scene's own.
+        start: The state from which it starts; by default the scene's own.
 
     Attributes:
         scene: As given.
@@ -60,7 +61,7 @@ class Performer:
 
     Raises:
         UnknownNameError: There is no such agent.
-        SceneError: It has no arm, or no hand that grasps.
+        SceneError: It has no arm, or no hand that grasps; or it begins in something.
     """
 
     def __init__(
@@ -178,6 +179,21 @@ class Performer:
     def carried(self, qpos: Array, grip: Grip) -> Array:
         """A configuration with the held thing where the hand has it."""
         return self.body.carried(self._stage.show(self._state(qpos)), grip)
+
+    def arm_sweep(self, qpos: Array, side: str, grip: Grip | None = None, *, ends: Sequence[Array] = ()) -> Sweep:
+        """What an arm and its lift, and what the robot holds, may meet along a way of its joints.
+
+        Args:
+            qpos: Where everything else is, (nq,).
+            side: The arm.
+            grip: What the robot holds.
+            ends: Joint values of the chain where the way begins and ends, (k,) each.
+        """
+        return Sweep(self.body, qpos, JointMoves(self.chain(side).positions), grip, ends=ends)
+
+    def base_sweep(self, qpos: Array, grip: Grip | None = None, *, ends: Sequence[Array] = ()) -> Sweep:
+        """What the robot, and what it holds, may meet as its base moves; ``ends`` are x, y and yaw, (3,) each."""
+        return Sweep(self.body, qpos, BaseMoves(self.agent.base), grip, ends=ends)
 
     # --- The palm, and what brings it somewhere.
 
