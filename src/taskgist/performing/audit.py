@@ -370,7 +370,7 @@ def _unrest(
         free = [not _carried(motion, name, frame, holding, tolerances) for frame in range(last)]
         whiles = [*_whiles(np.array(free) & (speeds_m_s <= tolerances.resting_m_s)), (last, last)]
         for begin, end in whiles:
-            if 0 < begin and end < last and times_s[end] - times_s[begin] < tolerances.hanging_s:
+            if begin > 0 and end < last and times_s[end] - times_s[begin] < tolerances.hanging_s:
                 continue
             for frame in _looked_at(begin, end, [any(hold.object == name for hold in each) for each in holding]):
                 rest = rest_of(Stage(scene, State(motion.qpos[frame])), name, contact)

@@ -21,7 +21,7 @@ from taskgist.moving.steps import CLOSING_S
 from taskgist.planning.hand_ways import HandWay
 from taskgist.planning.handing import Taker, sides_by_distance
 from taskgist.planning.paths import base_path, joint_path
-from taskgist.planning.performer import Base, Grip, Performer, near_bases, with_values
+from taskgist.planning.performer import TOLERANCE_M, Base, Grip, Performer, near_bases, with_values
 from taskgist.planning.placing import Means
 from taskgist.planning.plan import RATE_HZ, Phase, PhaseName
 from taskgist.planning.sweeps import Sweep, points_are_free
@@ -38,6 +38,8 @@ ARM_CHECKS, BASE_CHECKS = 6_000, 6_000
 """Configurations that the search of one way may check."""
 AROUND_M = 2.0
 """How far from the straight line a base may go to get around things."""
+TAKING_EVERY = 4
+"""Of the frames in which somebody takes a thing each so-manieth is looked at, and the last."""
 CORNERS_CUT = 3
 """How often a motion along a way is timed: each time twice as close to its corners."""
 SAME_M, SAME_RAD = 0.005, 0.01
@@ -157,9 +159,9 @@ class Motions:
             except SceneError as error:
                 failed = str(error)
                 continue
-            blocked = performer.blocking(qpos[-1], grip)
-            if blocked is not None and blocked.part != thing:
-                failed = f"{taker.name}'s {side} hand would meet {performer.agent.name}'s {blocked.part}"
+            met = self._met_by(taker.name, side, at.qpos, qpos, grip)
+            if met is not None:
+                failed = met
                 continue
             coming, at.qpos = len(qpos) - round(CLOSING_S * RATE_HZ), qpos[-1]
             yield Phase("take", qpos[:coming], at.holds)
@@ -167,6 +169,23 @@ class Motions:
             yield Phase("take", qpos[coming:], at.holds)
             return
         raise NoMotionError(f"{taker.name} cannot take the {thing}: {failed}")
+
+    def _met_by(self, taker: str, side: str, before: Array, qpos: Array, grip: Grip | None) -> str | None:
+        """What somebody's arm, or the hand, would push into as it comes to the thing, frames (n, nq); None: nothing."""
+        performer = self._performer
+        arm, stage = performer.scene.agent(taker).arm(side), performer.body.stage
+        load = np.empty(0, dtype=np.intp) if grip is None else performer.body.geoms_of(grip.thing)
+        rest = np.setdiff1d(stage.solid_geoms(), np.concatenate((performer.scene.solid_geoms_of(taker), load)))
+        performer.body.show(before, grip)
+        usual_m = {pair[:2]: pair[2] for pair in stage.overlaps(arm.geoms, rest)}
+        for row in (*qpos[:-1:TAKING_EVERY], qpos[-1]):
+            blocked = performer.blocking(row, grip, taken_by=arm.hand_geoms)
+            if blocked is not None:
+                return f"{taker}'s {side} hand would come where {performer.agent.name}'s {blocked.part} is"
+            for geom, other, depth_m in stage.overlaps(arm.geoms, rest, deeper_than_m=TOLERANCE_M):
+                if depth_m > usual_m.get((geom, other), 0.0) + TOLERANCE_M:
+                    return f"{taker}'s {side} arm would push into {performer.body.called(other)}"
+        return None
 
     def _arm(self, at: _At, name: PhaseName, way: HandWay, goal: Array) -> Phase:
         what = f"bring its {way.side} hand to the {way.thing}" if at.held is None else f"bring the {way.thing} there"

@@ -11,8 +11,8 @@ they are. Therefore a pair of the robot's own shapes counts
 - never, if they overlap at the neutral configuration and in most of 300 drawn over the joints' ranges;
 - else, where they are deeper by more than a tolerance than at the model's neutral configuration, and than at rest.
 
-A robot that begins in something is bad input: no way leads out of it. Things are in what carries them by no more than
-``SUNK_M``, or they lie nowhere where things lie.
+A robot that begins in something is bad input: no way leads out of it. So is a thing that is deeper than ``SUNK_M`` in
+what carries it: things do not lie like that.
 """
 
 from __future__ import annotations
@@ -39,8 +39,12 @@ from taskgist.world.state import State
 
 TOLERANCE_M = 0.001
 """What overlaps deeper than usual by more than this collides (ours: half of what an audit of motions lets pass)."""
-SUNK_M = 0.002
-"""How deep a thing may be in what carries it: what audits of motions let pass."""
+ROUNDING_M = 2e-4
+"""By how much more than that a robot may begin in something."""
+SUNK_M = 0.003
+"""How deep a thing may be in what carries it (ours: audits let 4 mm pass, and planning needs one of them)."""
+IN_HAND_M = 0.005
+"""How deep a hand may be in a thing with which the robot begins."""
 SAMPLES, MOST_SHARE, SEED, NAMED = 300, 0.5, 0, 3
 Pair = tuple[int, int]
 
@@ -100,10 +104,13 @@ class WholeBody:
 
     def _refuse_a_start_in_something(self) -> None:
         deep: dict[tuple[str, str], float] = {}
-        others = [(geom, other) for geom, other in self.stage.near_pairs(self.own, self._others, limit_m=0.0)]
+        others, things = self.stage.near_pairs(self.own, self._others, limit_m=0.0), self.scene.objects_geoms
+        hands = np.concatenate([arm.hand_geoms for arm in self.agent.arms])
         for geom, other in (*others, *map(tuple, self._near_own().tolist())):
-            depth_m = self._too_deep((geom, other), self._usual_m)
-            if depth_m is not None:
+            depth_m = -self.stage.distance(geom, other, limit_m=0.0)
+            if geom in hands and other in things and 0.0 < depth_m <= IN_HAND_M:
+                self._usual_m[geom, other] = depth_m
+            elif depth_m > self._usual_m.get((geom, other), 0.0) + TOLERANCE_M + ROUNDING_M:
                 pair = part_of(self.stage, self.agent, geom), self.called(other)
                 deep[pair] = max(depth_m, deep.get(pair, 0.0))
         if deep:
@@ -117,15 +124,16 @@ class WholeBody:
                 hint="give its arms other joint values" if own else "place it elsewhere, or what it stands in",
             )
 
-    def blocking(self, qpos: Array, grip: Grip | None = None) -> Blocking | None:
+    def blocking(self, qpos: Array, grip: Grip | None = None, *, taken_by: Indices | None = None) -> Blocking | None:
         """The first pair that collides in a configuration; None if it is free.
 
         Args:
             qpos: Positions of the whole scene, (nq,).
             grip: What the robot holds: that goes where the hand goes, wherever ``qpos`` has it.
+            taken_by: Shapes of another hand, which comes to what the robot holds.
         """
         self.show(qpos, grip)
-        return self._first(grip)
+        return self._first(grip, taken_by)
 
     def show(self, qpos: Array, grip: Grip | None = None) -> Stage:
         """The stage in a configuration, with the thing in the hand that holds it."""
@@ -156,22 +164,28 @@ class WholeBody:
     def touches(self, qpos: Array, thing: str) -> dict[Pair, float]:
         """How deep a thing, where it is, overlaps with all that is not the robot, metres, by pairs of shapes.
 
-        Raises:
-            SceneError: It is deeper in something than things lie.
+        What is deeper than ``SUNK_M`` counts as no deeper: a thing that is to lie like that is in something.
         """
         stage = self.show(qpos)
         rest = np.setdiff1d(self._others, self._things[thing])
         overlaps = stage.overlaps(self._things[thing], rest, deeper_than_m=0.0)
-        found = {(geom, other): depth for geom, other, depth in overlaps}
-        for (_, other), depth_m in found.items():
-            if depth_m > SUNK_M:
-                raise SceneError(
-                    f"{thing} is {1000 * depth_m:.1f} mm deep in {self.called(other)}",
-                    where=self.scene.name,
-                    field=thing,
-                    hint=f"place it on it, no deeper than {1000 * SUNK_M:.0f} mm",
-                )
-        return found
+        return {(geom, other): min(depth_m, SUNK_M) for geom, other, depth_m in overlaps}
+
+    def refuse_sunk(self, qpos: Array, thing: str) -> None:
+        """See that a thing lies as things lie.
+
+        Raises:
+            SceneError: It is deeper than ``SUNK_M`` in something.
+        """
+        stage = self.show(qpos)
+        rest = np.setdiff1d(self._others, self._things[thing])
+        for _, other, depth_m in stage.overlaps(self._things[thing], rest, deeper_than_m=SUNK_M):
+            raise SceneError(
+                f"the {thing} is {1000 * depth_m:.1f} mm deep in {self.called(other)}",
+                where=self.scene.name,
+                field=thing,
+                hint="place it on or beside that",
+            )
 
     def geoms_of(self, thing: str) -> Indices:
         """Solid shapes of a thing."""
@@ -211,14 +225,15 @@ class WholeBody:
         part = part_of(self.stage, self.agent, geom) if owner == self.agent.name else owner
         return Blocking(part, self.called(other), depth_m)
 
-    def _first(self, grip: Grip | None) -> Blocking | None:
+    def _first(self, grip: Grip | None, taken_by: Indices | None) -> Blocking | None:
         stage, agent = self.stage, self.agent
         others = self._others
         if grip is not None:
             load = self._things[grip.thing]
             others = np.setdiff1d(others, load, assume_unique=True)
             free_of = np.setdiff1d(self.own, agent.arm(grip.side).hand_geoms, assume_unique=True)
-            for rest in (others, free_of):
+            met = others if taken_by is None else np.setdiff1d(others, taken_by, assume_unique=True)
+            for rest in (met, free_of):
                 for geom, other in stage.near_pairs(load, rest, limit_m=-TOLERANCE_M / 2):
                     depth_m = self._too_deep((geom, other), grip.usual_m)
                     if depth_m is not None:
