@@ -76,15 +76,21 @@ def with_arm(of: Scene, angles: tuple[float, ...]) -> State:
     return of.initial.replace({agent.joints[f"arm_{n}"]: angle for n, angle in enumerate(angles, 1)})
 
 
-def carry(*bodies: str, half: tuple[float, float, float] = HALF, deeper_m: float = 0.0) -> Performance:
-    """The whole performance, among more bodies, with another box, or one that reaches farther down."""
+def carry(
+    *bodies: str,
+    half: tuple[float, float, float] = HALF,
+    deeper_m: float = 0.0,
+    higher_m: tuple[float, float] = (0.0, 0.0),
+) -> Performance:
+    """The whole performance, among more bodies, with another box, one that reaches farther down, or other posts."""
     alone = scene()
     palm = Stage(alone, with_arm(alone, GRASP)).site(alone.agent("J").arms[0].palm_site)
     x, y, z = palm.position
     top = z - half[2] - deeper_m
     posts = [
-        f'<body name="{name}" pos="{x} {y + aside} {top / 2}"><geom type="cylinder" size="0.03 {top / 2} 0"/></body>'
-        for name, aside in (("post", 0.0), ("goal", ASIDE_M))
+        f'<body name="{name}" pos="{x} {y + aside} {(top + more) / 2}">'
+        f'<geom type="cylinder" size="0.03 {(top + more) / 2} 0"/></body>'
+        for name, aside, more in (("post", 0.0, higher_m[0]), ("goal", ASIDE_M, higher_m[1]))
     ]
     size = f"{half[0]} {half[1]} {half[2] + deeper_m / 2}"
     shape = f'<geom type="box" size="{size}" pos="0 0 {-deeper_m / 2}"/>'

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from taskgist.errors import SceneError, UnknownNameError
-from taskgist.planning.performer import Performer, with_values
+from taskgist.planning.grasping import Grasping
+from taskgist.planning.performer import Performer, refuse_held, with_values
 from taskgist.world import Pose, Scene, Stage, State
 from taskgist.world.bodies.profile import builtin_profile_text
 from tests.bodies import EVERY_BODY, needs
-from tests.planning.rooms import Judge, box, room, two_tables
+from tests.planning.rooms import TABLE_M, Judge, box, room, two_tables
+from tools.rooms import Thing
 
 WITH_PR2 = [pytest.param("pr2", marks=needs("pr2")), "jido"]
 TOO_DEEP_M = 0.002
@@ -252,3 +254,62 @@ def test_a_body_without_a_hand_is_refused() -> None:
     without = Scene.from_bundle({**scene.bundle, "R.profile.toml": text.encode()})
     with pytest.raises(SceneError, match="R has no hand that grasps"):
         Performer(without, "R")
+
+
+# --- How it begins.
+
+
+@pytest.mark.parametrize("robot", WITH_PR2)
+def test_a_robot_that_stands_in_a_table_is_bad_input_and_one_beside_it_is_not(robot: str) -> None:
+    wall = Thing("wall", (0.1, 1.0, 0.6), (1.5, 0.0, 0.6), free=False)
+    far = room(robot, wall)
+    own = np.intersect1d(far.agent("R").geoms, far.solid_geoms)
+    gap_m = Stage(far).closest(own, far.solid_geoms_of("wall"), limit_m=2.0)[0]
+    for deep_m, fits in ((-0.001, True), (0.0005, True), (0.003, False), (0.05, False)):
+        nearer = Thing("wall", (0.1, 1.0, 0.6), (1.5 - gap_m - deep_m, 0.0, 0.6), free=False)
+        if fits:
+            assert Performer(room(robot, nearer), "R").blocking(room(robot, nearer).initial.qpos) is None
+            continue
+        with pytest.raises(SceneError) as caught:
+            Performer(room(robot, nearer), "R")
+        text = str(caught.value)
+        assert "R begins in something" in text
+        assert f"is {1000 * deep_m:.0f} mm deep in wall" in text
+        assert "place it elsewhere" in text
+
+
+def test_a_robot_that_begins_in_itself_is_bad_input() -> None:
+    performer = Performer(room("jido"), "R")
+    rng, chain = np.random.default_rng(2), performer.chain("right")
+    for _ in range(300):
+        qpos = drawn(performer, "right", rng)
+        blocked = performer.blocking(qpos)
+        if blocked is not None and blocked.other.startswith("R/") and blocked.depth_m > 0.01:
+            break
+    else:
+        pytest.fail("no arm was drawn that is in its own body")
+    with pytest.raises(SceneError, match=r"R begins in .*: .* mm deep in R/"):
+        Performer(performer.scene, "R", start=State(qpos))
+    assert len(chain)
+
+
+def test_a_thing_in_its_table_is_bad_input() -> None:
+    sunk = Thing("box", (0.025,) * 3, (1.5, 0.0, TABLE_M + 0.015))
+    with pytest.raises(SceneError, match=r"the box is 10.0 mm deep in table; place it on or beside that"):
+        Grasping(Performer(two_tables("jido", sunk), "R"), two_tables("jido", sunk).initial, "box")
+    Grasping(Performer(two_tables("jido", box(1.5)), "R"), two_tables("jido", box(1.5)).initial, "box")
+
+
+def test_who_holds_something_at_the_start_is_told() -> None:
+    scene = two_tables("jido", box(1.5), Thing("cup", (0.02, 0.02, 0.02), (1.7, 0.3, TABLE_M + 0.02)))
+    refuse_held(scene, scene.initial, "R", "box")
+    performer = Performer(scene, "R")
+    palm = performer.palm(scene.initial.qpos, "right")
+    in_hand = (*palm.to_world(np.zeros(3)), 1.0, 0.0, 0.0, 0.0)
+    held = scene.initial.replace(at=scene.object_slice("cup"), to=in_hand)
+    with pytest.raises(SceneError, match="R holds the cup in its right hand"):
+        refuse_held(scene, held, "R", "box")
+    with pytest.raises(SceneError, match="the cup is held by R, in the right hand"):
+        refuse_held(scene, held, "R", "cup")
+    with pytest.raises(UnknownNameError):
+        refuse_held(scene, held, "R", "spoon")

@@ -2,8 +2,10 @@
 
 Facts say that a task is done even where an arm went through the table. So every motion is looked at again, on every
 frame and between them, from its frames alone: penetrations (``penetrations.py``), limits of joints, speeds and
-accelerations, whether held things stay put in the hand and free ones where they are, jumps, and rest at the end. A
-motion with a finding is not performed. Example::
+accelerations, whether held things stay put in the hand and free ones where they are, jumps, rest, and whether all is
+in the end where the plan has it. A motion with a finding is not performed. What is looked at is what a recording keeps
+of the motion, a tenth of a millimetre and a hundredth of a milliradian, but for speeds and accelerations: a tenth of a
+millimetre is much in a thirtieth of a second. Example::
 
     found = audit(scene, times_s, qpos, holding, {"PR2": MotionLimits(...)})
     reasons = [finding.text for finding in found.findings]  # "at 1.20 s PR2/r_wrist_link is 14.2 mm deep in table"
@@ -23,6 +25,7 @@ from taskgist.common.frozen import FrozenMap
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.performing.findings import Audit, Finding, Kind, MotionLimits, Tolerances
 from taskgist.performing.penetrations import Grip, Motion, Penetrations
+from taskgist.recording.recording import free_slices, rounded
 from taskgist.settings import DEFAULT, Contact
 from taskgist.world import Hold, Scene, Stage, State, hand_gap_m
 from taskgist.world.contacts import rest_of
@@ -38,6 +41,7 @@ def audit(
     holding: Sequence[Collection[Hold]],
     performers: Mapping[str, MotionLimits],
     *,
+    planned: ArrayLike | None = None,
     tolerances: Tolerances | None = None,
     contact: Contact = DEFAULT.contact,
 ) -> Audit:
@@ -49,26 +53,30 @@ def audit(
         qpos: Where everything is, (n, nq).
         holding: Who holds what in each frame, n of them.
         performers: Who moves by plan, and how fast each may.
+        planned: Where everything is in the end as planned, (nq,); of this, things count. None: nothing is known of it.
         tolerances: What is let pass; None: ``Tolerances()``.
         contact: When a hand is near enough to hold, and what rests.
 
     Raises:
-        InputError: Frames, times and holds that do not fit together.
+        InputError: Frames, times, holds and a planned end that do not fit together.
         UnknownNameError: No such agent, joint or object.
     """
     times_s, qpos = np.asarray(times_s, dtype=float), np.asarray(qpos, dtype=float)
     _check(scene, times_s, qpos, holding, performers)
+    if planned is not None and np.shape(planned) != (scene.nq,):
+        raise InputError("a planned end is one frame", value=np.shape(planned), hint=f"give ({scene.nq},)")
     tolerances = Tolerances() if tolerances is None else tolerances
-    motion = Motion(scene, qpos)
+    motion = Motion(scene, _as_written(scene, qpos))
     grips = tuple(_grips(motion, holding, tolerances))
     by_plan = [grip for grip in grips if grip.hold.agent in performers]
-    search = Penetrations(motion, performers, grips, tolerance_m=tolerances.depth_m, stride_m=tolerances.stride_m)
+    search = Penetrations(motion, performers, grips, tolerance_m=tolerances.depth_m, in_hand_m=tolerances.in_hand_m)
     findings = [
         *_penetrations(motion, search, times_s),
-        *_joints(motion, times_s, performers, tolerances),
+        *_joints(motion, _steps(motion.model, qpos), times_s, performers, tolerances),
         *_held(motion, times_s, by_plan, tolerances, contact),
         *_jumps(motion, times_s, holding, tolerances),
         *_unrest(motion, times_s, holding, tolerances, contact),
+        *(() if planned is None else _elsewhere(motion, times_s, np.asarray(planned, dtype=float), tolerances)),
     ]
     duration_s = float(times_s[-1] - times_s[0])
     return Audit(_worst(findings), len(qpos), search.looked, duration_s, FrozenMap(search.gaps_m))
@@ -95,6 +103,23 @@ def _check(
         for joint in {*limits.speeds, *limits.accelerations}:
             if joint not in scene.agent(name).joints:
                 raise UnknownNameError("joint", joint, scene.agent(name).joints, where=name)
+
+
+def _as_written(scene: Scene, qpos: Array) -> Array:
+    """Frames as a recording keeps them, (n, nq), their quaternions of length 1."""
+    written = rounded(qpos, scene)
+    for free in free_slices(scene):
+        turns = written[:, free.start + 3 : free.stop]
+        turns /= np.linalg.norm(turns, axis=1, keepdims=True)
+    return written
+
+
+def _steps(model: mujoco.MjModel, qpos: Array) -> Array:
+    """How each degree of freedom changes from frame to frame, (n − 1, nv)."""
+    steps = np.zeros((len(qpos) - 1, model.nv))
+    for frame, step in enumerate(steps):
+        mujoco.mj_differentiatePos(model, step, 1.0, qpos[frame], qpos[frame + 1])
+    return steps
 
 
 def _worst(findings: Iterable[Finding]) -> tuple[Finding, ...]:
@@ -187,12 +212,12 @@ def _named(scene: Scene, geom: int) -> str:
 
 
 def _joints(
-    motion: Motion, times_s: Array, performers: Mapping[str, MotionLimits], tolerances: Tolerances
+    motion: Motion, steps: Array, times_s: Array, performers: Mapping[str, MotionLimits], tolerances: Tolerances
 ) -> Iterator[Finding]:
-    """Joints beyond their limits, and joints and bases that move too fast."""
+    """Joints beyond their limits, and joints and bases that move too fast, by steps (n − 1, nv) from frame to frame."""
     model = motion.model
     durations = np.diff(times_s)[:, None]
-    speeds = motion.steps / durations
+    speeds = steps / durations
     # At rest before and after: of speeds between frames, the differences take as long as from middle to middle.
     resting = np.zeros((1, model.nv))
     around = np.concatenate((durations[:1], durations, durations[-1:]))
@@ -208,7 +233,7 @@ def _joints(
         for dof, label, unit, speed, acceleration in _dofs(motion.scene, name, limits):
             jump = tolerances.jump_m_s if unit == "m" else tolerances.jump_rad_s
             jumps = np.abs(speeds[:, dof]) > jump
-            moved = np.where(jumps, np.abs(motion.steps[:, dof]), 0.0)
+            moved = np.where(jumps, np.abs(steps[:, dof]), 0.0)
             yield from _beyond("jump", label, times_s, moved, 0.0, unit)
             rates = np.where(jumps, 0.0, np.abs(speeds[:, dof]))
             yield from _beyond("speed", label, times_s, rates, speed, f"{unit}/s", 1 + tolerances.rate)
@@ -333,7 +358,7 @@ def _unrest(
     tolerances: Tolerances,
     contact: Contact,
 ) -> Iterator[Finding]:
-    """Things that were moved, and hang in the air for a while, or at the end; or still move then."""
+    """Things that were moved, and hang in the air for a while, or at first, or in the end; or still move then."""
     scene, last = motion.scene, len(motion.qpos) - 1
     durations = np.diff(times_s)
     for name in motion.moved_objects():
@@ -345,11 +370,38 @@ def _unrest(
         free = [not _carried(motion, name, frame, holding, tolerances) for frame in range(last)]
         whiles = [*_whiles(np.array(free) & (speeds_m_s <= tolerances.resting_m_s)), (last, last)]
         for begin, end in whiles:
-            held = any(hold.object == name for hold in holding[end])
-            if not held and (end == last or times_s[end] - times_s[begin] >= tolerances.hanging_s):
-                rest = rest_of(Stage(scene, State(motion.qpos[end])), name, contact)
+            if begin > 0 and end < last and times_s[end] - times_s[begin] < tolerances.hanging_s:
+                continue
+            for frame in _looked_at(begin, end, [any(hold.object == name for hold in each) for each in holding]):
+                rest = rest_of(Stage(scene, State(motion.qpos[frame])), name, contact)
                 if rest.support is None and rest.container is None:
-                    yield Finding("rest", name, None, begin, float(times_s[begin]), 0.0, 0.0, "")
+                    yield Finding("rest", name, None, frame, float(times_s[frame]), 0.0, 0.0, "")
+                    break
+
+
+def _looked_at(begin: int, end: int, held: Sequence[bool]) -> list[int]:
+    """At which frames, of a while in which a thing stands still, its rest is looked at.
+
+    At the while's ends a hand may hold it, or have just let it go: so amid it, and last; first if the motion begins so.
+    """
+    frames = [frame for frame in range(begin, end + 1) if not held[frame]]
+    if not frames:
+        return []
+    first = frames[:1] if begin == 0 else []
+    return sorted({*first, frames[len(frames) // 2], frames[-1]})
+
+
+def _elsewhere(motion: Motion, times_s: Array, planned: Array, tolerances: Tolerances) -> Iterator[Finding]:
+    """Things that are not where a plan has them in the end, the others among them."""
+    scene, last = motion.scene, len(motion.qpos) - 1
+    for name in scene.objects:
+        now, wanted = motion.qpos[last, scene.object_slice(name)], planned[scene.object_slice(name)]
+        moved_m = float(np.linalg.norm(now[:3] - wanted[:3]))
+        turned_rad = float(_angles(now[3:], wanted[3:] / np.linalg.norm(wanted[3:])))
+        if moved_m > tolerances.settling_m:
+            yield Finding("end", name, None, last, float(times_s[last]), moved_m, tolerances.settling_m, "m")
+        if turned_rad > tolerances.settling_rad:
+            yield Finding("end", name, None, last, float(times_s[last]), turned_rad, tolerances.settling_rad, "rad")
 
 
 def _whiles(flags: Mask) -> list[tuple[int, int]]:

@@ -10,7 +10,9 @@ import numpy as np
 
 from taskgist.common.frozen import FrozenMap, Json
 
-Kind = Literal["penetration", "joint limit", "speed", "acceleration", "drift", "grip", "jump", "free motion", "rest"]
+Kind = Literal[
+    "penetration", "joint limit", "speed", "acceleration", "drift", "grip", "jump", "free motion", "rest", "end"
+]
 
 
 @dataclass(frozen=True)
@@ -44,16 +46,16 @@ class Tolerances:
     """How far a held thing may slip in the hand."""
     drift_rad: float = np.deg2rad(1.0)
     """How far it may turn there."""
-    stride_m: float = 0.005
-    """The farthest that a shape may move without being looked at."""
+    in_hand_m: float = 0.005
+    """How deep a hand and what it holds may be in each other."""
     limit: float = 1e-3
     """How far beyond its limits a joint may be: radians or metres."""
     rate: float = 0.02
     """By which share speeds and accelerations may exceed their limits: recordings have digits."""
     settling_m: float = 0.010
-    """How far aside a free thing may settle."""
+    """How far aside a free thing may settle, and how far from its planned place it may be in the end."""
     settling_rad: float = np.deg2rad(5.0)
-    """How far it may turn as it settles."""
+    """How far it may turn as it settles, and be turned from its planned orientation in the end."""
     resting_m_s: float = 0.02
     """What is slower than this at the end rests."""
     hanging_s: float = 0.2
@@ -132,6 +134,7 @@ _SENTENCES: Mapping[Kind, Callable[[Finding], str]] = {
         if f.unit == "m/s"
         else f"{f.what} rests on nothing, and nobody holds it"
     ),
+    "end": lambda f: f"{f.what} is {_measure(f.amount, f.unit)} from where the plan has it in the end",
 }
 
 

@@ -1,32 +1,43 @@
 """Penetrations: what a performer, and what moves with it, runs into, on every frame and between them.
 
 Nothing here is shared with the planner's own test of collisions: frames come from the motion alone, gaps from MuJoCo.
-Between two frames nobody checked anything, so joints and things are taken to move evenly, and time is halved until no
-shape can have moved by more than 5 mm unseen. Most halving is spared by a bound: two shapes with gaps g₀ and g₁ at
-both ends of a while, in which they move against each other by c, and off the straight line by e, come no nearer than
-(g₀ + g₁ − c) / 2 − e ("conservative advancement" [Mirtich 1996]).
+Between two frames nobody checked anything, so joints and things are taken to move evenly, and time is halved as long
+as a bound leaves room for more than what is let pass: two shapes with gaps g₀ and g₁ at both ends of a while, in which
+they move against each other by c, and off the straight line by e, come no nearer than (g₀ + g₁ − c) / 2 − e
+("conservative advancement" [Mirtich 1996]). What can still be missed is deeper by no more than ``UNSEEN_M``.
 
 What may touch, and how deep:
 
-- two shapes that overlap at the start: as deep as then;
-- a hand and what it holds, also while it closes and opens around it without moving otherwise;
-- the shapes of one hand; neighbours in a body, and next neighbours whose hulls overlap at the start.
+- a thing, and what it touches at the start: as deep as then, but no deeper than what is let pass; what lies deeper in
+  something lies nowhere where things lie;
+- people, and what they touch at the start: as deep as then, up to ``SOFT_M``; seats give, and thighs;
+- two links of one robot: as deep as they are in the model's neutral pose, or in that in which the robot rests;
+- a hand and what it holds, also while it closes and opens around it without moving otherwise: a few millimetres;
+- the shapes of one hand; neighbours in a body, and next neighbours whose hulls overlap in one of these two poses.
+
+A robot that begins in something is found there, in the first frame.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
+from taskgist.planning.persons import moves_itself
 from taskgist.world import Agent, Hold, Scene
 from taskgist.world.geometry.distances import Clearance
 
 Joint = mujoco.mjtJoint
+UNSEEN_M = 1e-4
+"""By how much deeper than what is let pass two shapes can be between frames unseen."""
+SOFT_M = 0.06
+"""How deep people may be in what they touch at the start (ours: in shipped and generated rooms pelvis and thighs of
+people who sit are up to 45 mm in their seats, for in a model both are hard)."""
 NEXT = 2
 """Joints between two links whose hulls may overlap: meshes of links are drawn into each other."""
 STILL = 1e-9
@@ -158,7 +169,7 @@ class Penetrations:
         performers: Names of the agents that perform.
         grips: All hands on things.
         tolerance_m: How much deeper than allowed counts.
-        stride_m: The farthest that a shape may move unseen.
+        in_hand_m: How deep a hand and what it holds may be in each other.
     """
 
     def __init__(
@@ -168,10 +179,10 @@ class Penetrations:
         grips: Sequence[Grip],
         *,
         tolerance_m: float,
-        stride_m: float,
+        in_hand_m: float,
     ) -> None:
         self._motion, self._grips = motion, grips
-        self._tolerance_m, self._stride_m = tolerance_m, stride_m
+        self._tolerance_m, self._in_hand_m = tolerance_m, in_hand_m
         self._clearance = Clearance(motion.model, motion.data)
         scene = motion.scene
         owners = (*performers, *motion.moved_objects())
@@ -181,7 +192,8 @@ class Penetrations:
         moved = (motion.travel_m + 2 * motion.bulge_m).max(axis=1, initial=0.0)
         around = np.concatenate(([0.0], moved, [0.0]))
         self._limits_m = np.maximum(NEAR_M, 2 * np.maximum(around[1:], around[:-1])).tolist()
-        self._apart = _never_meet(motion, self._movers)
+        self._at_ease_m = {pair: depth_m for name in performers for pair, depth_m in _at_ease(motion, name).items()}
+        self._apart = _never_meet(motion, self._movers, self._at_ease_m)
         self._masks: dict[tuple[int, ...], Mask] = {}
         self._allowed_m: dict[Pair, float] = {}
         self.gaps_m: dict[str, float] = {}
@@ -192,34 +204,43 @@ class Penetrations:
         motion, count = self._motion, len(self._motion.qpos)
         motion.show(motion.qpos[0])
         before = self._near(0)
-        self._allowed_m = {pair: -gap for pair, gap in before.items() if gap < 0.0}
-        self._note(before)
+        self._allowed_m = self._by_design(before)
+        self._note(before, 0, 0)
+        yield from self._too_deep(0, 0.0, before)
         for frame in range(1, count):
             motion.show(motion.qpos[frame])
             after = self._near(frame)
-            self._note(after)
+            self._note(after, frame, frame)
             yield from self._between(frame - 1, before, after)
             yield from self._too_deep(frame, 0.0, after)
             before = after
+
+    def _by_design(self, start: dict[Pair, float]) -> dict[Pair, float]:
+        """How deep pairs of shapes may be in each other, metres, from what overlaps in the first frame."""
+        scene, allowed_m = self._motion.scene, dict(self._at_ease_m)
+        for pair, gap in start.items():
+            agents = [scene.agent(owner) for owner in {scene.owners[geom] for geom in pair} if owner in scene.agents]
+            if gap < 0.0 and all(map(moves_itself, agents)):
+                allowed_m[pair] = min(-gap, SOFT_M if agents else self._tolerance_m)
+        return allowed_m
 
     def _near(self, frame: int) -> dict[Pair, float]:
         """Gaps of the pairs that are near in a frame, which is shown."""
         self.looked += 1
         pairs = self._clearance.near_pairs(self._movers, self._others, limit_m=self._limits_m[frame])
-        never = self._never(frame, frame)
-        kept = [(geom, other) for geom, other in pairs if not never[geom, other]]
+        kept = [(geom, other) for geom, other in pairs if not self._apart[geom, other]]
         return self._measured(kept, self._limits_m[frame])
 
     def _measured(self, pairs: Collection[Pair], limit_m: float) -> dict[Pair, float]:
         return {pair: self._clearance.gap_m(*pair, limit_m=limit_m) for pair in pairs}
 
-    def _never(self, first: int, last: int) -> Mask:
-        """Pairs that do not count at some time, (ngeom, ngeom): those that never do, and hands on what they hold."""
+    def _in_hand(self, first: int, last: int) -> Mask:
+        """Pairs of a hand and what it holds, or closes or opens around, at some time between frames, (ngeom, ngeom)."""
         active = tuple(
             index for index, grip in enumerate(self._grips) if grip.opens[0] <= last and grip.opens[1] >= first
         )
         if active not in self._masks:
-            mask = self._apart.copy()
+            mask = np.zeros_like(self._apart)
             for index in active:
                 hold = self._grips[index].hold
                 hand = self._motion.scene.agent(hold.agent).arm(hold.side).hand_geoms
@@ -230,7 +251,7 @@ class Penetrations:
 
     def _between(self, frame: int, before: dict[Pair, float], after: dict[Pair, float]) -> Iterator[Penetration]:
         """Penetrations on the way from a frame to the next, by halving."""
-        never, limit_m = self._never(frame, frame + 1), min(self._limits_m[frame], self._limits_m[frame + 1])
+        in_hand, limit_m = self._in_hand(frame, frame + 1), min(self._limits_m[frame], self._limits_m[frame + 1])
         travel_m, bulge_m = self._motion.travel_m[frame], self._motion.bulge_m[frame]
         whiles = [(0.0, 1.0, before, after)]
         while whiles:
@@ -238,35 +259,47 @@ class Penetrations:
             length = end - start
             doubtful = []
             for pair in first.keys() | last.keys():
+                off = float(bulge_m[pair[0]] + bulge_m[pair[1]])
                 moved = length * float(travel_m[pair[0]] + travel_m[pair[1]])
-                bulge = length**2 * float(bulge_m[pair[0]] + bulge_m[pair[1]])
+                if length < 1.0:
+                    moved += length * 4 * off  # speed differs from the mean by half of the acceleration, 8 × off
+                bulge = length**2 * off
                 least = (first.get(pair, limit_m) + last.get(pair, limit_m) - moved) / 2 - bulge
-                if least < -self._most_m(pair) and moved + bulge > self._stride_m and not never[pair]:
+                if least < -self._most_m(pair, in_hand) and moved / 2 + bulge > UNSEEN_M:
                     doubtful.append(pair)
             if doubtful:
                 self.looked += 1
                 middle = (start + end) / 2
                 self._motion.show_between(frame, middle)
                 gaps = self._measured(sorted(doubtful), limit_m)
-                self._note(gaps)
+                self._note(gaps, frame, frame + 1)
                 yield from self._too_deep(frame, middle, gaps)
+                # What is too deep is told; how much deeper it gets in between is not looked for.
+                deep = {pair for pair, gap in gaps.items() if gap < -self._most_m(pair, in_hand)}
                 kept_first, kept_last = ({p: g[p] for p in doubtful if p in g} for g in (first, last))
-                whiles += [(middle, end, gaps, kept_last), (start, middle, kept_first, gaps)]
+                inner = {pair: gap for pair, gap in gaps.items() if pair not in deep}
+                for part in (kept_first, kept_last):
+                    for pair in deep:
+                        part.pop(pair, None)
+                whiles += [(middle, end, inner, kept_last), (start, middle, kept_first, inner)]
 
-    def _most_m(self, pair: Pair) -> float:
-        return self._allowed_m.get(pair, 0.0) + self._tolerance_m
+    def _most_m(self, pair: Pair, in_hand: Mask) -> float:
+        """Down to which depth a pair is let pass."""
+        return max(self._allowed_m.get(pair, 0.0) + self._tolerance_m, self._in_hand_m if in_hand[pair] else 0.0)
 
     def _too_deep(self, frame: int, share: float, gaps: dict[Pair, float]) -> Iterator[Penetration]:
+        in_hand = self._in_hand(frame, frame + 1 if share else frame)
         for pair, gap in gaps.items():
-            if gap < -self._most_m(pair):
-                yield Penetration(pair, frame, share, -gap, self._allowed_m.get(pair, 0.0))
+            if gap < -self._most_m(pair, in_hand):
+                allowed_m = self._in_hand_m if in_hand[pair] else self._allowed_m.get(pair, 0.0)
+                yield Penetration(pair, frame, share, -gap, allowed_m)
 
-    def _note(self, gaps: dict[Pair, float]) -> None:
-        """Keep the smallest gap to each thing, but to what it touched at the start."""
-        owners = self._motion.scene.owners
+    def _note(self, gaps: dict[Pair, float], first: int, last: int) -> None:
+        """Keep the smallest gap to each thing, but to what it touched at the start, and to what it holds."""
+        owners, in_hand = self._motion.scene.owners, self._in_hand(first, last)
         for pair, gap in gaps.items():
             one, other = (owners[geom] for geom in pair)
-            if one != other and gap < NEAR_M and pair not in self._allowed_m:
+            if one != other and gap < NEAR_M and pair not in self._allowed_m and not in_hand[pair]:
                 key = f"{one} to {other}"
                 self.gaps_m[key] = min(self.gaps_m.get(key, math.inf), gap)
 
@@ -274,22 +307,22 @@ class Penetrations:
 # --- Pairs of shapes that never count.
 
 
-def _never_meet(motion: Motion, movers: Indices) -> Mask:
+def _never_meet(motion: Motion, movers: Indices, at_ease_m: Mapping[Pair, float]) -> Mask:
     """Pairs whose gap says nothing, (ngeom, ngeom): of one rigid whole, of one body's neighbours, of one hand.
 
     Each pair of movers is kept once.
     """
     scene, model = motion.scene, motion.model
     rigid = np.asarray(_rigid_wholes(motion)[model.geom_bodyid])
-    apart: Mask = np.equal(rigid[:, None], rigid[None, :])
     owners = np.unique(np.array(scene.owners), return_inverse=True)[1]
     is_object = np.isin(np.array(scene.owners), scene.objects)
-    apart |= (owners[:, None] == owners[None, :]) & is_object[:, None]
+    apart: Mask = np.equal(rigid[:, None], rigid[None, :]) | is_object[:, None]
+    apart &= np.equal(owners[:, None], owners[None, :])
     for name in scene.agents:
         agent = scene.agent(name)
         for arm in agent.arms:
             apart[np.ix_(arm.hand_geoms, arm.hand_geoms)] = True
-        _forgive_neighbours(motion, agent, apart)
+        _forgive_neighbours(motion, agent, apart, at_ease_m)
     of_movers = np.zeros(model.ngeom, dtype=bool)
     of_movers[movers] = True
     both = of_movers[:, None] & of_movers[None, :]
@@ -308,16 +341,30 @@ def _rigid_wholes(motion: Motion) -> Indices:
     return top
 
 
-def _forgive_neighbours(motion: Motion, agent: Agent, apart: Mask) -> None:
-    """Mark pairs of one body's links: neighbours, and next neighbours whose hulls overlap in the first frame."""
+def _at_ease(motion: Motion, name: str) -> dict[Pair, float]:
+    """How deep the links of one robot are in each other as its model is, and as it rests; of people at the start."""
+    scene, model = motion.scene, motion.model
+    agent, found = scene.agent(name), dict[Pair, float]()
+    geoms, clearance = scene.solid_geoms_of(name), Clearance(model, motion.data)
+    rests = {**dict(agent.profile.rest_rad), **dict(agent.profile.rest_m)}
+    for resting in (False, True):
+        row = np.array(motion.qpos[0])
+        for joint, position in () if moves_itself(agent) else agent.joints.items():
+            (index,) = np.flatnonzero(model.jnt_qposadr == position)
+            value = rests.get(joint, model.qpos0[position]) if resting else model.qpos0[position]
+            row[position] = np.clip(value, *model.jnt_range[index]) if model.jnt_limited[index] else value
+        motion.show(row)
+        for geom, other, depth_m in clearance.overlaps(geoms, geoms):
+            if geom < other:
+                found[geom, other] = max(depth_m, found.get((geom, other), 0.0))
+    return found
+
+
+def _forgive_neighbours(motion: Motion, agent: Agent, apart: Mask, at_ease_m: Mapping[Pair, float]) -> None:
+    """Mark pairs of one body's links: neighbours, and next neighbours whose hulls overlap at ease."""
     model, geoms = motion.model, motion.scene.solid_geoms_of(agent.name)
     links = {int(model.body_weldid[model.geom_bodyid[geom]]) for geom in geoms}
-    motion.show(motion.qpos[0])
-    clearance = Clearance(model, motion.data)
-    overlapping = {
-        tuple(sorted(int(model.body_weldid[model.geom_bodyid[geom]]) for geom in pair[:2]))
-        for pair in clearance.overlaps(geoms, geoms)
-    }
+    overlapping = {tuple(sorted(int(model.body_weldid[model.geom_bodyid[g]]) for g in pair)) for pair in at_ease_m}
     for link in links:
         for other in links:
             joints = _joints_between(model, link, other)

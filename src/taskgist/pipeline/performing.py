@@ -158,6 +158,7 @@ def _tried(
         recording.qpos,
         execution.holds,
         limits,
+        planned=plan.phases[-1].qpos[-1],
         tolerances=tolerances,
         contact=settings.contact,
     )

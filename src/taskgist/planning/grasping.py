@@ -64,6 +64,7 @@ class Grasping:
 
     Raises:
         UnknownNameError: There is no such thing.
+        SceneError: It is in something.
     """
 
     def __init__(self, performer: Performer, state: State, thing: str, goal: Array | None = None) -> None:
@@ -76,6 +77,7 @@ class Grasping:
         assert performer.agent.profile.hand is not None
         self._hand: Hand = performer.agent.profile.hand
         self._stage = Stage(scene, state)
+        performer.body.refuse_sunk(state.qpos, thing)
         self.grasps: Grasps = grasps_in_object(self._stage, thing, self._hand, performer.settings.grasp)
         self.miss = None if len(self.grasps) else self._no_grasp()
         self._touches: dict[bytes, dict[Pair, float]] = {}

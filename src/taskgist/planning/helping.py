@@ -79,7 +79,7 @@ def helps(
     if not search.wanted and closest is not None:
         judge, place = endings.judge(state), closest.candidate
         found = list[tuple[float, str, bool]]()
-        for name in endings.loose(place.state):
+        for name in (each for each in endings.others(place.state) if not endings.upon(place.state, each)):
             for nearer in (True, False):
                 far = _shifted(
                     scene,

@@ -9,7 +9,7 @@ within limits of speed and acceleration (``timing``).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -21,9 +21,10 @@ from taskgist.moving.steps import CLOSING_S
 from taskgist.planning.hand_ways import HandWay
 from taskgist.planning.handing import Taker, sides_by_distance
 from taskgist.planning.paths import base_path, joint_path
-from taskgist.planning.performer import Base, Grip, Performer, near_bases, with_values
+from taskgist.planning.performer import TOLERANCE_M, Base, Grip, Performer, near_bases, with_values
 from taskgist.planning.placing import Means
 from taskgist.planning.plan import RATE_HZ, Phase, PhaseName
+from taskgist.planning.sweeps import Sweep, points_are_free
 from taskgist.planning.timing import timed
 from taskgist.planning.transfer import Transfer
 from taskgist.settings import Planning
@@ -37,6 +38,10 @@ ARM_CHECKS, BASE_CHECKS = 6_000, 6_000
 """Configurations that the search of one way may check."""
 AROUND_M = 2.0
 """How far from the straight line a base may go to get around things."""
+TAKING_EVERY = 4
+"""Of the frames in which somebody takes a thing each so-manieth is looked at, and the last."""
+CORNERS_CUT = 3
+"""How often a motion along a way is timed: each time twice as close to its corners."""
 SAME_M, SAME_RAD = 0.005, 0.01
 """Stands that are nearer than this are one."""
 
@@ -154,9 +159,9 @@ class Motions:
             except SceneError as error:
                 failed = str(error)
                 continue
-            blocked = performer.blocking(qpos[-1], grip)
-            if blocked is not None and blocked.part != thing:
-                failed = f"{taker.name}'s {side} hand would meet {performer.agent.name}'s {blocked.part}"
+            met = self._met_by(taker.name, side, at.qpos, qpos, grip)
+            if met is not None:
+                failed = met
                 continue
             coming, at.qpos = len(qpos) - round(CLOSING_S * RATE_HZ), qpos[-1]
             yield Phase("take", qpos[:coming], at.holds)
@@ -164,6 +169,23 @@ class Motions:
             yield Phase("take", qpos[coming:], at.holds)
             return
         raise NoMotionError(f"{taker.name} cannot take the {thing}: {failed}")
+
+    def _met_by(self, taker: str, side: str, before: Array, qpos: Array, grip: Grip | None) -> str | None:
+        """What somebody's arm, or the hand, would push into as it comes to the thing, frames (n, nq); None: nothing."""
+        performer = self._performer
+        arm, stage = performer.scene.agent(taker).arm(side), performer.body.stage
+        load = np.empty(0, dtype=np.intp) if grip is None else performer.body.geoms_of(grip.thing)
+        rest = np.setdiff1d(stage.solid_geoms(), np.concatenate((performer.scene.solid_geoms_of(taker), load)))
+        performer.body.show(before, grip)
+        usual_m = {pair[:2]: pair[2] for pair in stage.overlaps(arm.geoms, rest)}
+        for row in (*qpos[:-1:TAKING_EVERY], qpos[-1]):
+            blocked = performer.blocking(row, grip, taken_by=arm.hand_geoms)
+            if blocked is not None:
+                return f"{taker}'s {side} hand would come where {performer.agent.name}'s {blocked.part} is"
+            for geom, other, depth_m in stage.overlaps(arm.geoms, rest, deeper_than_m=TOLERANCE_M):
+                if depth_m > usual_m.get((geom, other), 0.0) + TOLERANCE_M:
+                    return f"{taker}'s {side} arm would push into {performer.body.called(other)}"
+        return None
 
     def _arm(self, at: _At, name: PhaseName, way: HandWay, goal: Array) -> Phase:
         what = f"bring its {way.side} hand to the {way.thing}" if at.held is None else f"bring the {way.thing} there"
@@ -196,17 +218,28 @@ class Motions:
         chain = self._performer.chain(side)
         ranges = np.stack((np.where(chain.endless, -np.inf, chain.low), np.where(chain.endless, np.inf, chain.high)), 1)
         step = np.where(chain.lifts, LIFT_STEP_M, ARM_STEP_RAD)
-        start, free = at.qpos[chain.positions], self._free(at, chain.positions)
-        way = joint_path(start, goal[None], ranges, free, step=step, seed=self._seed, checks=ARM_CHECKS)
+        start = at.qpos[chain.positions]
+        sweep = self._performer.arm_sweep(at.qpos, side, _grip(at), ends=(start, goal))
+        way = joint_path(
+            start,
+            goal[None],
+            ranges,
+            sweep.is_free,
+            step=step,
+            seed=self._seed,
+            checks=ARM_CHECKS,
+            look=sweep.look,
+        )
         if way is None:
             raise NoMotionError(f"{self._performer.agent.name} finds no way to {what}")
-        return self._timed(at, name, side, way)
+        return self._timed(at, name, side, way, sweep)
 
     def _line(self, at: _At, name: PhaseName, hand_way: HandWay, way: Array) -> Phase:
         """A hand's line, which begins where the arm is, though it may have turned more often to get there."""
         endless = self._performer.chain(hand_way.side).endless
         turns = np.round((at.qpos[hand_way.positions] - way[0]) / math.tau)
-        return self._timed(at, name, hand_way.side, way + math.tau * np.where(endless, turns, 0.0))
+        sweep = self._performer.arm_sweep(at.qpos, hand_way.side, _grip(at))
+        return self._timed(at, name, hand_way.side, way + math.tau * np.where(endless, turns, 0.0), sweep)
 
     def _fingers(
         self, at: _At, name: PhaseName, way: HandWay, goal: Array, grip: Grip | None = None
@@ -232,35 +265,47 @@ class Motions:
         end[2] = start[2] + wrapped(end[2] - start[2])
         low, high = np.minimum(start, end)[:2] - AROUND_M, np.maximum(start, end)[:2] + AROUND_M
         ranges = np.array([(low[0], high[0]), (low[1], high[1]), (-np.inf, np.inf)])
-        grip = at.held.grip if at.held else None
-
-        def free(base: Array) -> bool:
-            return performer.blocking(performer.at(at.qpos, _base(base)), grip) is None
-
+        sweep = performer.base_sweep(at.qpos, _grip(at), ends=(start, end))
         way = base_path(
-            start, end, ranges, free, step_m=BASE_STEP_M, step_rad=BASE_STEP_RAD, seed=self._seed, checks=BASE_CHECKS
+            start,
+            end,
+            ranges,
+            sweep.is_free,
+            step_m=BASE_STEP_M,
+            step_rad=BASE_STEP_RAD,
+            seed=self._seed,
+            checks=BASE_CHECKS,
+            look=sweep.look,
         )
         if way is None:
             raise NoMotionError(f"{performer.agent.name} finds no way over the floor to where it would stand")
         velocity = (settings.base_m_s, settings.base_m_s, settings.base_rad_s)
         acceleration = (settings.base_m_s2, settings.base_m_s2, settings.base_rad_s2)
-        _, bases = timed(way, velocity, acceleration, rate_hz=RATE_HZ)
+        bases = self._free_in_time(name, way, np.array(velocity), np.array(acceleration), sweep)
         qpos = np.array([performer.at(at.qpos, _base(base)) for base in bases])
         yield self._shown(at, name, qpos)
 
     # --- From ways to frames.
 
-    def _free(self, at: _At, positions: Indices) -> Callable[[Array], bool]:
-        grip = at.held.grip if at.held else None
-        return lambda values: self._performer.blocking(with_values(at.qpos, positions, values), grip) is None
-
-    def _timed(self, at: _At, name: PhaseName, side: str, way: Array) -> Phase:
+    def _timed(self, at: _At, name: PhaseName, side: str, way: Array, sweep: Sweep) -> Phase:
         """An arm along a way, (n, k), within its limits."""
         chain, settings = self._performer.chain(side), self._settings
         velocity = np.where(chain.lifts, settings.lift_m_s, settings.joint_rad_s)
         acceleration = np.where(chain.lifts, settings.lift_m_s2, settings.joint_rad_s2)
-        _, values = timed(way, velocity, acceleration, rate_hz=RATE_HZ)
-        return self._phase(at, name, chain.positions, values)
+        return self._phase(at, name, chain.positions, self._free_in_time(name, way, velocity, acceleration, sweep))
+
+    def _free_in_time(self, name: PhaseName, way: Array, velocity: Array, acceleration: Array, sweep: Sweep) -> Array:
+        """A timed motion along a way that is free, between its frames as well.
+
+        It leaves the way at its corners, by the less the denser its way points are.
+        """
+        for _ in range(CORNERS_CUT):
+            _, values = timed(way, velocity, acceleration, rate_hz=RATE_HZ)
+            if points_are_free(sweep.look_closely, values):
+                return values
+            way = np.insert(way, np.arange(1, len(way)), (way[1:] + way[:-1]) / 2, axis=0)
+        met = "" if sweep.blocked is None else f": its {sweep.blocked.part} would meet {sweep.blocked.other}"
+        raise NoMotionError(f"{self._performer.agent.name} cannot move along the way that it found to {name}{met}")
 
     def _phase(self, at: _At, name: PhaseName, positions: Indices, values: Array) -> Phase:
         return self._shown(at, name, np.array([with_values(at.qpos, positions, each) for each in values]))
@@ -271,6 +316,10 @@ class Motions:
             qpos = np.array([self._performer.carried(each, at.held.grip) for each in qpos])
         at.qpos = qpos[-1]
         return Phase(name, qpos, at.holds)
+
+
+def _grip(at: _At) -> Grip | None:
+    return at.held.grip if at.held else None
 
 
 def _base(values: Array) -> Base:

@@ -1,11 +1,13 @@
 """Paths: how joints, or a base that moves any way, get from one configuration to another without collisions.
 
 RRT-Connect [Kuffner & LaValle 2000], as OMPL has it (extra ``planning``), finds some way; shortcuts make it a short
-one; and before a way is given back, every step of it is checked once more. Nobody's idea of resolution is trusted:
-the search, the shortcuts and the last check all walk straight lines in the very same steps, so small that no joint
-moves by more than its ``step`` between two checks. Example::
+one; and before a way is given back, all of it is checked once more. Nobody's idea of resolution is trusted: the search,
+the shortcuts and the last check all walk straight lines in the very same steps, so small that no joint moves by more
+than its ``step`` between two checks. Example::
 
     way = joint_path(start, goals, ranges, free, step=0.02, seed=0)  # (n, k), or None
+
+Who can say of a configuration how far around it all is free (``sweeps``) says that instead, and lines are walked by it.
 
 The same question has the same answer, however busy the machine: what is limited is the number of checks, and never
 the time. Joints are measured in their own steps, so that metres and radians, shoulders and wrists weigh alike.
@@ -26,6 +28,7 @@ from numpy.typing import ArrayLike
 from taskgist.common.arrays import Array
 from taskgist.common.extras import door
 from taskgist.errors import InputError
+from taskgist.planning.sweeps import NOWHERE, Look, line_is_free
 
 EXTRA = "planning"
 CHECKS = 20_000
@@ -49,6 +52,7 @@ def joint_path(
     step: ArrayLike,
     seed: int,
     checks: int = CHECKS,
+    look: Look | None = None,
 ) -> Array | None:
     """A free way from one configuration to any of some others.
 
@@ -63,6 +67,7 @@ def joint_path(
         step: Largest change of each joint between two checks, (k,) or one for all.
         seed: Seed of the search; the same question with the same seed has the same answer.
         checks: Configurations that the search may check; shortcuts may check as many again.
+        look: How far around a configuration all is free; None: only ``free`` is known.
 
     Returns:
         Way points (n, k): the first is the start, the last a goal, consecutive ones differ by at most ``step`` in each
@@ -73,7 +78,7 @@ def joint_path(
     """
     start, goals, ranges, step = _checked(start, goals, ranges, step)
     low, high = _window(start, ranges)
-    lines = _Lines(free, step, checks)
+    lines = _Lines(free, step, checks, look)
     if not lines.is_free(start):
         return None
     ends = [goal for goal in _ends(start, goals, ranges, low, high, step) if lines.is_free(goal)]
@@ -84,7 +89,11 @@ def joint_path(
     if corners is None:
         return None
     lines.left = checks
-    way = lines.points(_shortened(lines, corners, np.random.default_rng(seed)))
+    corners = _shortened(lines, corners, np.random.default_rng(seed))
+    if look is not None:
+        sure = all(line_is_free(look, one, other) for one, other in itertools.pairwise(corners))
+        return lines.points(corners) if sure else None
+    way = lines.points(corners)
     return way if all(free(point) for point in way) else None
 
 
@@ -98,6 +107,7 @@ def base_path(
     step_rad: float,
     seed: int,
     checks: int = CHECKS,
+    look: Look | None = None,
 ) -> Array | None:
     """A free way of a base that moves and turns any way it likes (holonomic), on a level floor.
 
@@ -110,6 +120,7 @@ def base_path(
         step_rad: Largest change of yaw between two checks.
         seed: As in ``joint_path``.
         checks: As in ``joint_path``.
+        look: As in ``joint_path``.
 
     Returns:
         Way points (n, 3), as ``joint_path`` gives them; None: no way was found within the checks.
@@ -120,7 +131,7 @@ def base_path(
     if not np.isfinite(np.asarray(ranges, dtype=float)[:2]).all():
         raise InputError("a base is searched for within bounds", field="ranges", hint="give x and y finite ones")
     goals = np.asarray(goal, dtype=float)[None]
-    return joint_path(start, goals, ranges, free, step=(step_m, step_m, step_rad), seed=seed, checks=checks)
+    return joint_path(start, goals, ranges, free, step=(step_m, step_m, step_rad), seed=seed, checks=checks, look=look)
 
 
 def _checked(start: ArrayLike, goals: ArrayLike, ranges: ArrayLike, step: ArrayLike) -> tuple[Array, ...]:
@@ -167,10 +178,10 @@ def _ends(start: Array, goals: Array, ranges: Array, low: Array, high: Array, st
 
 
 class _Lines:
-    """Checks straight lines step by step, as long as there are checks left."""
+    """Checks straight lines, step by step or look by look, as long as there are checks left."""
 
-    def __init__(self, free: Free, step: Array, checks: int) -> None:
-        self._free, self.step, self.left = free, step, checks
+    def __init__(self, free: Free, step: Array, checks: int, look: Look | None = None) -> None:
+        self._free, self.step, self.left, self._looks = free, step, checks, look
 
     def is_free(self, configuration: Array) -> bool:
         """Whether a configuration is free; what cannot be checked any more is not."""
@@ -181,8 +192,18 @@ class _Lines:
 
     def are_free(self, start: Array, end: Array) -> bool:
         """Whether a line is free, its end included; its start was checked before."""
+        if self._looks is not None:
+            return line_is_free(self._look, start, end)
         count = self.count(start, end)
         return all(self.is_free(start + (end - start) * (place / count)) for place in _middles_first(count))
+
+    def _look(self, configuration: Array, half: Array) -> float:
+        """As it is asked; what cannot be looked at any more is not free."""
+        if self.left <= 0:
+            return NOWHERE
+        self.left -= 1
+        assert self._looks is not None
+        return self._looks(configuration, half)
 
     def count(self, start: Array, end: Array) -> int:
         """Steps of a line."""

@@ -25,9 +25,11 @@ from taskgist.perspective.effort import LEAN, MOVE, TURN, Blocking, stretch
 from taskgist.perspective.effort import LIFT as LIFT_TORSO
 from taskgist.planning.gripper import Gripper
 from taskgist.planning.inverse_kinematics import ArmKinematics, Chain, Pointing, ahead_in_palm, chain_of_arm
+from taskgist.planning.sweeps import BaseMoves, JointMoves, Sweep
 from taskgist.planning.whole_body import TOLERANCE_M, Grip, WholeBody
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
+from taskgist.world.contacts import holding_of
 from taskgist.world.geometry.transforms import Pose, turned_about_z, wrapped, yaw_of
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
@@ -39,7 +41,7 @@ Base = tuple[float, float, float]
 ALONG = 0.999
 """Cosine of what counts as parallel."""
 
-__all__ = ["TOLERANCE_M", "Base", "Chain", "Grip", "Gripper", "Performer"]
+__all__ = ["TOLERANCE_M", "Base", "Chain", "Grip", "Gripper", "Performer", "refuse_held"]
 
 
 class Performer:
@@ -49,7 +51,7 @@ class Performer:
         scene: The scene.
         agent_name: Whose body.
         settings: All settings.
-        start: The state from which it starts, whose contacts count as usual; by default the scene's own.
+        start: The state from which it starts; by default the scene's own.
 
     Attributes:
         scene: As given.
@@ -60,7 +62,7 @@ class Performer:
 
     Raises:
         UnknownNameError: There is no such agent.
-        SceneError: It has no arm, or no hand that grasps.
+        SceneError: It has no arm, or no hand that grasps; or it begins in something.
     """
 
     def __init__(
@@ -159,17 +161,18 @@ class Performer:
 
     # --- Collisions.
 
-    def blocking(self, qpos: Array, grip: Grip | None = None) -> Blocking | None:
+    def blocking(self, qpos: Array, grip: Grip | None = None, *, taken_by: Indices | None = None) -> Blocking | None:
         """The first pair that collides in a configuration: a part of the robot or its load, and what it is in.
 
         Args:
             qpos: Positions of the whole scene, (nq,).
             grip: What it holds; that goes with the palm.
+            taken_by: Shapes of another hand, which comes to what it holds.
 
         Returns:
             None if the whole robot and its load are free.
         """
-        return self.body.blocking(qpos, grip)
+        return self.body.blocking(qpos, grip, taken_by=taken_by)
 
     def grip(self, qpos: Array, thing: str, side: str) -> Grip:
         """A thing, where it is, in a hand, where that is."""
@@ -178,6 +181,21 @@ class Performer:
     def carried(self, qpos: Array, grip: Grip) -> Array:
         """A configuration with the held thing where the hand has it."""
         return self.body.carried(self._stage.show(self._state(qpos)), grip)
+
+    def arm_sweep(self, qpos: Array, side: str, grip: Grip | None = None, *, ends: Sequence[Array] = ()) -> Sweep:
+        """What an arm and its lift, and what the robot holds, may meet along a way of its joints.
+
+        Args:
+            qpos: Where everything else is, (nq,).
+            side: The arm.
+            grip: What the robot holds.
+            ends: Joint values of the chain where the way begins and ends, (k,) each.
+        """
+        return Sweep(self.body, qpos, JointMoves(self.chain(side).positions), grip, ends=ends)
+
+    def base_sweep(self, qpos: Array, grip: Grip | None = None, *, ends: Sequence[Array] = ()) -> Sweep:
+        """What the robot, and what it holds, may meet as its base moves; ``ends`` are x, y and yaw, (3,) each."""
+        return Sweep(self.body, qpos, BaseMoves(self.agent.base), grip, ends=ends)
 
     # --- The palm, and what brings it somewhere.
 
@@ -286,6 +304,34 @@ class Performer:
                 body = int(model.body_parentid[body])
         own = {position for side in self.sides for position in self.chain(side).positions.tolist()}
         return np.array(sorted(found - own), dtype=np.intp)
+
+
+def refuse_held(scene: Scene, state: State, performer: str, thing: str, settings: Settings = DEFAULT) -> None:
+    """See that a thing is there to be taken, and that the hands are free of who is to take it.
+
+    Args:
+        scene: The scene.
+        state: Where everything is.
+        performer: Who is to take it.
+        thing: The thing.
+        settings: All settings.
+
+    Raises:
+        UnknownNameError: There is no such agent or thing.
+        SceneError: Somebody holds the thing, or the performer something.
+    """
+    scene.object_body(thing)
+    stage, agent = Stage(scene, state), scene.agent(performer)
+    for name in scene.objects:
+        held = holding_of(stage, name, settings.contact)
+        for who, side in () if held is None else held.hands:
+            if name == thing:
+                problem = f"the {thing} is held by {who}, in the {side} hand"
+                hint = "put it somewhere, or name another thing"
+                raise SceneError(problem, where=scene.name, field=thing, hint=hint)
+            if who == agent.name:
+                problem = f"{performer} holds the {name} in its {side} hand, and performs with empty hands"
+                raise SceneError(problem, where=scene.name, field=name, hint="put that somewhere first")
 
 
 def with_values(qpos: Array, positions: Indices | slice, values: Array) -> Array:

@@ -21,7 +21,7 @@ from taskgist.planning.actions import Actions
 from taskgist.planning.endings import Endings
 from taskgist.planning.goal import Goal
 from taskgist.planning.helping import Help, helps
-from taskgist.planning.performer import Performer
+from taskgist.planning.performer import Performer, refuse_held
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Cost, Plan
 from taskgist.planning.requests import Missed, Request, Search
@@ -59,7 +59,8 @@ class Planner:
 
     Raises:
         UnknownNameError: There is no such agent, thing or support.
-        SceneError: The performer has no arm or no hand that grasps.
+        SceneError: The performer has no arm or no hand that grasps, begins in something, or holds something; or
+            somebody holds the thing.
     """
 
     def __init__(
@@ -73,6 +74,7 @@ class Planner:
         predicates: Sequence[Predicate] = (),
     ) -> None:
         self.scene, self._state, self.request, self._settings = scene, state, request, settings
+        refuse_held(scene, state, request.performer, request.thing, settings)
         self._actions = Actions(scene, settings, target=request.target, seed=request.seed)
         self.performer = self._actions.robot(request.performer, state)
         start = resting_snapshot(

@@ -202,6 +202,10 @@ class Stage:
             return limit_m
         return self._clearance.gap_m(geom_a, geom_b, limit_m=limit_m)
 
+    def gap(self, geom_a: int, geom_b: int, *, limit_m: float) -> float:
+        """The same as ``distance``, for two shapes whose boxes were held against each other before."""
+        return self._clearance.gap_m(geom_a, geom_b, limit_m=limit_m)
+
     def near_pairs(self, geoms: ArrayLike, others: ArrayLike, *, limit_m: float) -> list[tuple[int, int]]:
         """Pairs of shapes, one of each set, that may come closer than ``limit_m``; all others do not."""
         return self._clearance.near_pairs(geoms, others, limit_m=limit_m)

@@ -1,0 +1,340 @@
+"""Sweeps: whether a robot is free all along a way, and not only at places of it.
+
+Who checks a way step by step knows nothing of what lies between the steps, and looks at a hundred steps amid a room in
+which there is nothing. A gap tells more: two shapes that are 20 cm apart stay apart until one has moved by 20 cm
+("conservative advancement" [Mirtich 1996]). So each look at a configuration says how far around it all is free::
+
+    sweep = Sweep(body, qpos, ArmMoves(positions), ends=(start, goal))
+    sweep.look(middle, half)             # -1: something is hit; 0.4: free within 0.4 × half of the middle; 1: all of it
+    line_is_free(sweep.look, start, goal)
+
+How far a shape moves is bounded by levers: no point of it moves by more than the sum, over the joints that carry it, of
+their turns times the farthest that it can be from their axes.
+
+**Clearance.** Ways keep clear of everything by ``CLEARANCE_M``, for nothing is as exact as a plan. Where a way begins
+or ends nearer to something than that, as a hand at a table, it need not be farther from it than it is there. Between
+two looks a gap may shrink by a part of its clearance, and never below what audits of motions let pass.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import mujoco
+import numpy as np
+
+from taskgist.common.arrays import Array, Indices, Mask
+from taskgist.common.compiled import compiled
+from taskgist.perspective.effort import Blocking
+from taskgist.planning.whole_body import TOLERANCE_M, Grip, WholeBody
+from taskgist.world.geometry.distances import RADIUS, may_be_near
+from taskgist.world.geometry.transforms import turned_about_z, yaw_of
+from taskgist.world.stage import Stage
+from taskgist.world.state import State
+
+CLEARANCE_M = 0.008
+"""How far ways keep from everything, where they do not begin or end nearer to it (ours)."""
+SHRINKS = 0.6
+"""By which share of its clearance a gap may be less between two looks."""
+LEAST_M = 0.0018
+"""How deep two shapes may be in each other between two looks, beyond what is usual: less than audits let pass."""
+NOISE_M = 2e-4
+"""What a gap that is measured again may be less."""
+FARTHEST_M = 0.25
+"""How far a look looks, at most: shapes farther apart than that are many, and cost time."""
+NOWHERE = -1.0
+
+Look = Callable[[Array, Array], float]
+"""Of a configuration (k,) and how far around it (k,), by each joint: the share of that within which all is free; less
+than nothing if the configuration itself is not."""
+
+
+class Moves(Protocol):
+    """What moves along a way: some joints, or the base."""
+
+    def placed(self, qpos: Array, values: Array) -> Array:
+        """Positions of the whole scene, (nq,), with values (k,) of what moves."""
+
+    def levers(self, body: WholeBody, qpos: Array, geoms: Indices, load: Indices, carrier: int) -> tuple[Array, Mask]:
+        """How far each shape goes at most for a unit of each value, (n, k), and whether that moves it at all, (n, k).
+
+        Args:
+            body: The robot.
+            qpos: A configuration.
+            geoms: The shapes, the load's among them.
+            load: Those of what it holds.
+            carrier: The body that carries the load.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class BaseMoves:
+    """A base over its floor: x and y in metres, yaw in radians.
+
+    Attributes:
+        base: Where the base is in qpos.
+    """
+
+    base: slice
+
+    def placed(self, qpos: Array, values: Array) -> Array:
+        """As ``Moves`` says."""
+        moved = np.array(qpos)
+        whole = moved[self.base]
+        whole[:2] = values[:2]
+        whole[3:] = turned_about_z(whole[3:], values[2] - yaw_of(whole[3:]))
+        return moved
+
+    def levers(self, body: WholeBody, qpos: Array, geoms: Indices, load: Indices, carrier: int) -> tuple[Array, Mask]:
+        """As ``Moves`` says."""
+        del load, carrier
+        table = body.stage.boxes(geoms)
+        away_m = np.linalg.norm(table[:, :2] - qpos[self.base][:2], axis=1) + table[:, RADIUS]
+        return np.stack((np.ones(len(geoms)), np.ones(len(geoms)), away_m), axis=1), np.ones(
+            (len(geoms), 3), dtype=bool
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class JointMoves:
+    """Joints of an arm and what carries it.
+
+    Attributes:
+        positions: Where they are in qpos, from the root to the hand, (k,).
+    """
+
+    positions: Indices
+
+    def placed(self, qpos: Array, values: Array) -> Array:
+        """As ``Moves`` says."""
+        moved = np.array(qpos)
+        moved[self.positions] = values
+        return moved
+
+    def levers(self, body: WholeBody, qpos: Array, geoms: Indices, load: Indices, carrier: int) -> tuple[Array, Mask]:
+        """As ``Moves`` says."""
+        del qpos
+        model, table = body.scene.model, body.stage.boxes(geoms)
+        joints = [int(np.flatnonzero(model.jnt_qposadr == position)[0]) for position in self.positions]
+        anchors = np.array([body.stage.screw(joint)[0] for joint in joints])
+        slides = model.jnt_type[joints] == int(mujoco.mjtJoint.mjJNT_SLIDE)
+        spans_m = np.where(slides, np.ptp(model.jnt_range[joints], axis=1), 0.0)
+        levers, moved = np.zeros((len(geoms), len(joints))), np.zeros((len(geoms), len(joints)), dtype=bool)
+        for row, geom in enumerate(geoms.tolist()):
+            above = _bodies_above(model, carrier if geom in load else int(model.geom_bodyid[geom]))
+            own = [column for column, joint in enumerate(joints) if int(model.jnt_bodyid[joint]) in above]
+            far_m, point = float(table[row, RADIUS]), table[row, :3]
+            for column in reversed(own):
+                far_m += float(np.linalg.norm(anchors[column] - point))
+                levers[row, column], moved[row, column] = (1.0 if slides[column] else far_m), True
+                far_m, point = far_m + spans_m[column], anchors[column]
+        return levers, moved
+
+
+def _bodies_above(model: mujoco.MjModel, body: int) -> set[int]:
+    """A body, and all that carry it."""
+    found = {body}
+    while body:
+        body = int(model.body_parentid[body])
+        found.add(body)
+    return found
+
+
+class Sweep:
+    """A robot that moves some of itself, and what it holds, along a way; all else stands still.
+
+    Args:
+        body: The robot's collisions.
+        qpos: Positions of the whole scene, (nq,); what moves counts as well, for how what it holds is carried.
+        moves: What moves.
+        grip: What it holds.
+        ends: Where the way begins and ends, (k,) each.
+        clearance_m: How far to keep from everything.
+
+    Attributes:
+        blocked: What the last configuration that was not free ran into.
+        looks: How many configurations were looked at.
+    """
+
+    def __init__(
+        self,
+        body: WholeBody,
+        qpos: Array,
+        moves: Moves,
+        grip: Grip | None = None,
+        *,
+        ends: Sequence[Array] = (),
+        clearance_m: float = CLEARANCE_M,
+    ) -> None:
+        self._body, self._qpos, self._moves = body, np.array(qpos), moves
+        self.blocked: Blocking | None = None
+        self.looks = 0
+        self._load = np.empty(0, dtype=np.intp) if grip is None else body.geoms_of(grip.thing)
+        stage = body.show(qpos, grip)
+        self._held = None if grip is None else _Held.of(stage, body, grip, self._load)
+        own = np.concatenate((body.own, self._load))
+        carrier = 0 if self._held is None else int(body.scene.model.site_bodyid[self._held.palm])
+        levers, moved = moves.levers(body, self._qpos, own, self._load, carrier)
+        active = moved.any(axis=1)
+        self._geoms, pairs, self._usual_m = body.pairs(own[active], grip)
+        rows = {int(geom): row for row, geom in enumerate(self._geoms)}
+        all_levers = np.zeros((len(self._geoms), levers.shape[1]))
+        all_moved = np.zeros(all_levers.shape, dtype=bool)
+        for geom, lever, moves_it in zip(own.tolist(), levers, moved, strict=True):
+            if geom in rows:
+                all_levers[rows[geom]], all_moved[rows[geom]] = lever, moves_it
+        one, other = pairs.T
+        # What a joint moves together stays as far apart as it is.
+        between = all_levers[one] * ~all_moved[other] + all_levers[other] * ~all_moved[one]
+        counts = between.any(axis=1)
+        self._pairs, self._levers, self._usual_m = pairs[counts], between[counts], self._usual_m[counts]
+        self._moving = np.flatnonzero(all_moved.any(axis=1))
+        self._table = stage.boxes(self._geoms)
+        self._groups = self._grouped(own)
+        self._least_m = -self._usual_m - TOLERANCE_M
+        self._needs_m, self._floors_m = self._least_m, -self._usual_m - LEAST_M
+        self._close_to(ends, clearance_m)
+
+    def look(self, values: Array, half: Array) -> float:
+        """How far around a configuration all is free, as ``Look`` says."""
+        return self._look(values, half, self._needs_m, self._floors_m)
+
+    def look_closely(self, values: Array, half: Array) -> float:
+        """The same without any clearance: for what is near a way that was found, as the timed motion along it."""
+        return self._look(values, half, self._least_m, -self._usual_m - LEAST_M)
+
+    def is_free(self, values: Array) -> bool:
+        """Whether a configuration is free, clearance and all."""
+        return self.look(values, np.zeros(len(values))) >= 0.0
+
+    def _look(self, values: Array, half: Array, needs_m: Array, floors_m: Array) -> float:
+        self.looks += 1
+        stage = self._show(values)
+        self._table[self._moving] = stage.boxes(self._geoms[self._moving])
+        travel_m = self._levers @ np.abs(half)
+        longest_m = float(travel_m.max(initial=0.0))
+        share = 1.0 if longest_m <= FARTHEST_M else FARTHEST_M / longest_m
+        limits_m = np.maximum(needs_m, floors_m + share * travel_m)
+        for row in _near_rows(self._table, self._pairs, limits_m).tolist():
+            one, other = self._pairs[row].tolist()
+            gap_m = stage.gap(int(self._geoms[one]), int(self._geoms[other]), limit_m=float(limits_m[row]))
+            if gap_m < needs_m[row]:
+                self.blocked = self._body.met(int(self._geoms[one]), int(self._geoms[other]), -gap_m)
+                return NOWHERE
+            if travel_m[row] > 0.0:
+                share = min(share, float(gap_m - floors_m[row]) / float(travel_m[row]))
+        return share
+
+    def _show(self, values: Array) -> Stage:
+        body = self._body
+        stage = body.stage.show(State(self._moves.placed(self._qpos, values), untracked=body.start.untracked))
+        if self._held is not None:
+            self._held.place(stage)
+        return stage
+
+    def _grouped(self, own: Indices) -> Indices:
+        """Numbers of groups of pairs, (k,): all links beside one thing or piece of furniture, or the load beside it.
+
+        Each pair of the robot's own shapes is a group of its own.
+        """
+        owners = np.unique(np.array(self._body.scene.owners), return_inverse=True)[1]
+        one, other = self._geoms[self._pairs].T
+        numbers = owners[other] * 2 + np.isin(one, self._load)
+        within = np.isin(other, own)
+        numbers[within] = 2 * len(owners) + np.flatnonzero(within)
+        return np.unique(numbers, return_inverse=True)[1].astype(np.intp)
+
+    def _close_to(self, ends: Iterable[Array], clearance_m: float) -> None:
+        """Find what is nearer to an end of the way than ways keep, and need be no farther from it along the way."""
+        nearest_m = np.full(int(self._groups.max(initial=-1)) + 1, clearance_m)
+        limits_m = np.full(len(self._pairs), clearance_m)
+        for values in ends:
+            stage = self._show(values)
+            self._table[self._moving] = stage.boxes(self._geoms[self._moving])
+            for row in _near_rows(self._table, self._pairs, limits_m).tolist():
+                one, other = self._pairs[row].tolist()
+                gap_m = stage.gap(int(self._geoms[one]), int(self._geoms[other]), limit_m=clearance_m)
+                # What usually overlaps is looked at pair by pair: it says nothing of what is beside it.
+                nearest_m[self._groups[row]] = min(nearest_m[self._groups[row]], gap_m + self._usual_m[row] - NOISE_M)
+        self._needs_m = np.maximum(nearest_m[self._groups] - self._usual_m, self._least_m)
+        shrunk_m = self._needs_m - SHRINKS * clearance_m
+        self._floors_m = np.maximum(shrunk_m, -self._usual_m - LEAST_M)
+
+
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """The shapes of what is held, in the palm's frame.
+
+    Attributes:
+        palm: The palm's site.
+        geoms: The shapes, (n,).
+        positions: Where they are, metres, (n, 3).
+        matrices: How they are turned, (n, 3, 3).
+    """
+
+    palm: int
+    geoms: Indices
+    positions: Array
+    matrices: Array
+
+    @classmethod
+    def of(cls, stage: Stage, body: WholeBody, grip: Grip, geoms: Indices) -> _Held:
+        palm = int(body.agent.arm(grip.side).palm_site)
+        pose, (positions, matrices) = stage.site(palm), stage.geoms(geoms)
+        turned = pose.matrix.T @ matrices.reshape(-1, 3, 3)
+        return cls(palm, geoms, pose.to_local(positions), turned)
+
+    def place(self, stage: Stage) -> None:
+        """Put them where the hand is."""
+        pose = stage.site(self.palm)
+        stage.place(self.geoms, pose.to_world(self.positions), (pose.matrix @ self.matrices).reshape(-1, 9))
+
+
+@compiled
+def _near_rows(table: Array, pairs: Indices, limits_m: Array) -> Indices:
+    """Which pairs of boxes, by rows of a table (n, 18), may come nearer than their limits, (k,)."""
+    found, count = np.empty(len(pairs), dtype=np.intp), 0
+    for row in range(len(pairs)):
+        if may_be_near(table, pairs[row, 0], table, pairs[row, 1], limits_m[row]):
+            found[count] = row
+            count += 1
+    return found[:count]
+
+
+# --- Lines, and what follows points.
+
+
+def line_is_free(look: Look, start: Array, end: Array) -> bool:
+    """Whether a straight line is free, both ends included; the middle of what is not known yet comes first."""
+    waiting, along = deque([(0.0, 1.0)]), end - start
+    while waiting:
+        low, high = waiting.popleft()
+        middle, half = (low + high) / 2, (high - low) / 2
+        share = look(start + along * middle, np.abs(along) * half)
+        if share < 0.0:
+            return False
+        if share < 1.0:
+            waiting += [(low, middle - share * half), (middle + share * half, high)]
+    return True
+
+
+def points_are_free(look: Look, points: Array) -> bool:
+    """Whether all is free that moves evenly from each point (n, k) to the next."""
+    waiting = deque([(0, len(points) - 1)])
+    while waiting:
+        first, last = waiting.popleft()
+        if last - first <= 1:
+            if not line_is_free(look, points[first], points[last]):
+                return False
+            continue
+        middle = (first + last) // 2
+        half = np.abs(points[first : last + 1] - points[middle]).max(axis=0)
+        share = look(points[middle], half)
+        if share < 0.0:
+            return False
+        if share < 1.0:
+            waiting += [(first, middle), (middle, last)]
+    return True
