@@ -109,7 +109,9 @@ def refused(
     if goal.impossible:
         return tuple(each.why for each in goal.impossible)
     told = []
-    if not search.places and "move" in request.means:
+    if search.out_of_hold:
+        told.append(search.out_of_hold)
+    elif not search.places and "move" in request.means:
         where = listed(request.allow or ()) or "this room"
         told.append(f"there is no place for the {request.thing} in {where}")
     elif "move" in request.means:
@@ -120,8 +122,11 @@ def refused(
         told.append(f"at {count} of them it fails that {_said(literal, tree)}{miss}")
     if search.out_of_hand:
         told.append(f"at {search.out_of_hand} of them {request.target} could not take it")
+    if search.out_of_reach:
+        those = "all of those" if search.out_of_reach == search.wanted else f"{search.out_of_reach} of those"
+        told.append(f"{those} {search.wanted} are where {request.performer} does not get at it")
     for reason, count in search.refusals.most_common():
-        told.append(f"{count} of those {search.wanted} {request.performer} does not bring about: {reason}")
+        told.append(f"{count} of the {search.tried} that {request.performer} tried it does not bring about: {reason}")
     told += [f"{each.what}: {each.why}" for each in search.others]
     told += [f"1 plan was thrown away: {reason}" for reason in spoiled]
     return tuple(told)

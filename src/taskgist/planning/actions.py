@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from itertools import islice, pairwise
 
@@ -17,9 +18,10 @@ from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.grasping import Grasping
 from taskgist.planning.hand_ways import Gate
 from taskgist.planning.handing import Taker, sides_by_distance
+from taskgist.planning.judging import EXACT
 from taskgist.planning.motions import Motions, NoMotionError
 from taskgist.planning.performer import Performer
-from taskgist.planning.persons import moves_itself, phases_of, usable, why_out_of_reach
+from taskgist.planning.persons import moves_itself, phases_of, usable
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Phase, Purpose
 from taskgist.planning.settling import settled
@@ -50,6 +52,7 @@ class Actions:
     def __init__(self, scene: Scene, settings: Settings, *, target: str, seed: int = 0) -> None:
         self._scene, self._settings, self._target, self._seed = scene, settings, target, seed
         self._robots: dict[tuple[str, bytes], Performer] = {}
+        self._followed: dict[str, SceneEfforts] = {}
         self._levels: dict[tuple[bytes, str, str], int] = {}
 
     def robot(self, name: str, state: State) -> Performer | None:
@@ -106,11 +109,41 @@ class Actions:
             blockers |= dict.fromkeys(self._blockers(way))
         return failed or (transfers and transfers.refusal) or "no way was found"
 
+    def out_of_hold(self, state: State, name: str, thing: str) -> str:
+        """Why an agent does not get hold of a thing where it is, by its own effort; nothing if it does."""
+        if self.grasps(state, name, thing):
+            return ""
+        reason = self._efforts(name, state).effort(name, thing, "grasp", self._usable(name)).reason
+        torso = () if moves_itself(self._scene.agent(name)) else self._start(name).torso_actions
+        if torso:
+            more = self._efforts(name, state).effort(name, thing, "grasp", (*self._usable(name), *torso))
+            if more.level is not None and more.level < NO_KNOWN_LEVEL:
+                joints = " and ".join(self._start(name).unused)
+                reason = f"it would have to move its torso ({joints}), which is not planned"
+        return f"{name} cannot grasp the {thing}: {reason}"
+
     def out_of_reach(self, name: str, candidate: Candidate) -> str | None:
-        """Why a person does not get at a place from where it sits or stands; None if it does, and for robots."""
-        if not moves_itself(self._scene.agent(name)):
+        """Why an agent does not get at a place, by its own effort; None if it does."""
+        effort = self._efforts(name, candidate.state).effort(name, candidate.thing, "reach", self._usable(name))
+        if effort.level is not None and effort.level < NO_KNOWN_LEVEL:
             return None
-        return why_out_of_reach(self._scene, candidate, name, self._settings)
+        stays = "from where it is, " if moves_itself(self._scene.agent(name)) else ""
+        return f"{stays}{name} does not reach so far"
+
+    def _efforts(self, name: str, state: State) -> SceneEfforts:
+        """Efforts in a state; from one state to the next only what changes is asked again."""
+        state = state.with_holding(None)
+        if name not in self._followed:
+            settings = replace(self._settings, following=EXACT)
+            self._followed[name] = SceneEfforts(Stage(self._scene, state), settings)
+        if self._followed[name].state is not state:
+            self._followed[name].update(state)
+        return self._followed[name]
+
+    def _usable(self, name: str) -> tuple[str, ...]:
+        """The virtual actions that an agent carries out here: people stay where they are."""
+        agent = self._scene.agent(name)
+        return usable(agent) if moves_itself(agent) else self._start(name).actions
 
     def effort(self, state: State, name: str, candidate: Candidate) -> int | None:
         """The least effort level with which an agent grasps a thing where it is and reaches it where it is to be."""
@@ -127,10 +160,7 @@ class Actions:
         """
         key = (state.qpos.tobytes(), name, thing)
         if key not in self._levels:
-            efforts = SceneEfforts(Stage(self._scene, state.with_holding(None)), self._settings)
-            agent = self._scene.agent(name)
-            actions = usable(agent) if moves_itself(agent) else self._start(name).actions
-            level = efforts.effort(name, thing, "grasp", actions).level
+            level = self._efforts(name, state).effort(name, thing, "grasp", self._usable(name)).level
             self._levels[key] = NO_KNOWN_LEVEL if level is None else level
         return self._levels[key]
 

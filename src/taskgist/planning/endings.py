@@ -180,5 +180,11 @@ class Endings:
         return state.replace(at=column, to=pose)
 
     def blockers(self, state: State, able: Callable[[State], bool]) -> tuple[str, ...]:
-        """Things without which somebody would be able to do what it is not now."""
-        return tuple(name for name in self.others(state) if able(self.without(state, name)))
+        """Things without which, and what lies on them, somebody would be able to do what it is not now."""
+        return tuple(name for name in self.others(state) if able(self._without_all(state, name)))
+
+    def _without_all(self, state: State, name: str) -> State:
+        """A state with a thing, and what stands or lies on it, thought away."""
+        for upon in (*self.upon(state, name), name):
+            state = self.without(state, upon)
+        return state

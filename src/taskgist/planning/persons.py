@@ -14,13 +14,11 @@ from taskgist.common.arrays import Array
 from taskgist.errors import SceneError
 from taskgist.moving.acting import Acting, filmed
 from taskgist.moving.steps import HandOver, HoldUp, PutDown, Take, Withdraw, carried_to, carry_to
-from taskgist.perspective.effort import LEAN, NO_KNOWN_LEVEL, TURN, stretch
-from taskgist.perspective.scene_efforts import SceneEfforts
+from taskgist.perspective.effort import LEAN, TURN, stretch
 from taskgist.planning.handing import sides_by_distance
 from taskgist.planning.motions import NoMotionError
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Phase, PhaseName
-from taskgist.settings import Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.contacts import object_points
 from taskgist.world.scene import Scene
@@ -40,16 +38,6 @@ def moves_itself(agent: Agent) -> bool:
 def usable(agent: Agent) -> tuple[str, ...]:
     """The virtual actions by which a person brings things about here: of arms and torso."""
     return (*(stretch(side) for side in agent.sides), TURN, LEAN)
-
-
-def why_out_of_reach(scene: Scene, candidate: Candidate, performer: str, settings: Settings) -> str | None:
-    """Why a person does not get at a place from where it sits or stands, by its own effort; None if it does."""
-    actions = usable(scene.agent(performer))
-    state = candidate.state.with_holding(None)
-    effort = SceneEfforts(Stage(scene, state), settings).effort(performer, candidate.thing, "reach", actions)
-    if effort.level is not None and effort.level < NO_KNOWN_LEVEL:
-        return None
-    return f"from where it is, {performer} does not reach so far"
 
 
 def phases_of(

@@ -114,12 +114,14 @@ class Planner:
     def _moves(self, progress: Progress, blocked: dict[str, None]) -> Iterator[Action]:
         """The thing moved by the performer alone; what is in the way of its hand is noted."""
         who, why_not = self.request.performer, self._endings.why_not(self._state, self.request.performer)
+        self.search.out_of_hold = self._actions.out_of_hold(self._state, who, self.request.thing)
+        if self.search.out_of_hold:
+            return
         for candidate in self._wanted(progress):
             if self.search.tried == MOST_TRIED:
                 return
-            out = self._actions.out_of_reach(who, candidate)
-            if out is not None:
-                self.search.refusals[out] += 1
+            if self._actions.out_of_reach(who, candidate):
+                self.search.out_of_reach += 1
                 continue
             self.search.tried += 1
             progress(f"how {who} gets the {self.request.thing} there", self._share())
