@@ -42,13 +42,14 @@ class Actions:
 
     Args:
         scene: The scene.
+        start: Where everything is at first; people's hands return to where they are then.
         settings: All settings.
         target: For whom people act; they look at it.
         seed: The same question with the same seed has the same plans.
     """
 
-    def __init__(self, scene: Scene, settings: Settings, *, target: str, seed: int = 0) -> None:
-        self._scene, self._settings, self._target, self._seed = scene, settings, target, seed
+    def __init__(self, scene: Scene, start: State, settings: Settings, *, target: str, seed: int = 0) -> None:
+        self._scene, self._start, self._settings, self._target, self._seed = scene, start, settings, target, seed
         self._robots: dict[tuple[str, bytes], Performer] = {}
         self._levels: dict[tuple[bytes, str, str], int] = {}
 
@@ -129,7 +130,7 @@ class Actions:
         if key not in self._levels:
             efforts = SceneEfforts(Stage(self._scene, state.with_holding(None)), self._settings)
             agent = self._scene.agent(name)
-            actions = usable(agent) if moves_itself(agent) else self._start(name).actions
+            actions = usable(agent) if moves_itself(agent) else self._anywhere(name).actions
             level = efforts.effort(name, thing, "grasp", actions).level
             self._levels[key] = NO_KNOWN_LEVEL if level is None else level
         return self._levels[key]
@@ -138,7 +139,7 @@ class Actions:
         """Whether an agent can grasp a thing where it is, by its own effort."""
         return self.level(state, name, thing) < NO_KNOWN_LEVEL
 
-    def _start(self, name: str) -> Performer:
+    def _anywhere(self, name: str) -> Performer:
         """A robot wherever it stands: what it can do is the same everywhere."""
         known = next((robot for (who, _), robot in self._robots.items() if who == name), None)
         return known or Performer(self._scene, name, self._settings)
@@ -156,8 +157,12 @@ class Actions:
     ) -> Iterator[Attempt]:
         taker = candidate.carrier if candidate.means == "hand_over" else self._target
         if robot is None or transfers is None:  # a person, the nearer hand first
-            for side in sides_by_distance(self._scene, state.qpos, candidate.thing, name):
-                yield side, partial(phases_of, self._scene, state, name, taker, candidate, side, seed=self._seed)
+            holding = [
+                hold.side for hold in state.holding or () if (hold.agent, hold.object) == (name, candidate.thing)
+            ]
+            rest, seed = self._start, self._seed
+            for side in holding or sides_by_distance(self._scene, state.qpos, candidate.thing, name):
+                yield side, partial(phases_of, self._scene, state, name, taker, candidate, side, rest=rest, seed=seed)
             return
         motions = Motions(robot, self._settings.planning, seed=self._seed)
         takes = Taker(self._scene, taker, state)
@@ -215,4 +220,4 @@ def after(scene: Scene, state: State, action: Action) -> State | str:
                 for name in end.motions:
                     column = scene.object_slice(name)
                     qpos[column] = end.state.qpos[column]
-    return state.replace(at=slice(None), to=qpos)
+    return state.replace(at=slice(None), to=qpos).with_holding(action.phases[-1].holds or None)
