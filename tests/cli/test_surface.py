@@ -23,7 +23,7 @@ SURFACE: dict[str, set[str]] = {
     "learn": {"demonstrations", "--knowledge", "-k", "--replace"},
     "perform": {
         *("task", "where", "--knowledge", "-k", "--robot", "--for", "--object", "--out", "-o", "--ways"),
-        *("--attention", "--allow", "--prefer", "--seed", "--at", "--replace"),
+        *("--attention", "--allow", "--prefer", "--means", "--helpers", "--spare", "--seed", "--at", "--replace"),
         *("--trajectory", "--plan", "--positions", "--picture", "--film"),
     },
     "explain": {"task", "--knowledge", "-k", "--why", "--band"},

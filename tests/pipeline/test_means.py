@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
+from itertools import groupby
 
 import numpy as np
 
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.language.performing import chosen, refused, steps
+from taskgist.performing.execution import phase_frames
+from taskgist.performing.outputs import plan_document, robot_trajectory
 from taskgist.pipeline.performing import Outcome, perform
+from taskgist.planning.plan import Action
 from taskgist.planning.requests import Request
 from taskgist.world import Scene
 from taskgist_lab.generator.things import OpenBox
-from taskgist_lab.simulator.room import TABLE, Person, Room, Thing
+from taskgist_lab.simulator.room import TABLE, Person, Room, Table, Thing
 from tests.pipeline.test_performing import clause
+from tests.schemas import hold_to_schema
 
 TOP = 0.72
 IT = Thing("tape", (0.05, 0.04, 0.03), (-0.1, 0.3, TOP))
@@ -109,9 +115,9 @@ def beneath_a_laden_dome(wide_m: float) -> Scene:
 
 
 def test_what_lies_on_what_is_in_the_way_is_cleared_before_that() -> None:
-    (found,) = perform(beneath_a_laden_dome(0.05), Request(clause("give"), "R", "P2", "tape")).performances
-    cleared = [("clear", "book"), ("clear", "dome"), ("move", "tape")]
-    assert [(each.purpose, each.thing) for each in found.plan.actions] == cleared
+    request = Request(clause("make accessible"), "R", "P2", "tape", means=("clear",))
+    (found,) = perform(beneath_a_laden_dome(0.05), request).performances
+    assert [(each.purpose, each.thing) for each in found.plan.actions] == [("clear", "book"), ("clear", "dome")]
     assert found.audit.clean
     assert found.strict is True
 
@@ -123,3 +129,85 @@ def test_why_nothing_is_cleared_that_carries_what_no_hand_takes() -> None:
     assert "R clears the dome out of the way, R brings the tape there: on the dome, or in it, there is the book" in told
     assert "R clears the book out of the way" in told
     assert "R does not get hold of the book" in told
+
+
+# --- Helped.
+
+
+@cache
+def parted(thing_m: float = 0.05) -> Scene:
+    """A counter that nobody gets around parts the room; the shelf is on the other side."""
+    counter, shelf = Table("counter", (0.0, 0.0), (1.2, 19.0, TOP)), Table("shelf", (2.2, 1.2), (0.4, 1.0, TOP))
+    people = (
+        robot("R1", -1.6),
+        robot("R2", 1.6, 0.8, math.pi),
+        replace(P2, position_m=(1.0, -0.6), posture="standing"),
+    )
+    things = (
+        Thing("tape", (thing_m, thing_m, 0.05), (-0.45, 0.2, TOP)),
+        Thing("screen", (0.3, 0.06, 0.3), (2.2, 1.2, TOP)),
+    )
+    return Room("room", people, things, counter, (shelf,)).scene()
+
+
+@cache
+def relayed() -> Outcome:
+    return perform(parted(), Request(clause("hide"), "R1", "P2", "tape", allow=("shelf",), means=("relay",)))
+
+
+def test_another_robot_brings_a_thing_where_the_performer_does_not_get() -> None:
+    (found,) = relayed().performances
+    one, other = found.plan.actions
+    assert [(each.performer, each.purpose, each.thing) for each in (one, other)] == [
+        ("R1", "relay", "tape"),
+        ("R2", "move", "tape"),
+    ]
+    assert (one.candidate.carrier, other.candidate.carrier) == ("counter", "shelf")
+    assert found.audit.clean
+    assert found.strict is True
+    assert dict(found.plan.cost.efforts) == {"R1": 4, "R2": 4}
+    assert found.plan.cost.total == 2 + 8 / 5
+    assert "m, where R2 takes it; then R2 puts the tape on the shelf" in chosen(found.plan)
+    assert [step for step in steps(found.plan) if step.startswith("R2 ")] == [steps(found.plan)[len_of(one)]]
+
+
+def len_of(action: Action) -> int:
+    return len([name for name, _ in groupby(action.phases, key=lambda phase: phase.name)])
+
+
+def test_one_acts_after_the_other_and_gives_way() -> None:
+    (found,) = relayed().performances
+    recording = found.execution.recording
+    qpos, frames = np.array(recording.qpos), phase_frames(found.plan)
+    switch = frames[len(found.plan.actions[0].phases)].start
+    for name, there in (("R1", slice(switch, None)), ("R2", slice(None, switch))):
+        agent = recording.scene.agent(name)
+        columns = np.r_[agent.base, sorted(agent.joints.values())]
+        assert np.ptp(qpos[there][:, columns], axis=0).max() < 1e-9, name
+    base = recording.scene.agent("R1").base
+    assert np.linalg.norm(qpos[switch, base][:2] - qpos[0, base][:2]) < 0.01, "back where it was"
+
+
+def test_documents_tell_of_both() -> None:
+    (found,) = relayed().performances
+    plan, trajectory = plan_document(found.plan, found.execution), robot_trajectory(found.plan, found.execution)
+    hold_to_schema("perform_plan", plan)
+    hold_to_schema("perform_trajectory", trajectory)
+    assert [each["performer"] for each in plan["actions"]] == ["R1", "R2"]
+    ends = [each["phases"][-1]["end_s"] for each in plan["actions"]]
+    assert plan["actions"][1]["phases"][0]["start_s"] == ends[0] < ends[1]
+    (helper,) = trajectory["helpers"]
+    assert (trajectory["robot"], helper["robot"]) == ("R1", "R2")
+    assert len(helper["base_trajectory"]["points"]) > 10
+
+
+def test_why_nobody_helps() -> None:
+    request = Request(clause("hide"), "R1", "P2", "tape", allow=("shelf",), means=("relay",))
+    nobody = perform(parted(), replace(request, helpers=()))
+    assert not nobody.performances
+    assert not nobody.search.others
+    told = why_not(perform(parted(0.12), request))
+    assert told.startswith(
+        "R1 brings the tape to where R2 takes it, R2 brings the tape there: all approaches to the tape"
+    )
+    assert "R2 brings the tape to where R1 takes it, R1 brings the tape there: R2 does not get hold of the tape" in told

@@ -228,11 +228,12 @@ class Acting:
 RATE_HZ = 30.0
 
 
-def filmed(acting: Acting) -> tuple[Array, Array]:
+def filmed(acting: Acting, *, swaying: bool = True) -> tuple[Array, Array]:
     """Frames of everything but people's gaze.
 
     Args:
         acting: The performance.
+        swaying: Whether people sway a little. Where one motion is to begin as the one before has ended, they do not.
 
     Returns:
         Times in seconds, (n,), and positions, (n, nq).
@@ -245,7 +246,7 @@ def filmed(acting: Acting) -> tuple[Array, Array]:
         frames[np.ix_(since, body.columns)] = within
     for name in acting.scene.agents:
         joints = acting.scene.agent(name).joints
-        if set(SWAYING) <= set(joints):  # robots keep still
+        if swaying and set(SWAYING) <= set(joints):  # robots keep still
             for joint, offsets in sway(times, acting.rng).items():
                 frames[:, joints[joint]] += offsets
     for carry in acting.carries:

@@ -44,13 +44,14 @@ class Actions:
 
     Args:
         scene: The scene.
+        start: Where everything is at first; people's hands return to where they are then.
         settings: All settings.
         target: For whom people act; they look at it.
         seed: The same question with the same seed has the same plans.
     """
 
-    def __init__(self, scene: Scene, settings: Settings, *, target: str, seed: int = 0) -> None:
-        self._scene, self._settings, self._target, self._seed = scene, settings, target, seed
+    def __init__(self, scene: Scene, start: State, settings: Settings, *, target: str, seed: int = 0) -> None:
+        self._scene, self._start, self._settings, self._target, self._seed = scene, start, settings, target, seed
         self._robots: dict[tuple[str, bytes], Performer] = {}
         self._followed: dict[str, SceneEfforts] = {}
         self._levels: dict[tuple[bytes, str, str], int] = {}
@@ -114,11 +115,11 @@ class Actions:
         if self.grasps(state, name, thing):
             return ""
         reason = self._efforts(name, state).effort(name, thing, "grasp", self._usable(name)).reason
-        torso = () if moves_itself(self._scene.agent(name)) else self._start(name).torso_actions
+        torso = () if moves_itself(self._scene.agent(name)) else self._anywhere(name).torso_actions
         if torso:
             more = self._efforts(name, state).effort(name, thing, "grasp", (*self._usable(name), *torso))
             if more.level is not None and more.level < NO_KNOWN_LEVEL:
-                joints = " and ".join(self._start(name).unused)
+                joints = " and ".join(self._anywhere(name).unused)
                 reason = f"it would have to move its torso ({joints}), which is not planned"
         return f"{name} cannot grasp the {thing}: {reason}"
 
@@ -143,7 +144,7 @@ class Actions:
     def _usable(self, name: str) -> tuple[str, ...]:
         """The virtual actions that an agent carries out here: people stay where they are."""
         agent = self._scene.agent(name)
-        return usable(agent) if moves_itself(agent) else self._start(name).actions
+        return usable(agent) if moves_itself(agent) else self._anywhere(name).actions
 
     def effort(self, state: State, name: str, candidate: Candidate) -> int | None:
         """The least effort level with which an agent grasps a thing where it is and reaches it where it is to be."""
@@ -168,7 +169,7 @@ class Actions:
         """Whether an agent can grasp a thing where it is, by its own effort."""
         return self.level(state, name, thing) < NO_KNOWN_LEVEL
 
-    def _start(self, name: str) -> Performer:
+    def _anywhere(self, name: str) -> Performer:
         """A robot wherever it stands: what it can do is the same everywhere."""
         known = next((robot for (who, _), robot in self._robots.items() if who == name), None)
         return known or Performer(self._scene, name, self._settings)
@@ -186,8 +187,12 @@ class Actions:
     ) -> Iterator[Attempt]:
         taker = candidate.carrier if candidate.means == "hand_over" else self._target
         if robot is None or transfers is None:  # a person, the nearer hand first
-            for side in sides_by_distance(self._scene, state.qpos, candidate.thing, name):
-                yield side, partial(phases_of, self._scene, state, name, taker, candidate, side, seed=self._seed)
+            holding = [
+                hold.side for hold in state.holding or () if (hold.agent, hold.object) == (name, candidate.thing)
+            ]
+            rest, seed = self._start, self._seed
+            for side in holding or sides_by_distance(self._scene, state.qpos, candidate.thing, name):
+                yield side, partial(phases_of, self._scene, state, name, taker, candidate, side, rest=rest, seed=seed)
             return
         motions = Motions(robot, self._settings.planning, seed=self._seed)
         takes = Taker(self._scene, taker, state)
@@ -245,4 +250,4 @@ def after(scene: Scene, state: State, action: Action) -> State | str:
                 for name in end.motions:
                     column = scene.object_slice(name)
                     qpos[column] = end.state.qpos[column]
-    return state.replace(at=slice(None), to=qpos)
+    return state.replace(at=slice(None), to=qpos).with_holding(action.phases[-1].holds or None)

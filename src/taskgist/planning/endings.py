@@ -35,6 +35,7 @@ ENDS: Mapping[Means, str] = {
     "hand_over": v.IN_HAND,
 }
 """Where a thing is in the end, by how it gets there."""
+HANDED: tuple[Means, ...] = ("hand_over",)
 AWAY_M = 1e3
 """Where a thing is put that is thought away."""
 
@@ -134,6 +135,20 @@ class Endings:
         """Where something else than the thing may be put down."""
         request = self._request
         return candidates(Stage(self._scene, state), other, agent, request.target, self._settings, seed=request.seed)
+
+    def handed(self, state: State, agent: str, helper: str) -> Iterator[Candidate]:
+        """Where the thing may be handed over to a person who helps."""
+        request, taker = self._request, Taker(self._scene, helper, state)
+        found = candidates(
+            Stage(self._scene, state),
+            request.thing,
+            agent,
+            helper,
+            self._settings,
+            means=HANDED,
+            seed=request.seed,
+        )
+        return (candidate for candidate in found if taker.holding(candidate.state, request.thing) is not None)
 
     def _judged(self, state: State, found: Iterator[Candidate]) -> Iterator[Judged]:
         judge = self.judge(state)

@@ -12,7 +12,8 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.errors import SceneError
-from taskgist.moving.acting import Acting, filmed
+from taskgist.moving.acting import RATE_HZ, Acting, filmed
+from taskgist.moving.body import Body
 from taskgist.moving.steps import HandOver, HoldUp, PutDown, Take, Withdraw, carried_to, carry_to
 from taskgist.perspective.effort import LEAN, TURN, stretch
 from taskgist.planning.handing import sides_by_distance
@@ -41,28 +42,42 @@ def usable(agent: Agent) -> tuple[str, ...]:
 
 
 def phases_of(
-    scene: Scene, state: State, performer: str, target: str, candidate: Candidate, side: str, *, seed: int = 0
+    scene: Scene,
+    state: State,
+    performer: str,
+    target: str,
+    candidate: Candidate,
+    side: str,
+    *,
+    rest: State | None = None,
+    seed: int = 0,
 ) -> tuple[Phase, ...]:
     """What a person does to bring a thing to its place.
 
     Args:
         scene: The scene.
-        state: Where everything is.
+        state: Where everything is; who is said to hold the thing in that hand does so from the beginning.
         performer: The person.
         target: For whom, and to whom a thing is handed over.
         candidate: Where the thing goes.
         side: The person's hand.
+        rest: How the person is when it does nothing, to where its hand returns; None: as it is.
         seed: Of natural variation.
 
     Raises:
         NoMotionError: The hand does not get there.
     """
     acting = Acting(scene, performer, target, np.random.default_rng(seed))
-    acting.begin(state)
+    acting.begin(state, returning=None if rest is None else Body(scene, performer, rest))
     marks: list[tuple[PhaseName, float]] = []
+    held = Hold(performer, side, candidate.thing) in (state.holding or ())
     try:
-        Take(candidate.thing, side).play(acting)
-        marks.append(("reach", acting.now_s))
+        if held:
+            acting.now_s = 1.0 / RATE_HZ  # things are carried from where they are in the frame before
+            acting.take(candidate.thing, side, acting.body.hand(state, side))
+        else:
+            Take(candidate.thing, side).play(acting)
+            marks.append(("reach", acting.now_s))
         _bring(acting, candidate, target)
         marks.append(("transfer", acting.now_s))
         if candidate.means != "hold_up":
@@ -70,11 +85,11 @@ def phases_of(
             marks.append(("retreat", acting.now_s))
     except SceneError as error:
         raise NoMotionError(f"{performer} does not get there: {error}") from error
-    times_s, frames = filmed(acting)
+    times_s, frames = filmed(acting, swaying=False)
     ends = [int(np.searchsorted(times_s, end_s)) for _, end_s in marks]
     return tuple(
         phase
-        for (name, _), first, last in zip(marks, [0, *ends], ends, strict=False)
+        for (name, _), first, last in zip(marks, [1 if held else 0, *ends], ends, strict=False)
         for phase in _by_holds(acting, name, times_s[first:last], frames[first:last])
     )
 

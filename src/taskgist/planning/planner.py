@@ -75,7 +75,7 @@ class Planner:
     ) -> None:
         self.scene, self._state, self.request, self._settings = scene, state, request, settings
         refuse_held(scene, state, request.performer, request.thing, settings)
-        self._actions = Actions(scene, settings, target=request.target, seed=request.seed)
+        self._actions = Actions(scene, state, settings, target=request.target, seed=request.seed)
         self.performer = self._actions.robot(request.performer, state)
         start = resting_snapshot(
             Stage(scene, state), agent=request.target, name=request.thing, settings=settings, predicates=predicates

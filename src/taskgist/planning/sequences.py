@@ -20,9 +20,11 @@ leaves behind, with what was let go where physics has it.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import count, islice
+from itertools import islice
+
+import numpy as np
 
 from taskgist.common.workers import Progress
 from taskgist.perspective.effort import NO_KNOWN_LEVEL
@@ -39,8 +41,10 @@ MOST_ACTIONS = 4
 """Actions of a sequence."""
 MOST_PLACES = {"move": 300, "cover": 120, "clear": 300, "relay": 300}
 """Places that are judged for a step at most, by what it is for."""
-MOST_TRIED = {"move": 4, "cover": 4, "clear": 4, "relay": 3}
+MOST_TRIED = {"move": 4, "cover": 6, "clear": 6, "relay": 10}
 """Of those that will do, so many are tried with the body of whoever acts."""
+MOST_HANDED = 30
+"""Places before a person who helps where the thing is handed over."""
 MOST_PLANS = 3
 """Of one sketch: where an audit throws one away, others come."""
 MOST_SKETCHES = 24
@@ -74,6 +78,27 @@ class _Trial:
     blocked: tuple[int, tuple[str, ...]] | None = None
 
 
+class _Waiting:
+    """Sketches that wait, each once, the cheapest first; more may be added while they come.
+
+    Args:
+        cost: What one costs.
+    """
+
+    def __init__(self, cost: Callable[[Sketch], float]) -> None:
+        self._cost, self._queue, self._known = cost, list[tuple[float, int, Sketch]](), set[Sketch]()
+
+    def add(self, sketch: Sketch) -> None:
+        """Let one wait, unless it has before, or is too long."""
+        if sketch not in self._known and len(sketch) <= MOST_ACTIONS:
+            self._known.add(sketch)
+            heapq.heappush(self._queue, (self._cost(sketch), len(self._known), sketch))
+
+    def __iter__(self) -> Iterator[Sketch]:
+        while self._queue:
+            yield heapq.heappop(self._queue)[-1]
+
+
 class Sequences:
     """Looks for sequences of actions besides moving the thing alone.
 
@@ -99,19 +124,10 @@ class Sequences:
             progress: Told how far it is.
             blocked: What was in the way when the performer was to move the thing alone.
         """
-        order, queue, known = count(), list[tuple[float, int, Sketch]](), set[Sketch]()
-
-        def wait(sketch: Sketch) -> None:
-            if sketch not in known and len(sketch) <= MOST_ACTIONS:
-                known.add(sketch)
-                heapq.heappush(queue, (self._cost(sketch), next(order), sketch))
-
+        waiting = _Waiting(self._cost)
         for sketch in self._sketches(blocked):
-            wait(sketch)
-        for number in range(MOST_SKETCHES):
-            if not queue:
-                return
-            _, _, sketch = heapq.heappop(queue)
+            waiting.add(sketch)
+        for number, sketch in enumerate(islice(waiting, MOST_SKETCHES)):
             progress(self.told(sketch), min(1.0, number / MOST_SKETCHES))
             trial, plans = _Trial(), 0
             for actions in islice(self._carried_out(self._state, sketch, (), trial), MOST_PLANS):
@@ -120,12 +136,17 @@ class Sequences:
             if plans:
                 continue
             self._search.others.append(Tried(self.told(sketch), trial.places, trial.why or "there is no place for it"))
-            if trial.blocked is not None and "clear" in self._request.means:
-                at, names = trial.blocked
-                moved = {step.thing for step in sketch}
-                for name in names:
-                    if name not in moved and name != self._request.thing:
-                        wait((*sketch[:at], Step(sketch[at].agent, "clear", name), *sketch[at:]))
+            for longer in self._cleared_first(sketch, trial):
+                waiting.add(longer)
+
+    def _cleared_first(self, sketch: Sketch, trial: _Trial) -> Iterator[Sketch]:
+        """Sketches in which something is cleared before the step that it kept from being done."""
+        if trial.blocked is not None and "clear" in self._request.means:
+            at, names = trial.blocked
+            moved = {self._request.thing, *(step.thing for step in sketch)}
+            for name in names:
+                if name not in moved:
+                    yield *sketch[:at], Step(sketch[at].agent, "clear", name), *sketch[at:]
 
     def told(self, sketch: Sketch) -> str:
         """A sketch in words."""
@@ -242,23 +263,33 @@ class Sequences:
 
     def _places(self, state: State, step: Step, rest: Sketch, trial: _Trial) -> Iterator[Candidate]:
         """Places to which a step brings its thing: at the last the goal holds, before it the next one can be done."""
-        most = MOST_PLACES[step.purpose]
-        if rest:
-            later = {each.thing for each in rest}
-            for candidate in islice(self._endings.put(state, step.agent, step.thing), most):
-                trial.places += 1
-                if candidate.carrier in later:
-                    continue  # it would be on what is moved next
-                able = [(rest[0].agent, rest[0].thing)]
-                if step.purpose == "relay":  # who brings it there must get at the place, too
-                    able.append((step.agent, step.thing))
-                cannot = [each for each in able if not self._actions.grasps(candidate.state, *each)]
-                if cannot:
-                    trial.why = trial.why or "{} does not get hold of the {} there".format(*cannot[0])
-                else:
-                    yield candidate
+        if not rest:
+            yield from self._wanted(state, step, trial)
             return
-        for found in islice(self._ends(state, step), most):
+        then, later = rest[0], {each.thing for each in rest}
+        for candidate in self._between(state, step, then):
+            trial.places += 1
+            if candidate.carrier in later:
+                continue  # it would be on what is moved next
+            able = [(then.agent, then.thing)]
+            if step.purpose == "relay":  # who brings it there must get at the place, too
+                able.append((step.agent, step.thing))
+            cannot = [each for each in able if not self._actions.grasps(candidate.state, *each)]
+            if cannot:
+                trial.why = trial.why or "{} does not get hold of the {} there".format(*cannot[0])
+            else:
+                yield candidate
+
+    def _between(self, state: State, step: Step, then: Step) -> Iterator[Candidate]:
+        """Places to which something is brought before the next step: before a helper's hand, or near and put down."""
+        if step.purpose == "relay" and moves_itself(self._scene.agent(then.agent)):
+            yield from islice(self._endings.handed(state, step.agent, then.agent), MOST_HANDED)
+        near = islice(self._endings.put(state, step.agent, step.thing), MOST_PLACES[step.purpose])
+        yield from sorted(near, key=lambda each: self._detour_m(state, step, then, each))
+
+    def _wanted(self, state: State, step: Step, trial: _Trial) -> Iterator[Candidate]:
+        """Final places of what the last step moves with which the goal holds."""
+        for found in islice(self._ends(state, step), MOST_PLACES[step.purpose]):
             trial.places += 1
             if found.verdict is None:
                 trial.why = trial.why or f"{self._request.target} could not take it"
@@ -266,6 +297,14 @@ class Sequences:
                 yield found.candidate
             elif found.verdict.failed is not None:
                 trial.why = trial.why or f"{found.verdict.failed} fails"
+
+    def _detour_m(self, state: State, step: Step, then: Step, candidate: Candidate) -> float:
+        """How far a place in between is from where the thing is, and from whoever acts next, metres."""
+        place, before = candidate.pose[:2], state.qpos[self._scene.object_slice(step.thing)][:2]
+        away_m = float(np.linalg.norm(place - before))
+        if then.agent != step.agent:
+            away_m += float(np.linalg.norm(place - state.qpos[self._scene.base_slice(then.agent)][:2]))
+        return round(away_m, 6)
 
     def _ends(self, state: State, step: Step) -> Iterator[Judged]:
         """Final places of what the last step moves, each judged."""
