@@ -108,6 +108,7 @@ class Motions:
         performer, pick, place = self._performer, transfer.pick, transfer.place
         thing, side = pick.thing, pick.side
         at = _At(np.array(performer.start.qpos))
+        self._foresee(transfer, means)
         yield from self._fold(at)
         yield from self._drive(at, "drive", transfer.start.base)
         yield from self._fingers(at, "open", pick, pick.open_hand)
@@ -118,7 +119,7 @@ class Motions:
         at.held, at.holds = Held(pick.grip, hold), frozenset({hold})
         yield self._line(at, "lift", pick, pick.lift)
         if not near_bases(transfer.start.base, transfer.goal.base, SAME_M, SAME_RAD):
-            yield from self._transport(at, pick, transfer.goal.base)
+            yield from self._transport(at, pick, transfer)
         at.held = Held(place.grip, hold)
         yield self._arm(at, "transfer", place, place.lower[0])
         yield self._line(at, "lower", place, place.lower)
@@ -135,6 +136,38 @@ class Motions:
         yield from self._fingers(at, "open", place, place.open_hand, place.grip)
         yield self._line(at, "retreat", place, place.retreat)
         yield from self._fold(at)
+
+    def _foresee(self, transfer: Transfer, means: Means) -> None:
+        """See that the robot is free where its ways are to end, before any of them is looked for.
+
+        Raises:
+            NoMotionError: It is not.
+        """
+        performer, pick, place = self._performer, transfer.pick, transfer.place
+        name = performer.agent.name
+        if not near_bases(transfer.start.base, transfer.goal.base, SAME_M, SAME_RAD):
+            blocked = [self._carrying_blocked(transfer, values) for values in self._carryings(pick, pick.lift[-1])]
+            if all(blocked):
+                raise NoMotionError(f"{name} cannot carry the {pick.thing} from stand to stand: {blocked[0]}")
+        if means != "hold_up":
+            folded = performer.at_rest(place.opened(place.line[0]))
+            met = performer.blocking(with_values(folded, place.hand_positions, place.open_hand))
+            if met is not None:
+                raise NoMotionError(f"{name} cannot fold its arm there: its {met.part} would meet {met.other}")
+
+    def _carryings(self, way: HandWay, now: Array) -> tuple[Array, Array]:
+        """Joints of the arm with which a thing is carried over the floor, (k,) each: drawn near, or as they are."""
+        return self._performer.at_rest(way.before)[way.positions], now
+
+    def _carrying_blocked(self, transfer: Transfer, values: Array) -> str | None:
+        """What the robot would meet at either stand as it carries a thing so; None if nothing."""
+        pick = transfer.pick
+        for stand in (transfer.start, transfer.goal):
+            qpos = self._performer.at(pick.closed(values), stand.base)
+            met = self._performer.blocking(qpos, pick.grip)
+            if met is not None:
+                return f"its {met.part} would meet {met.other}"
+        return None
 
     # --- Phases.
 
@@ -191,19 +224,22 @@ class Motions:
         what = f"bring its {way.side} hand to the {way.thing}" if at.held is None else f"bring the {way.thing} there"
         return self._joints(at, name, way.side, goal, what)
 
-    def _transport(self, at: _At, pick: HandWay, goal: Base) -> Iterator[Phase]:
+    def _transport(self, at: _At, pick: HandWay, transfer: Transfer) -> Iterator[Phase]:
         """Draw the thing near as far as that goes, and drive."""
-        performer, chain = self._performer, self._performer.chain(pick.side)
-        folded = performer.at_rest(at.qpos)[chain.positions]
+        chain = self._performer.chain(pick.side)
         failed: NoMotionError | None = None
-        for carrying in (folded, at.qpos[chain.positions]):
+        for carrying in self._carryings(pick, at.qpos[chain.positions]):
+            blocked = self._carrying_blocked(transfer, carrying)
+            if blocked is not None:
+                failed = failed or NoMotionError(f"it cannot carry the {pick.thing} from stand to stand: {blocked}")
+                continue
             now = _At(np.array(at.qpos), at.held, at.holds)
             try:
                 phases = []
                 if np.abs(carrying - now.qpos[chain.positions]).max() > SAME_RAD:
                     what = f"draw the {pick.thing} near"
                     phases.append(self._joints(now, "carry", pick.side, carrying, what))
-                phases += self._drive(now, "transport", goal)
+                phases += self._drive(now, "transport", transfer.goal.base)
             except NoMotionError as error:
                 failed = error
                 continue

@@ -122,8 +122,10 @@ class Performer:
         return np.where(np.isin(positions, moved), values, self.start.qpos[positions])
 
     def at_rest(self, qpos: Array) -> Array:
-        """A configuration with the arms folded."""
-        return with_values(qpos, self.agent.arm_positions, self.folded)
+        """A configuration with the arms folded, and what lifts them where it is at the start."""
+        lifts = np.concatenate([self.chain(side).positions[self.chain(side).lifts] for side in self.sides])
+        folded = with_values(qpos, lifts, self.start.qpos[lifts])
+        return with_values(folded, self.agent.arm_positions, self.folded)
 
     @property
     def unused(self) -> tuple[str, ...]:

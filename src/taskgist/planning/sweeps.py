@@ -196,6 +196,9 @@ class Sweep:
         self._groups = self._grouped(own)
         self._least_m = -self._usual_m - TOLERANCE_M
         self._needs_m, self._floors_m = self._least_m, -self._usual_m - LEAST_M
+        # The gap of each pair as it was measured last, and where: it changes by no more than shapes move from there.
+        self._known_m = np.full(len(self._pairs), -np.inf)
+        self._known_at = np.zeros(self._levers.shape)
         self._close_to(ends, clearance_m)
 
     def look(self, values: Array, half: Array) -> float:
@@ -218,13 +221,17 @@ class Sweep:
         longest_m = float(travel_m.max(initial=0.0))
         share = 1.0 if longest_m <= FARTHEST_M else FARTHEST_M / longest_m
         limits_m = np.maximum(needs_m, floors_m + share * travel_m)
-        for row in _near_rows(self._table, self._pairs, limits_m).tolist():
-            one, other = self._pairs[row].tolist()
-            gap_m = stage.gap(int(self._geoms[one]), int(self._geoms[other]), limit_m=float(limits_m[row]))
+        near = _near_rows(self._table, self._pairs, limits_m)
+        near = near[_unknown(near, limits_m, self._levers, values, self._known_m, self._known_at)]
+        for row, (geom, other), limit_m in zip(
+            near.tolist(), self._geoms[self._pairs[near]].tolist(), limits_m[near].tolist(), strict=True
+        ):
+            gap_m = stage.gap(geom, other, limit_m=limit_m)
+            self._known_m[row], self._known_at[row] = gap_m, values
             if gap_m < needs_m[row]:
-                self.blocked = self._body.met(int(self._geoms[one]), int(self._geoms[other]), -gap_m)
+                self.blocked = self._body.met(geom, other, -gap_m)
                 return NOWHERE
-            if travel_m[row] > 0.0:
+            if gap_m < limit_m and travel_m[row] > 0.0:
                 share = min(share, float(gap_m - floors_m[row]) / float(travel_m[row]))
         return share
 
@@ -302,6 +309,19 @@ def _near_rows(table: Array, pairs: Indices, limits_m: Array) -> Indices:
             found[count] = row
             count += 1
     return found[:count]
+
+
+@compiled
+def _unknown(rows: Indices, limits_m: Array, levers: Array, values: Array, known_m: Array, known_at: Array) -> Mask:
+    """Which of some pairs may be nearer than their limits, by gaps that were measured elsewhere, (n,)."""
+    found = np.empty(len(rows), dtype=np.bool_)
+    for index in range(len(rows)):
+        row = rows[index]
+        least_m = known_m[row]
+        for column in range(len(values)):
+            least_m -= levers[row, column] * abs(values[column] - known_at[row, column])
+        found[index] = least_m < limits_m[row]
+    return found
 
 
 # --- Lines, and what follows points.
