@@ -303,7 +303,7 @@ def touching(bench: Stage, name: str, pairs: Pairs) -> Mask:
 
 
 BESIDE_M, INSIDE_SHAPE_M = 1.5e-3, 5e-4
-"""How far beside a point of a grasp there is the finger that closes on it, and how deep in a shape that counts (ours)."""
+"""How far beside a point of a grasp the finger is that closes on it, and how deep in a shape that counts (ours)."""
 
 
 def on_outside(stage: Stage, name: str, grasps: Grasps) -> Mask:
