@@ -57,6 +57,32 @@ def test_no_way_point_penetrates_by_mujoco_alone(found: tuple[Performer, Graspin
         assert depth_m < TOO_DEEP_M, between
 
 
+@pytest.mark.parametrize("robot", [pytest.param("pr2", marks=needs("pr2")), "jido"])
+@pytest.mark.parametrize("name", THINGS)
+def test_hands_close_on_the_outside_and_not_through_walls(robot: str, name: str) -> None:
+    """The mug is made of boxes that touch one another: faces between them are within it."""
+    performer = Performer(two_tables(robot, THINGS[name]), "R")
+    grasping = Grasping(performer, performer.start, name)
+    near = performer.at(performer.start.qpos, (0.75, 0.0, 0.0))
+    stage = Stage(performer.scene)
+    shapes, body = performer.scene.solid_geoms_of(name), stage.body(performer.scene.object_body(name))
+    picks = list(grasping.picks(near, most_tried=30))
+    assert picks
+    for pick in picks:
+        grasps = grasping.grasps.only(np.array([pick.grasp]))
+        for sign in (1.0, -1.0):
+            point = body.to_world(grasps.centers + sign * grasps.closings * (grasps.widths_m[:, None] / 2 + 0.0015))[0]
+            assert not any(inside(performer, int(shape), point) for shape in shapes), "a finger would be in it"
+        shut = pick.closed(pick.line[-1])
+        assert performer.body.in_hand_m(shut, name, pick.side) < 0.005
+
+
+def inside(performer: Performer, geom: int, point: np.ndarray) -> bool:
+    """Whether a point is in a box of the scene as it is at the start."""
+    pose, half = Stage(performer.scene).geom(geom), performer.scene.model.geom_size[geom]
+    return bool((np.abs(pose.to_local(point)) < half - 5e-4).all())
+
+
 def palms(performer: Performer, way: HandWay, line: np.ndarray) -> np.ndarray:
     return np.array([performer.palm(way.opened(values), way.side).position for values in line])
 

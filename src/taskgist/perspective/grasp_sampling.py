@@ -302,6 +302,32 @@ def touching(bench: Stage, name: str, pairs: Pairs) -> Mask:
     return touched
 
 
+BESIDE_M, INSIDE_SHAPE_M = 1.5e-3, 5e-4
+"""How far beside a point of a grasp the finger is that closes on it, and how deep in a shape that counts (ours)."""
+
+
+def on_outside(stage: Stage, name: str, grasps: Grasps) -> Mask:
+    """Whether both points that the hand closes on are on the object's outside, (n,).
+
+    An object that is made of pieces has faces between them, on which rays from the other side of a piece end as on any;
+    fingers get to none of these.
+
+    Args:
+        stage: The scene in a state.
+        name: The object.
+        grasps: Grasps in its frame.
+    """
+    model, pose = stage.scene.model, stage.body(stage.scene.object_body(name))
+    buried = np.zeros(len(grasps), dtype=bool)
+    beside = grasps.closings * (grasps.widths_m / 2 + BESIDE_M)[:, None]
+    for points in (grasps.centers - beside, grasps.centers + beside):
+        placed = pose.to_world(points)
+        for solid in grasps.solids.tolist():
+            outside_m = distances_outside_m(model, solid, stage.geom(solid).to_local(placed), within_m=0.0)
+            buried |= outside_m < -INSIDE_SHAPE_M
+    return ~buried
+
+
 def in_itself(bench: Stage, grasps: Grasps, hand: Hand | Palms) -> Mask:
     """Whether the open hand, or its way, is in the object otherwise than by design, (n,).
 

@@ -8,7 +8,8 @@ other, the cheap ones first, and what fails is counted at the first gate that it
 2. the arm reaches (capability map), its gripper opens so wide;
 3. inverse kinematics: the palm is at the grasp, and the whole robot, as its model has it, is free;
 4. the hand comes 10 cm along the approach, open, every few millimetres free, without a jump of the arm;
-5. it rises with the thing in it, as free.
+5. its fingers, as its model has them, close on the thing and not through it;
+6. it rises with the thing in it, as free.
 
 Putting down is the same way backwards: down with the thing, then back with the open hand.
 """
@@ -31,7 +32,7 @@ from taskgist.perspective.grasp_trials import GraspTrials
 from taskgist.perspective.target import Recorder
 from taskgist.planning.hand_ways import Among, Failures, Gate, HandWay, PickPose, PlacePose, Tally, farthest, named
 from taskgist.planning.performer import Grip, Performer, with_values
-from taskgist.planning.whole_body import Pair, pose_of
+from taskgist.planning.whole_body import IN_HAND_M, Pair, pose_of
 from taskgist.world.bodies.hands import Hand
 from taskgist.world.geometry.transforms import Pose
 from taskgist.world.stage import Stage
@@ -78,7 +79,8 @@ class Grasping:
         self._hand: Hand = performer.agent.profile.hand
         self._stage = Stage(scene, state)
         performer.body.refuse_sunk(state.qpos, thing)
-        self.grasps: Grasps = grasps_in_object(self._stage, thing, self._hand, performer.settings.grasp)
+        sampled = grasps_in_object(self._stage, thing, self._hand, performer.settings.grasp)
+        self.grasps: Grasps = performer.outside(self._stage, thing, sampled)
         self.miss = None if len(self.grasps) else self._no_grasp()
         self._touches: dict[bytes, dict[Pair, float]] = {}
 
@@ -122,7 +124,9 @@ class Grasping:
         frames = hand_frames(grasps)
         found = {}
         for side in self.performer.sides:
-            in_hand = self.performer.gripper(side).palm_in_hand(float(np.median(grasps.widths_m)))
+            in_hand = self.performer.gripper(side).palm_in_hand(
+                float(np.median(grasps.widths_m)) if len(grasps) else 0.0
+            )
             ahead = in_hand.matrix @ self.performer.ahead_in_palm(side)
             found[side] = grasps.centers + frames @ in_hand.position, frames @ ahead
         return found
@@ -356,6 +360,9 @@ class Grasping:
                 failed.append((Gate.APPROACH, named(blocked)))
                 continue
             shut = with_values(found, gripper.positions, closed_hand)
+            if performer.body.in_hand_m(shut, self.thing, side) > IN_HAND_M:
+                failed.append((Gate.FINGERS, None))
+                continue
             held = grip or replace(performer.grip(shut, self.thing, side), usual_m=self._touching(before))
             rise = self._rise(side, palm, shut, held, failed)
             if rise is None:

@@ -26,6 +26,7 @@ class Gate(Enum):
     BODY = "grasps of the {thing} bring the robot against {others}"
     APPROACH = "approaches to the {thing} are blocked by {others}"
     JUMP = "approaches to the {thing} are more than the arm follows without a jump"
+    FINGERS = "grasps of the {thing} bring fingers into it"
     RISE = "ways up with the {thing} are blocked by {others}"
 
 

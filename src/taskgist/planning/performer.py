@@ -23,6 +23,7 @@ from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
 from taskgist.perspective.effort import LEAN, MOVE, TURN, Blocking, stretch
 from taskgist.perspective.effort import LIFT as LIFT_TORSO
+from taskgist.perspective.grasp_sampling import Grasps, on_outside
 from taskgist.planning.gripper import Gripper
 from taskgist.planning.inverse_kinematics import ArmKinematics, Chain, Pointing, ahead_in_palm, chain_of_arm
 from taskgist.planning.sweeps import BaseMoves, JointMoves, Sweep
@@ -80,6 +81,7 @@ class Performer:
         self._arms: dict[tuple[str, bytes], ArmKinematics] = {}
         self._pointings: dict[str, Pointing] = {}
         self._grippers: dict[str, Gripper] = {}
+        self._outside: dict[str, tuple[Grasps, Grasps]] = {}
 
     # --- Joints by what they do.
 
@@ -126,6 +128,12 @@ class Performer:
         lifts = np.concatenate([self.chain(side).positions[self.chain(side).lifts] for side in self.sides])
         folded = with_values(qpos, lifts, self.start.qpos[lifts])
         return with_values(folded, self.agent.arm_positions, self.folded)
+
+    def outside(self, stage: Stage, thing: str, sampled: Grasps) -> Grasps:
+        """Those of a thing's grasps whose points are on its outside; found once for each thing."""
+        if thing not in self._outside or self._outside[thing][0] is not sampled:
+            self._outside[thing] = (sampled, sampled.only(on_outside(stage, thing, sampled)))
+        return self._outside[thing][1]
 
     @property
     def unused(self) -> tuple[str, ...]:
