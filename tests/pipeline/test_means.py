@@ -208,6 +208,6 @@ def test_why_nobody_helps() -> None:
     assert not nobody.search.others
     told = why_not(perform(parted(0.12), request))
     assert told.startswith(
-        "R1 brings the tape to where R2 takes it, R2 brings the tape there: all approaches to the tape"
+        "R1 brings the tape to where R2 takes it, R2 brings the tape there: R1 cannot pick the tape up: "
     )
     assert "R2 brings the tape to where R1 takes it, R1 brings the tape there: R2 does not get hold of the tape" in told

@@ -11,7 +11,7 @@ import pytest
 from taskgist.planning.grasping import Grasping
 from taskgist.planning.performer import Performer
 from taskgist.planning.stands import APART_M, APART_RAD, Stand, Stands
-from taskgist.planning.transfer import Transfers
+from taskgist.planning.transfer import Picking, Transfers
 from taskgist.world.geometry.transforms import wrapped
 from tests.bodies import needs
 from tests.planning.rooms import Judge, box, cover, room, table, tape, two_tables
@@ -125,17 +125,30 @@ def test_a_transfer_that_fails_says_why() -> None:
     """The goal is between two boards that leave no room for a hand."""
     slot = [Thing(f"board{z}", (0.35, 0.5, 0.01), (-1.2, 1.0, z), free=False) for z in (0.73, 0.83)]
     performer = Performer(two_tables("jido", box(1.5), *slot), "R")
-    grasping = Grasping(performer, performer.start, "box", np.array((-1.2, 1.0, 0.765, 1, 0, 0, 0)))
-    transfers = Transfers(grasping)
+    picking = Picking(performer, performer.start, "box")
+    assert picking.refusal is None
+    transfers = Transfers(picking, np.array((-1.2, 1.0, 0.765, 1, 0, 0, 0)))
     assert list(transfers) == []
-    assert transfers.refusal is not None
-    assert "board" in transfers.refusal
+    assert transfers.refusal == "no grasp of the box does for both ends"
+    (told,) = (each for each in picking.text if each.startswith("where it is to be, "))
+    assert "board" in told
+
+
+def test_what_one_goal_finds_about_the_start_another_does_not_find_again() -> None:
+    performer = Performer(two_tables("jido", box(1.5)), "R")
+    goals = [np.array((-1.1, y, 0.745, 1, 0, 0, 0)) for y in (0.8, 1.2)]
+    shared = Picking(performer, performer.start, "box")
+    for goal in goals:
+        alone = next(iter(Transfers(Picking(performer, performer.start, "box"), goal)))
+        together = next(iter(Transfers(shared, goal)))
+        assert (alone.start.base, alone.pick.grasp) == (together.start.base, together.pick.grasp)
+        assert np.array_equal(alone.place.line, together.place.line)
 
 
 def test_several_transfers_differ() -> None:
     performer = Performer(two_tables("jido", box(1.5)), "R")
-    grasping = Grasping(performer, performer.start, "box", np.array((-1.1, 0.8, 0.745, 1, 0, 0, 0)))
-    found = list(islice(Transfers(grasping), 3))
+    picking = Picking(performer, performer.start, "box")
+    found = list(islice(Transfers(picking, np.array((-1.1, 0.8, 0.745, 1, 0, 0, 0))), 3))
     assert len(found) == 3
     for one, other in pairwise(found):
         assert one.pick.grasp != other.pick.grasp or one.start.base != other.start.base

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 
 from taskgist.facts import vocabulary as v
@@ -108,28 +108,32 @@ def refused(
     """Why nothing was found, one sentence for each gate, in their order."""
     if goal.impossible:
         return tuple(each.why for each in goal.impossible)
-    told = []
-    if search.out_of_hold:
-        told.append(search.out_of_hold)
-    elif not search.places and "move" in request.means:
-        where = listed(request.allow or ()) or "this room"
-        told.append(f"there is no place for the {request.thing} in {where}")
-    elif "move" in request.means:
-        told.append(f"{search.wanted} of {search.places} places would do")
-    for literal, count in search.missed.most_common():
-        nearest = search.nearest.get(literal)
-        miss = f", the nearest with {_found(nearest.found)}" if nearest is not None else ""
-        told.append(f"at {count} of them it fails that {_said(literal, tree)}{miss}")
-    if search.out_of_hand:
-        told.append(f"at {search.out_of_hand} of them {request.target} could not take it")
-    if search.out_of_reach:
-        those = "all of those" if search.out_of_reach == search.wanted else f"{search.out_of_reach} of those"
-        told.append(f"{those} {search.wanted} are where {request.performer} does not get at it")
-    for reason, count in search.refusals.most_common():
-        told.append(f"{count} of the {search.tried} that {request.performer} tried it does not bring about: {reason}")
+    told = [search.out_of_hold] if search.out_of_hold else list(_places_refused(request, search, tree))
     told += [f"{each.what}: {each.why}" for each in search.others]
     told += [f"1 plan was thrown away: {reason}" for reason in spoiled]
     return tuple(told)
+
+
+def _places_refused(request: Request, search: Search, tree: HypothesisTree) -> Iterator[str]:
+    """What became of the places to which the performer alone could bring the thing."""
+    if "move" not in request.means:
+        return
+    if not search.places:
+        yield f"there is no place for the {request.thing} in {listed(request.allow or ()) or 'this room'}"
+        return
+    yield f"{search.wanted} of {search.places} places would do"
+    for literal, count in search.missed.most_common():
+        nearest = search.nearest.get(literal)
+        miss = f", the nearest with {_found(nearest.found)}" if nearest is not None else ""
+        yield f"at {count} of them it fails that {_said(literal, tree)}{miss}"
+    if search.out_of_hand:
+        yield f"at {search.out_of_hand} of them {request.target} could not take it"
+    if search.out_of_reach:
+        those = "all of those" if search.out_of_reach == search.wanted else f"{search.out_of_reach} of those"
+        yield f"{those} {search.wanted} are where {request.performer} does not get at it"
+    for reason, count in search.refusals.most_common():
+        yield f"{count} of the {search.tried} that {request.performer} tried it does not bring about: {reason}"
+    yield from search.details
 
 
 def would_help(helps: Sequence[Help]) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from taskgist.planning.persons import moves_itself, phases_of, usable
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Phase, Purpose
 from taskgist.planning.settling import settled
-from taskgist.planning.transfer import Transfers
+from taskgist.planning.transfer import Picking, Transfers
 from taskgist.settings import Settings
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
@@ -53,6 +53,7 @@ class Actions:
     def __init__(self, scene: Scene, start: State, settings: Settings, *, target: str, seed: int = 0) -> None:
         self._scene, self._start, self._settings, self._target, self._seed = scene, start, settings, target, seed
         self._robots: dict[tuple[str, bytes], Performer] = {}
+        self._pickings: dict[tuple[str, bytes, str], Picking] = {}
         self._followed: dict[str, SceneEfforts] = {}
         self._levels: dict[tuple[bytes, str, str], int] = {}
 
@@ -96,8 +97,8 @@ class Actions:
             The action; or why there is none, in words.
         """
         robot, failed = self.robot(name, state), ""
-        way = None if robot is None else Grasping(robot, state, candidate.thing, candidate.pose)
-        transfers = None if way is None else Transfers(way)
+        picking = None if robot is None else self.picking(robot, state, candidate.thing)
+        transfers = None if picking is None else Transfers(picking, candidate.pose)
         for side, attempt in self._attempts(state, name, candidate, robot, transfers):
             try:
                 phases = attempt()
@@ -106,9 +107,23 @@ class Actions:
                 failed = str(error)
                 continue
             return Action(name, side, purpose, candidate, self.effort(state, name, candidate), phases)
-        if way is not None and blockers is not None:
-            blockers |= dict.fromkeys(self._blockers(way))
+        if picking is not None and blockers is not None:
+            blockers |= dict.fromkeys(self._blockers(picking.grasping))
         return failed or (transfers and transfers.refusal) or "no way was found"
+
+    def picking(self, robot: Performer, state: State, thing: str) -> Picking:
+        """A robot's picking a thing up, in a state in which it begins."""
+        key = (robot.agent.name, state.qpos.tobytes(), thing)
+        if key not in self._pickings:
+            self._pickings[key] = Picking(robot, state, thing)
+        return self._pickings[key]
+
+    def cannot_pick(self, state: State, name: str, thing: str) -> str | None:
+        """Why a robot cannot pick a thing up, wherever it is to go; None if it can, or has not been asked to yet."""
+        picking = self._pickings.get((name, state.qpos.tobytes(), thing))
+        if picking is None or picking.refusal is None:
+            return None
+        return f"{name} cannot pick the {thing} up: {picking.refusal}"
 
     def out_of_hold(self, state: State, name: str, thing: str) -> str:
         """Why an agent does not get hold of a thing where it is, by its own effort; nothing if it does."""

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 
@@ -58,8 +59,8 @@ class Grasping:
         goal: Where the thing's body is to be: position in metres and wxyz, (7,); None if it need not be put down.
 
     Attributes:
-        tally: Where grasps failed until now, when the thing was to be picked up.
-        place_tally: Where they failed when it was to be put down, once for each stand.
+        tally: Where grasps failed until now, when the thing was to be picked up, once for each stand.
+        place_tally: Where they failed when it was to be put down, once for each stand of each goal.
         thing_slice: Where the thing's body is in qpos.
         miss: Why the hand closes on the thing nowhere, wherever it lies; None if it does.
 
@@ -83,14 +84,35 @@ class Grasping:
         self.grasps: Grasps = performer.outside(self._stage, thing, sampled)
         self.miss = None if len(self.grasps) else self._no_grasp()
         self._touches: dict[bytes, dict[Pair, float]] = {}
+        self._picked: dict[tuple[bytes, str, int], PickPose | None] = {}
+        self._unreached: set[tuple[bytes, int]] = set()
+
+    def towards(self, goal: Array) -> Grasping:
+        """The same grasps of the thing where it lies, with another place to put it down.
+
+        Neither has to find anew what the other found out about the start; where grasps fail, both count together.
+
+        Args:
+            goal: Where the thing's body is to be: position in metres and wxyz, (7,).
+        """
+        assert len(self._free_at_start) >= 0, "found once for all goals"
+        other = copy(self)
+        for found_for_a_goal in ("free", "_palms"):
+            other.__dict__.pop(found_for_a_goal, None)
+        other.goal = self.start.replace(at=self.thing_slice, to=goal)
+        return other
 
     @cached_property
     def free(self) -> Indices:
         """Grasps with which the hand is free at both places, those from other sides first; others are counted."""
-        rows = self._free_of_others(self.start, np.arange(len(self.grasps)), Gate.HAND_AT_START)
+        rows = self._free_at_start
         if self.goal is not None:
             rows = self._free_of_others(self.goal, rows, Gate.HAND_AT_GOAL)
         return self._spread(rows)
+
+    @cached_property
+    def _free_at_start(self) -> Indices:
+        return self._free_of_others(self.start, np.arange(len(self.grasps)), Gate.HAND_AT_START)
 
     def centers(self, place: State) -> Array:
         """Where the free grasps are while the thing is where a state has it, metres, (n, 3)."""
@@ -159,7 +181,7 @@ class Grasping:
             _, row = order[kind].popleft()
             if not order[kind]:
                 del order[kind]
-            way = self._pick(kind[0], row, before) if among is None or among(kind[0], row) else None
+            way = self._pick_once(kind[0], row, before) if among is None or among(kind[0], row) else None
             if way is None:
                 failures[kind] += 1
             else:
@@ -254,7 +276,8 @@ class Grasping:
             owners = [*(scene.owners[geom] for geom in trials.others.tolist()), self.thing]
         for row in np.setdiff1d(rows, free):
             met = int(trials.met[row])
-            self.tally.add(gate, f"the {owners[met]}" if met >= 0 else None)
+            tally = self.place_tally if gate is Gate.HAND_AT_GOAL else self.tally
+            tally.add(gate, f"the {owners[met]}" if met >= 0 else None)
         return np.array(free, dtype=np.intp)
 
     def _spread(self, rows: Indices) -> Indices:
@@ -287,11 +310,19 @@ class Grasping:
         found: dict[tuple[str, bytes], deque[tuple[int, int]]] = {}
         for rank, row in enumerate(self.free.tolist()):
             able = [side for side in sides if row in reached[side]]
-            if not able:
+            if not able and (key := (qpos.tobytes(), row)) not in self._unreached:
+                self._unreached.add(key)
                 self.tally.add(Gate.REACH)
             for side in able:
                 found.setdefault((side, self._kind(row)), deque()).append((rank, row))
         return found
+
+    def _pick_once(self, side: str, row: int, before: Array) -> PickPose | None:
+        """The same for whoever asks again, with another goal."""
+        key = (before.tobytes(), side, row)
+        if key not in self._picked:
+            self._picked[key] = self._pick(side, row, before)
+        return self._picked[key]
 
     def _pick(self, side: str, row: int, before: Array) -> PickPose | None:
         """How a hand picks the thing up by a grasp; None if it does not, which is counted."""

@@ -126,10 +126,18 @@ class Planner:
             self.search.tried += 1
             progress(f"how {who} gets the {self.request.thing} there", self._share())
             action = self._actions.plan(self._state, who, "move", candidate, why_not, blockers=blocked)
-            if isinstance(action, str):
-                self.search.refusals[action] += 1
-            else:
+            if not isinstance(action, str):
                 yield action
+                continue
+            self.search.refusals[action] += 1
+            if self.performer is None:
+                continue
+            picking = self._actions.picking(self.performer, self._state, self.request.thing)
+            self.search.details = picking.text
+            cannot = self._actions.cannot_pick(self._state, who, self.request.thing)
+            if cannot is not None:
+                self.search.out_of_hold = cannot
+                return
 
     def _share(self) -> float:
         return min(1.0, max(self.search.places / MOST_PLACES, self.search.tried / MOST_TRIED))

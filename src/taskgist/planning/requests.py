@@ -84,11 +84,12 @@ class Search:
         out_of_hand: How many are where the target agent's hand does not get to take the thing.
         nearest: The nearest miss at each literal whose attribute is a number or a level.
         wanted: How many satisfy the goal.
-        out_of_hold: Why the performer does not get hold of the thing where it lies, by its own effort; then no place is
-            looked for to which it could bring it. Empty if it does.
+        out_of_hold: Why the performer does not get hold of the thing where it lies; then no more places are looked for
+            to which it could bring it. Empty if it does.
         out_of_reach: How many of those that satisfy the goal are where it does not get at the thing, likewise.
         tried: How many of these were tried with the performer's body.
         refusals: Why the performer does not bring these about, each with its number.
+        details: Where grasps and stands failed, of all places that were tried together, in sentences.
         others: Of every other way that was tried why it does not do, in the order in which they were.
     """
 
@@ -101,6 +102,7 @@ class Search:
     out_of_reach: int = 0
     tried: int = 0
     refusals: Counter[str] = field(default_factory=Counter)
+    details: tuple[str, ...] = ()
     others: list[Tried] = field(default_factory=list)
 
 

@@ -229,6 +229,10 @@ class Sequences:
             trial.why = f"{step.agent} does not get hold of the {step.thing}"
             trial.blocked = (len(done), self._in_the_way(state, step))
             return
+        cannot = self._actions.cannot_pick(state, step.agent, step.thing)
+        if cannot is not None:
+            trial.why = cannot
+            return
         why_not = self._endings.why_not(state, step.agent)
         if rest:
             then = rest[0]
@@ -248,7 +252,10 @@ class Sequences:
                 blockers=blockers,
             )
             if isinstance(action, str):
-                trial.why = action
+                cannot = self._actions.cannot_pick(state, step.agent, step.thing)
+                trial.why = cannot or action
+                if cannot is not None:
+                    break
                 continue
             if not rest:
                 yield (*done, action)

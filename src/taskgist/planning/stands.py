@@ -133,7 +133,7 @@ class Stands:
         name = self._performer.agent.name
         if not self.looked_at:
             return f"{name} can stand nowhere to {what}: it gets to no place from where an arm reaches a grasp"
-        counts = ", ".join(f"{other} ({count})" for other, count in self.rejected.most_common(NAMED))
+        counts = most(self.rejected)
         return f"{name} can stand nowhere to {what}: at all {self.looked_at} places something is in the way: {counts}"
 
     def _checked(self, base: Base, way_m: float) -> Stand | None:
@@ -219,6 +219,11 @@ class Stands:
         alone = len(places) == 1 and places[0].way_m == 0.0
         kept = within[:1] if alone else within  # before the floor is asked, only where the robot stands
         return {int(index): places[int(nearest[index])].way_m for index in kept if not alone or index == 0}
+
+
+def most(counts: Counter[str]) -> str:
+    """What was met most often: "table (12), chair (3)"."""
+    return ", ".join(f"{other} ({count})" for other, count in counts.most_common(NAMED))
 
 
 def _moved(shoulder: Array, base: Base) -> Array:

@@ -2,21 +2,27 @@
 
 A grasp with which a thing is easily taken may be of no use where it is to lie, so the far end is asked first: only
 grasps for which the robot has a free configuration at some stand around the goal are solved at the start, with their
-lines. Each pick is then tried at these stands of the goal, until both ends have all that they need.
+lines. Each pick is then tried at these stands of the goal, until both ends have all that they need. What picking up
+takes is found out once, whatever the goals that are asked for one after the other.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import islice
 
+from taskgist.common.arrays import Array
 from taskgist.planning.grasping import Grasping
 from taskgist.planning.hand_ways import Failures, Gate, PickPose, PlacePose, farthest
-from taskgist.planning.stands import Stand, Stands
+from taskgist.planning.performer import Performer
+from taskgist.planning.stands import Stand, Stands, most
+from taskgist.world.state import State
 
-STANDS_AT_START, STANDS_AT_GOAL = 8, 32
-"""Stands that are looked at, at most."""
+STANDS_AT_START, STANDS_AT_GOAL, MOST_STANDS = 8, 32, 24
+"""Stands that are looked at for a goal, at most, and for picking up whatever the goals (ours)."""
 PICKS_A_STAND, GOALS_A_GRASP, FITTING = 12, 6, 2
 """Picks that are solved from one stand, stands of the goal at which each grasp is tried, and enough that fit (ours)."""
 
@@ -38,37 +44,105 @@ class Transfer:
     place: PlacePose
 
 
-class Transfers:
-    """Ways to bring a thing to its goal, found as they are asked for; the same question gives the same ways.
+class Picking:
+    """What a robot's picking a thing up takes, wherever it is to go: grasps, stands, and the picks that were solved.
 
     Args:
-        grasping: The robot's grasps of the thing, at its place and at its goal.
+        performer: The robot.
+        state: Where everything is.
+        thing: The thing.
 
     Attributes:
-        starts: Stands for picking up that were looked at.
-        goals: Stands for putting down.
+        grasping: Its grasps of the thing.
+        nowhere: How many stands were looked at to put it down where none was free.
+        in_the_way: What was in the way there.
+        cannot: Why the robot could not grasp it where it is to be, by its own effort.
+    """
+
+    def __init__(self, performer: Performer, state: State, thing: str) -> None:
+        self.grasping = Grasping(performer, state, thing)
+        self._at_start = Stands(self.grasping, "start")
+        self._coming, self._stands = iter(self._at_start), list[Stand]()
+        self.nowhere, self.in_the_way, self.cannot = 0, Counter[str](), Counter[str]()
+
+    def stands(self) -> Iterator[Stand]:
+        """Where the robot can stand to pick the thing up, found once."""
+        number = 0
+        while number < MOST_STANDS:
+            if number == len(self._stands):
+                found = next(self._coming, None)
+                if found is None:
+                    return
+                self._stands.append(found)
+            yield self._stands[number]
+            number += 1
+
+    @cached_property
+    def refusal(self) -> str | None:
+        """Why the thing cannot be picked up at all, wherever it is to go; None if it can."""
+        grasping, thing = self.grasping, self.grasping.thing
+        if self._at_start.refusal is not None or not len(grasping.free):
+            return self._at_start.refusal or grasping.tally.text(thing)
+        for stand in islice(self.stands(), STANDS_AT_START):
+            if next(grasping.picks(stand.qpos), None) is not None:
+                return None
+        return grasping.tally.text(thing) if self._stands else self._at_start.none_free(f"pick the {thing} up")
+
+    @property
+    def text(self) -> tuple[str, ...]:
+        """Where grasps and stands failed until now, all goals together, in sentences."""
+        thing, told = self.grasping.thing, []
+        if self.grasping.tally.counts:
+            told.append(f"where it lies, {self.grasping.tally.text(thing)}")
+        if self.grasping.place_tally.counts:
+            told.append(f"where it is to be, {self.grasping.place_tally.text(thing)}")
+        told += [f"where it is to be, {reason}" for reason, _ in self.cannot.most_common(1)]
+        if self.nowhere:
+            told.append(
+                f"at {self.nowhere} stands for putting it down something is in the way: {most(self.in_the_way)}"
+            )
+        return tuple(told)
+
+
+class Transfers:
+    """Ways to bring a thing to a goal, found as they are asked for; the same question gives the same ways.
+
+    Args:
+        picking: The robot's picking the thing up.
+        goal: Where the thing's body is to be: position in metres and wxyz, (7,).
+
+    Attributes:
+        goals: Stands for putting it down.
         picked: How many picks were found.
     """
 
-    def __init__(self, grasping: Grasping) -> None:
-        self._grasping = grasping
-        self._at_start, self._at_goal = Stands(grasping, "start"), Stands(grasping, "goal")
-        self.starts: list[Stand] = []
+    def __init__(self, picking: Picking, goal: Array) -> None:
+        self._picking, self._grasping = picking, picking.grasping.towards(goal)
+        self._at_goal = Stands(self._grasping, "goal")
         self.goals: list[Stand] = []
         self.picked = 0
         self._known: dict[tuple[str, int], list[Stand]] = {}
 
     def __iter__(self) -> Iterator[Transfer]:
-        if self._at_start.refusal is not None or self._at_goal.refusal is not None:
+        grasping = self._grasping
+        if self._at_goal.refusal is not None:
+            self._picking.cannot[self._at_goal.refusal] += 1
+            return
+        if not len(grasping.free):
             return
         self.goals = list(islice(self._at_goal, STANDS_AT_GOAL))
-        for start in islice(self._at_start, STANDS_AT_START):
-            self.starts.append(start)
-            picks = self._grasping.picks(start.qpos, among=lambda side, row: bool(self._fitting(side, row)))
+        if not self.goals:
+            self._picking.nowhere += self._at_goal.looked_at
+            self._picking.in_the_way += self._at_goal.rejected
+            return
+        free = set(grasping.free.tolist())
+        good = (stand for stand in self._picking.stands() if any(row in free for _, row in stand.in_reach))
+        for start in islice(good, STANDS_AT_START):
+            picks = grasping.picks(start.qpos, among=lambda side, row: bool(self._fitting(side, row)))
             for pick in islice(picks, PICKS_A_STAND):
                 self.picked += 1
                 for goal in self._fitting(pick.side, pick.grasp):
-                    place = next(self._grasping.places(goal.qpos, pick), None)
+                    place = next(grasping.places(goal.qpos, pick), None)
                     if place is not None:
                         yield Transfer(start, pick, goal, place)
                         break
@@ -86,20 +160,13 @@ class Transfers:
         return self._known[side, row]
 
     @property
-    def refusal(self) -> str | None:
-        """Why none was found, after all were asked for; None as long as nothing stands in the way."""
-        grasping, thing = self._grasping, self._grasping.thing
-        for stands in (self._at_start, self._at_goal):
-            if stands.refusal is not None:
-                return stands.refusal
-        if not len(grasping.free):
-            return grasping.tally.text(thing)
-        for stands, found, what in (
-            (self._at_goal, self.goals, f"put the {thing} down"),
-            (self._at_start, self.starts, f"pick the {thing} up"),
-        ):
-            if not found:
-                return stands.none_free(what)
+    def refusal(self) -> str:
+        """At what it failed, after all were asked for, in the same words for all goals; see ``Picking.text``."""
+        thing = self._grasping.thing
+        if self._at_goal.refusal is not None or not len(self._grasping.free):
+            return f"no grasp of the {thing} does for both ends"
+        if not self.goals:
+            return f"there is nowhere to stand to put the {thing} down"
         if not self.picked:
-            return grasping.tally.text(thing)
-        return grasping.place_tally.text(thing) or None
+            return f"the {thing} cannot be picked up by any grasp that does there"
+        return f"the {thing} cannot be put down as it can be picked up"
