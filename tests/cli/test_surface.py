@@ -24,7 +24,7 @@ SURFACE: dict[str, set[str]] = {
     "perform": {
         *("task", "where", "--knowledge", "-k", "--robot", "--for", "--object", "--out", "-o", "--ways"),
         *("--attention", "--allow", "--prefer", "--means", "--helpers", "--spare", "--seed", "--at", "--replace"),
-        *("--trajectory", "--plan", "--positions", "--picture", "--film"),
+        *("--trajectory", "--plan", "--positions", "--picture", "--film", "--pddl"),
     },
     "explain": {"task", "--knowledge", "-k", "--why", "--band"},
     "agent check": {"profile", "--out", "-o", "--replace"},

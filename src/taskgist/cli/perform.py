@@ -26,7 +26,7 @@ from taskgist.cli.common import (
     progress_bar,
 )
 from taskgist.cli.explain import understood
-from taskgist.cli.performance_files import check_files, write_files
+from taskgist.cli.performance_files import check_files, check_pddl, write_files, write_pddl
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
@@ -68,6 +68,9 @@ def perform(
         Path | None, typer.Option(help="Draw its moments, and what --for sees before and after (.png).")
     ] = None,
     film: Annotated[Path | None, typer.Option(help="Draw a short film of it (.webp or .gif).")] = None,
+    pddl: Annotated[
+        Path | None, typer.Option(help="Write the same problem for other planners: domain, problem, places (folder).")
+    ] = None,
     ways: Annotated[int, typer.Option(min=1, max=MOST_WAYS, help="How many different ways.")] = 1,
     attention: Annotated[
         str, typer.Option(help="What --for looks at in the end: stays, thing or performer.")
@@ -120,6 +123,7 @@ def perform(
     }
     asked = {option: path for option, path in files.items() if path is not None}
     check_files(asked, ways, replace=replace, inputs=[where, Path(knowledge)])
+    check_pddl(pddl, replace=replace)
     clause = _clause(knowledge, task)
     time_s, place = _when_and_where(at or [])
     stage = open_stage(where, time_s)
@@ -169,10 +173,13 @@ def perform(
             )
     with progress_bar(quiet=as_json) as progress:
         written = write_files(asked, outcome.performances, replace=replace, progress=progress)
+        problem = None if pddl is None else write_pddl(outcome, pddl, replace=replace)
     if as_json:
-        print_json(outcome_document(outcome, written))
+        print_json(outcome_document(outcome, written, problem))
     else:
         print_outcome(outcome, written)
+        if problem is not None:
+            console.print(f"saved {problem}")
     return OK if outcome.performances else FAILED
 
 
@@ -294,12 +301,15 @@ def _strict(found: Performance) -> str:
     return "the clause as a whole does not, for not all is here as it was when it was learned"
 
 
-def outcome_document(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> dict[str, Any]:
+def outcome_document(
+    outcome: Outcome, written: Sequence[Mapping[str, Path]], problem: Path | None = None
+) -> dict[str, Any]:
     """What came of a request, as plain data.
 
     Args:
         outcome: What came of it.
         written: Of each way, the files that were written, by kind.
+        problem: The folder with the problem for other planners; None: there is none.
     """
     from taskgist.language.performing import assumed, not_as_demonstrated, refused, would_help
 
@@ -325,6 +335,7 @@ def outcome_document(outcome: Outcome, written: Sequence[Mapping[str, Path]]) ->
             "thrown_away": list(outcome.spoiled),
             "others": [{"what": each.what, "places": each.places, "why": each.why} for each in search.others],
         },
+        "pddl": None if problem is None else str(problem),
         "why_not": [] if outcome.performances else list(refused(request, outcome.goal, search, outcome.spoiled, tree)),
         "would_help": list(would_help(outcome.helps)),
     }

@@ -5,6 +5,7 @@ Of several ways the first has the name that was given, the others get a number: 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -14,7 +15,7 @@ from taskgist.common.files import writing
 from taskgist.errors import InputError
 
 if TYPE_CHECKING:  # with MuJoCo, which a wrong name should not wait for
-    from taskgist.pipeline.performing import Performance
+    from taskgist.pipeline.performing import Outcome, Performance
 
 
 class Kind(NamedTuple):
@@ -122,6 +123,42 @@ def _written(
 
             performance_film(plan, execution, path, progress=progress)
     return path
+
+
+PDDL_FILES = ("domain.pddl", "problem.pddl", "places.json", "plan.txt")
+"""What is written for other planners; of several plans the first, as the files of ways."""
+
+
+def check_pddl(folder: Path | None, *, replace: bool) -> None:
+    """Refuse a folder for PDDL that could not be written, before any long work.
+
+    Raises:
+        InputError: It is not there and cannot be made, or what would be written is there already.
+    """
+    if folder is not None:
+        check_target(folder / "domain.pddl" if folder.is_dir() else folder, "--pddl", replace=replace, inputs=[])
+        for name in PDDL_FILES if folder.is_dir() else ():
+            check_target(folder / name, "--pddl", replace=replace, inputs=[])
+
+
+def write_pddl(outcome: Outcome, folder: Path, *, replace: bool) -> Path:
+    """Write the same problem for other planners: domain, problem, what its places are, and the plan if there is one.
+
+    Raises:
+        InputError: A file cannot be written, or is there already and not to be replaced.
+    """
+    found = outcome.pddl()
+    folder.mkdir(exist_ok=True)
+    texts = (
+        found.domain,
+        found.problem,
+        json.dumps(found.places, ensure_ascii=False, indent=1) + "\n",
+        *found.plans[:1],
+    )
+    for name, text in zip(PDDL_FILES, texts, strict=False):
+        with writing(folder / name, replace=replace) as stream:
+            stream.write(text.encode())
+    return folder
 
 
 def numbered(path: Path, ways: int) -> tuple[Path, ...]:

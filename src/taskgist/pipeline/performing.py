@@ -28,6 +28,7 @@ from taskgist.performing.findings import Audit, MotionLimits, Tolerances
 from taskgist.pipeline.explain import explain_recording
 from taskgist.planning.goal import Goal
 from taskgist.planning.helping import Help
+from taskgist.planning.pddl import Pddl
 from taskgist.planning.performer import Performer
 from taskgist.planning.plan import Plan
 from taskgist.planning.planner import Planner
@@ -69,6 +70,7 @@ class Outcome:
         performances: Those that came through, different ways; none: see ``search``.
         search: What became of the candidates.
         spoiled: Why plans were thrown away after they were carried out, a sentence for each.
+        planner: What planned it.
         helps: If nothing came through: changes of the room with which it would.
     """
 
@@ -77,7 +79,12 @@ class Outcome:
     performances: tuple[Performance, ...]
     search: Search
     spoiled: tuple[str, ...]
+    planner: Planner
     helps: tuple[Help, ...] = ()
+
+    def pddl(self) -> Pddl:
+        """The same problem for other planners, with the plans that came through as sequences of its actions."""
+        return self.planner.pddl([found.plan for found in self.performances])
 
 
 def perform(
@@ -125,7 +132,7 @@ def perform(
     if not found:
         progress("what would help", 1.0)
     helps = () if found else planner.helps()
-    return Outcome(request, planner.goal, tuple(found), planner.search, tuple(spoiled), helps)
+    return Outcome(request, planner.goal, tuple(found), planner.search, tuple(spoiled), planner, helps)
 
 
 def planners() -> None:

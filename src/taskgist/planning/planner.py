@@ -21,6 +21,7 @@ from taskgist.planning.actions import Actions
 from taskgist.planning.endings import Endings
 from taskgist.planning.goal import Goal
 from taskgist.planning.helping import Help, helps
+from taskgist.planning.pddl import Pddl, exported
 from taskgist.planning.performer import Performer, refuse_held
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Cost, Plan
@@ -83,10 +84,16 @@ class Planner:
         self.goal = Goal.of(request.clause, start, tree, settings)
         self._endings = Endings(scene, state, request, self.goal, settings, predicates)
         self.search = Search()
+        self._sequences = Sequences(scene, state, request, self._endings, self._actions, self.search)
 
     def robot(self, name: str) -> Performer | None:
         """One of those who act, as it starts; None for a person."""
         return self._actions.robot(name, self._state)
+
+    def pddl(self, plans: Sequence[Plan] = ()) -> Pddl:
+        """The same problem for other planners, the places of some plans among its places."""
+        helpers = self._sequences.helpers
+        return exported(self.scene, self._state, self.request, self._endings, self._actions, helpers, plans)
 
     def plans(self, progress: Progress = silent) -> Iterator[Plan]:
         """Plans, the nearest to the candidates' order first, each for another place; then those by other means.
@@ -100,8 +107,7 @@ class Planner:
         if "move" in self.request.means:
             for action in self._moves(progress, blocked):
                 yield self._plan((action,))
-        sequences = Sequences(self.scene, self._state, self.request, self._endings, self._actions, self.search)
-        for actions in sequences.found(progress, tuple(blocked)):
+        for actions in self._sequences.found(progress, tuple(blocked)):
             yield self._plan(actions)
 
     def helps(self) -> tuple[Help, ...]:
