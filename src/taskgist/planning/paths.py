@@ -298,8 +298,9 @@ def _quiet(seed: int) -> Iterator[None]:
 
 
 def _shortened(lines: _Lines, corners: Array, random: np.random.Generator) -> Array:
-    """The corners after shortcuts, where lines between are free: from each corner to the farthest that it gets to, and
-    then between any two places of the way, at random.
+    """The corners after shortcuts, where the lines between are free.
+
+    They lead from each corner to the farthest that it gets to, and then between any two places of the way, at random.
     """
     corners, failed = _skipped(lines, corners), 0
     for _ in range(SHORTCUTS):
