@@ -33,7 +33,7 @@ from taskgist.planning.sweeps import NOWHERE, Look, line_is_free
 EXTRA = "planning"
 CHECKS = 20_000
 """Configurations that a search may check, unless told otherwise: some seconds of a whole robot's collisions."""
-SHORTCUTS, IN_VAIN = 150, 30
+SHORTCUTS, IN_VAIN = 40, 10
 """Shortcuts that are tried, and how many in a row may fail before that ends."""
 RANGE = 30.0
 """Longest line that the search adds at once, in steps."""
@@ -298,8 +298,11 @@ def _quiet(seed: int) -> Iterator[None]:
 
 
 def _shortened(lines: _Lines, corners: Array, random: np.random.Generator) -> Array:
-    """The corners after random shortcuts: between any two places of the way, where the line between them is free."""
-    failed = 0
+    """The corners after shortcuts, where the lines between are free.
+
+    They lead from each corner to the farthest that it gets to, and then between any two places of the way, at random.
+    """
+    corners, failed = _skipped(lines, corners), 0
     for _ in range(SHORTCUTS):
         if len(corners) == 2 or failed == IN_VAIN or lines.left <= 0:
             break
@@ -322,3 +325,13 @@ def _shortened(lines: _Lines, corners: Array, random: np.random.Generator) -> Ar
                 continue
         failed += 1
     return corners
+
+
+def _skipped(lines: _Lines, corners: Array) -> Array:
+    """The corners but those that a free line from one before to one after passes over."""
+    kept = [0]
+    while kept[-1] < len(corners) - 1:
+        last = kept[-1]
+        ahead = range(len(corners) - 1, last + 1, -1)
+        kept.append(next((each for each in ahead if lines.are_free(corners[last], corners[each])), last + 1))
+    return corners[kept]

@@ -9,7 +9,7 @@ which there is nothing. A gap tells more: two shapes that are 20 cm apart stay a
     line_is_free(sweep.look, start, goal)
 
 How far a shape moves is bounded by levers: no point of it moves by more than the sum, over the joints that carry it, of
-their turns times the farthest that it can be from their axes.
+their turns times how far it is from their axes, and may get from there by what turns beyond them.
 
 **Clearance.** Ways keep clear of everything by ``CLEARANCE_M``, for nothing is as exact as a plan. Where a way begins
 or ends nearer to something than that, as a hand at a table, it need not be farther from it than it is there. Between
@@ -18,6 +18,7 @@ two looks a gap may shrink by a part of its clearance, and never below what audi
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -58,8 +59,11 @@ class Moves(Protocol):
     def placed(self, qpos: Array, values: Array) -> Array:
         """Positions of the whole scene, (nq,), with values (k,) of what moves."""
 
+    def joints(self, body: WholeBody) -> Indices:
+        """The model's joints that move, from the root to the hand, (k,); none if levers are the same everywhere."""
+
     def levers(self, body: WholeBody, qpos: Array, geoms: Indices, load: Indices, carrier: int) -> tuple[Array, Mask]:
-        """How far each shape goes at most for a unit of each value, (n, k), and whether that moves it at all, (n, k).
+        """How far each shape goes at most for a unit of each value, wherever it is, (n, k), and what moves it, (n, k).
 
         Args:
             body: The robot.
@@ -88,6 +92,11 @@ class BaseMoves:
         whole[3:] = turned_about_z(whole[3:], values[2] - yaw_of(whole[3:]))
         return moved
 
+    def joints(self, body: WholeBody) -> Indices:
+        """As ``Moves`` says."""
+        del body
+        return np.empty(0, dtype=np.intp)
+
     def levers(self, body: WholeBody, qpos: Array, geoms: Indices, load: Indices, carrier: int) -> tuple[Array, Mask]:
         """As ``Moves`` says."""
         del load, carrier
@@ -114,18 +123,22 @@ class JointMoves:
         moved[self.positions] = values
         return moved
 
+    def joints(self, body: WholeBody) -> Indices:
+        """As ``Moves`` says."""
+        of_position = body.scene.model.jnt_qposadr
+        return np.array([np.flatnonzero(of_position == position)[0] for position in self.positions], dtype=np.intp)
+
     def levers(self, body: WholeBody, qpos: Array, geoms: Indices, load: Indices, carrier: int) -> tuple[Array, Mask]:
         """As ``Moves`` says."""
         del qpos
-        model, table = body.scene.model, body.stage.boxes(geoms)
-        joints = [int(np.flatnonzero(model.jnt_qposadr == position)[0]) for position in self.positions]
-        anchors = np.array([body.stage.screw(joint)[0] for joint in joints])
+        model, table, joints = body.scene.model, body.stage.boxes(geoms), self.joints(body)
+        anchors = body.stage.screws(joints)[0]
         slides = model.jnt_type[joints] == int(mujoco.mjtJoint.mjJNT_SLIDE)
         spans_m = np.where(slides, np.ptp(model.jnt_range[joints], axis=1), 0.0)
         levers, moved = np.zeros((len(geoms), len(joints))), np.zeros((len(geoms), len(joints)), dtype=bool)
         for row, geom in enumerate(geoms.tolist()):
             above = _bodies_above(model, carrier if geom in load else int(model.geom_bodyid[geom]))
-            own = [column for column, joint in enumerate(joints) if int(model.jnt_bodyid[joint]) in above]
+            own = [column for column, joint in enumerate(joints.tolist()) if int(model.jnt_bodyid[joint]) in above]
             far_m, point = float(table[row, RADIUS]), table[row, :3]
             for column in reversed(own):
                 far_m += float(np.linalg.norm(anchors[column] - point))
@@ -181,17 +194,19 @@ class Sweep:
         active = moved.any(axis=1)
         self._geoms, pairs, self._usual_m = body.pairs(own[active], grip)
         rows = {int(geom): row for row, geom in enumerate(self._geoms)}
-        all_levers = np.zeros((len(self._geoms), levers.shape[1]))
-        all_moved = np.zeros(all_levers.shape, dtype=bool)
+        self._farthest = np.zeros((len(self._geoms), levers.shape[1]))
+        self._moved = np.zeros(self._farthest.shape, dtype=bool)
         for geom, lever, moves_it in zip(own.tolist(), levers, moved, strict=True):
             if geom in rows:
-                all_levers[rows[geom]], all_moved[rows[geom]] = lever, moves_it
+                self._farthest[rows[geom]], self._moved[rows[geom]] = lever, moves_it
         one, other = pairs.T
         # What a joint moves together stays as far apart as it is.
-        between = all_levers[one] * ~all_moved[other] + all_levers[other] * ~all_moved[one]
+        between = self._farthest[one] * ~self._moved[other] + self._farthest[other] * ~self._moved[one]
         counts = between.any(axis=1)
         self._pairs, self._levers, self._usual_m = pairs[counts], between[counts], self._usual_m[counts]
-        self._moving = np.flatnonzero(all_moved.any(axis=1))
+        self._moving = np.flatnonzero(self._moved.any(axis=1))
+        self._joints = moves.joints(body)
+        self._slides = body.scene.model.jnt_type[self._joints] == int(mujoco.mjtJoint.mjJNT_SLIDE)
         self._table = stage.boxes(self._geoms)
         self._groups = self._grouped(own)
         self._least_m = -self._usual_m - TOLERANCE_M
@@ -217,7 +232,7 @@ class Sweep:
         self.looks += 1
         stage = self._show(values)
         self._table[self._moving] = stage.boxes(self._geoms[self._moving])
-        travel_m = self._levers @ np.abs(half)
+        travel_m = self._travel(stage, np.abs(half))
         longest_m = float(travel_m.max(initial=0.0))
         share = 1.0 if longest_m <= FARTHEST_M else FARTHEST_M / longest_m
         limits_m = np.maximum(needs_m, floors_m + share * travel_m)
@@ -234,6 +249,15 @@ class Sweep:
             if gap_m < limit_m and travel_m[row] > 0.0:
                 share = min(share, float(gap_m - floors_m[row]) / float(travel_m[row]))
         return share
+
+    def _travel(self, stage: Stage, half: Array) -> Array:
+        """How far the shapes of each pair may move against each other, (k,), around the configuration that is shown."""
+        if not len(self._joints) or not half.any():
+            return np.asarray(self._levers @ half)
+        anchors, axes = stage.screws(self._joints)
+        return np.asarray(
+            _travel(self._table, self._pairs, self._farthest, self._moved, self._slides, anchors, axes, half)
+        )
 
     def _show(self, values: Array) -> Stage:
         body = self._body
@@ -309,6 +333,61 @@ def _near_rows(table: Array, pairs: Indices, limits_m: Array) -> Indices:
             found[count] = row
             count += 1
     return found[:count]
+
+
+@compiled
+def _travel(
+    table: Array,
+    pairs: Indices,
+    farthest: Array,
+    moved: Mask,
+    slides: Mask,
+    anchors: Array,
+    axes: Array,
+    half: Array,
+) -> Array:
+    """How far the shapes of each pair may move against each other while joints move by up to so much, metres, (k,).
+
+    Args:
+        table: Boxes of all shapes, (n, 18).
+        pairs: Rows of these, (k, 2).
+        farthest: The levers of shapes, wherever they are, (n, joints).
+        moved: Which joints move them, (n, joints).
+        slides: Which joints slide, (joints,).
+        anchors: Points on the joints' axes, metres, (joints, 3).
+        axes: Unit vectors along them, (joints, 3).
+        half: By how much each joint may move either way, (joints,).
+    """
+    count = len(half)
+    ways, total = np.zeros((len(table), count)), np.zeros(len(table))
+    for row in range(len(table)):
+        beyond_m = 0.0  # how far what is beyond a joint may bring the shape
+        for joint in range(count - 1, -1, -1):
+            if not moved[row, joint]:
+                continue
+            lever_m = 1.0
+            if not slides[joint]:
+                x, y, z = (
+                    table[row, 0] - anchors[joint, 0],
+                    table[row, 1] - anchors[joint, 1],
+                    table[row, 2] - anchors[joint, 2],
+                )
+                along = x * axes[joint, 0] + y * axes[joint, 1] + z * axes[joint, 2]
+                away_m = math.sqrt(max(x * x + y * y + z * z - along * along, 0.0))
+                lever_m = min(farthest[row, joint], away_m + table[row, RADIUS] + beyond_m)
+            ways[row, joint] = half[joint] * lever_m
+            beyond_m += half[joint] * lever_m
+        total[row] = beyond_m
+    found = np.zeros(len(pairs))
+    for index in range(len(pairs)):
+        one, other = pairs[index]
+        found[index] = total[one] + total[other]
+        if total[one] > 0.0 and total[other] > 0.0:
+            for joint in range(count):
+                # What a joint moves together stays as far apart as it is.
+                if moved[one, joint] and moved[other, joint]:
+                    found[index] -= ways[one, joint] + ways[other, joint]
+    return found
 
 
 @compiled

@@ -89,6 +89,10 @@ class Stage:
         """A point on a joint's axis in metres, (3,), and the axis, a unit vector (3,), in the world."""
         return np.array(self._data.xanchor[joint]), np.array(self._data.xaxis[joint])
 
+    def screws(self, joints: Indices) -> tuple[Array, Array]:
+        """The same of several joints, (n, 3) each."""
+        return self._data.xanchor[joints], self._data.xaxis[joints]
+
     def site(self, site: int) -> Pose:
         """Pose of a site."""
         return Pose(self._data.site_xpos[site].copy(), self._data.site_xmat[site].reshape(3, 3).copy())
