@@ -214,15 +214,15 @@ class Outside:
 
     Args:
         stage: The scene; its state is pictured.
-        recording: Of which the frames are; its target object has the colour of attention.
+        recording: Of which the frames are; its target objects have the colour of attention.
         frames: Which.
         camera: From where.
     """
 
     def __init__(self, stage: Stage, recording: Recording, frames: Indices, camera: Camera) -> None:
         self._stage, self._camera = stage, camera
-        thing = recording.label.target_object if recording.label else None
-        self._marked = [int(geom) for geom in recording.scene.object_geoms(thing)] if thing else []
+        things = recording.label.target_objects if recording.label else ()
+        self._marked = [int(geom) for thing in things for geom in recording.scene.object_geoms(thing)]
         self._moving = moving_geoms(stage, recording, frames)
         self._rays = pinhole(FOV_RAD, SMOOTHING * camera.width_px, SMOOTHING * camera.height_px)
         still = stage.seen.copy()

@@ -132,8 +132,8 @@ def _label(script: Script, acting: Acting) -> Label:
     return Label(
         task=script.task,
         performing_agent=script.performer,
-        target_agent=script.target,
-        target_object=script.thing,
+        target_agents=script.target,
+        target_objects=script.thing,
         start_s=round(float(acting.motions[0].start_s - LABEL_BEFORE_S), 3),
         end_s=round(float(acting.motions[-1].end_s + LABEL_AFTER_S if acting.over_s is None else acting.over_s), 3),
         how=HOW.format(before=LABEL_BEFORE_S, until=until),
