@@ -223,7 +223,8 @@ def test_each_of_the_objects() -> None:
 def test_where_targets_differ_it_is_asked() -> None:
     understanding = understand(Experience.of("hide", [explained("hide", 2, HIDDEN), both(HIDDEN, AS_BEFORE)]))
     judgement = understanding.judgements["see.nature"]
-    assert (judgement.estimate.N, judgement.verdict) == (1, Verdict.RELEVANT)
+    assert (judgement.estimate.N, judgement.estimate.verdict) == (1, Verdict.RELEVANT)
+    assert (judgement.verdict, judgement.kept) == (Verdict.CONFUSING, False)
     assert [each.demonstration for each in judgement.divided] == ["hide 1"]
     (question,) = (each for each in questions_of(understanding) if each.node.name.startswith("see."))
     assert question.node.name == "see.nature", "what is below follows from it"
@@ -235,16 +236,17 @@ def test_where_targets_differ_it_is_asked() -> None:
         "What does “hide” mean: that seeing the object becomes harder (in hide 2; for P2 in hide 1) or that seeing the "
         "object becomes no harder (for P3 in hide 1); or does Nature_Effort_Class_to_See not matter?"
     )
-    assert "In hide 1 targets differ, which counts for no value: Not_Supportive for P2, Supportive for P3." in why(
-        understanding, "see.nature"
+    assert (
+        "In hide 1 targets differ, which speaks against each value: Not_Supportive for P2, Supportive for P3."
+        in why(understanding, "see.nature")
     )
 
 
 def test_an_answer_settles_it_and_leads_to_what_is_below() -> None:
     experience = Experience.of("hide", [both(HIDDEN, AS_BEFORE)])
     understanding = understand(experience)
-    assert understanding.judgements["see.nature"].verdict is Verdict.UNOBSERVED
-    assert "Not the same for each target was how hard the object is to see." in indifference(understanding)
+    assert understanding.judgements["see.nature"].estimate.verdict is Verdict.UNOBSERVED
+    assert "Not clear yet is how hard the object is to see." in indifference(understanding)
     (question,) = (each for each in questions_of(understanding) if each.node.name.startswith("see."))
     relevant = question.answer(Verdict.RELEVANT, author="ann", time=NOON, value="Not_Supportive")
     after = understand(experience, answers=[relevant])
@@ -255,11 +257,22 @@ def test_an_answer_settles_it_and_leads_to_what_is_below() -> None:
     assert not [each for each in questions_of(nothing) if each.node.name.startswith("see.")]
 
 
-def test_joint_angles_are_not_asked_about() -> None:
+def test_joint_angles_in_which_bodies_differ_are_not_meant_and_not_asked_about() -> None:
     second = replace(part(HIDDEN, "P3"), nodes=explained("hide", 2, HIDDEN).nodes)
     whole = merged([part(HIDDEN, "P2"), replace(second, demonstration="hide 1", source=part(HIDDEN, "P2").source)])
     assert whole.differing("see.state.1")
     assert not questions_of(understand(Experience.of("hide", [whole])))
+    with_one = understand(Experience.of("hide", [whole, explained("hide", 3, HIDDEN)]))
+    assert with_one.judgements["see.state.1"].verdict is Verdict.IRRELEVANT, "though one demonstration has one value"
+    assert not questions_of(with_one)
+
+
+@pytest.mark.parametrize(("others", "verdict"), [(20, Verdict.CONFUSING), (21, Verdict.RELEVANT)])
+def test_many_others_outvote_one_demonstration_in_which_targets_differ(others: int, verdict: Verdict) -> None:
+    """As they outvote one that dissents: 20 of 21 lie on the band's edge."""
+    single = [explained("hide", index, HIDDEN) for index in range(2, 2 + others)]
+    judgement = understand(Experience.of("hide", [both(HIDDEN, AS_BEFORE), *single])).judgements["see.class"]
+    assert (judgement.verdict, len(judgement.divided)) == (verdict, 1)
 
 
 def test_a_recording_learned_for_one_of_the_targets_is_a_rival() -> None:

@@ -31,16 +31,15 @@ def indifference(understanding: Understanding) -> str:
     """What does not matter, is not clear yet, or was never observed; empty if there is nothing of the kind."""
     roots = [each for each in understanding.judgements.values() if each.node.parent is None]
     beginnings = {
-        "irrelevant": "It does not matter",
-        "confusing": "Not clear yet is",
-        "divided": "Not the same for each target was",
-        "unobserved": "Never observed was",
+        Verdict.IRRELEVANT: "It does not matter",
+        Verdict.CONFUSING: "Not clear yet is",
+        Verdict.UNOBSERVED: "Never observed was",
     }
     sentences = []
-    for standing, beginning in beginnings.items():
-        topics = [topic(each.node) for each in roots if _standing(each) == standing]
+    for verdict, beginning in beginnings.items():
+        topics = [topic(each.node) for each in roots if each.verdict is verdict]
         if topics:
-            conjunction = "or" if standing == "irrelevant" else "and"
+            conjunction = "or" if verdict is Verdict.IRRELEVANT else "and"
             sentences.append(f"{beginning} {listed(topics, conjunction)}.")
     return " ".join(sentences)
 
@@ -78,12 +77,6 @@ def _behind(choice: Choice) -> str:
     names = dict.fromkeys(name for _, name in choice.targets)
     single = (f"for {listed([who for who, name in choice.targets if name == each])} in {each}" for each in names)
     return "; ".join([*whole, *single])
-
-
-def _standing(judgement: Judgement) -> str:
-    """The verdict in one word; *divided* where nothing else was observed than that several targets differ."""
-    unobserved = judgement.verdict is Verdict.UNOBSERVED
-    return "divided" if unobserved and judgement.divided else judgement.verdict.value
 
 
 SPOKEN_ORDER = ("see", "visibility", "reach", "grasp", "hands", "placement", "motion", "posture")
@@ -134,12 +127,11 @@ def _verdict(understanding: Understanding, judgement: Judgement) -> str:
         )
         return f"{title} agrees, but does not count, because {above} above it does not."
     reasons = {
-        "irrelevant": "does not matter",
-        "confusing": "is not clear yet",
-        "divided": "was not the same for each target",
-        "unobserved": "was never observed",
+        Verdict.IRRELEVANT: "does not matter",
+        Verdict.CONFUSING: "is not clear yet",
+        Verdict.UNOBSERVED: "was never observed",
     }
-    return f"{title} {reasons[_standing(judgement)]}."
+    return f"{title} {reasons[judgement.verdict]}."
 
 
 def _observed(understanding: Understanding, judgement: Judgement) -> str:
@@ -155,7 +147,7 @@ def _divided(judgement: Judgement, explanation: Explanation) -> str:
     """How the several targets of one demonstration differ."""
     values = explanation.differing(judgement.node.name).items()
     told = (f"{value} for {listed([explanation.called(part) for part in parts])}" for value, parts in values)
-    return f"In {explanation.demonstration} targets differ, which counts for no value: {', '.join(told)}."
+    return f"In {explanation.demonstration} targets differ, which speaks against each value: {', '.join(told)}."
 
 
 def _figures(judgement: Judgement) -> str:

@@ -18,9 +18,12 @@ cup ends.
 below: a final state that happened to be the same, below a class that differs, is no meaning.) Nothing is thrown
 away, though: all nodes stay with their counts, and one that was pruned may come back with further demonstrations.
 
-**Questions.** What the demonstrations neither agree nor contradict about enough has to be asked (6.4 iii). So has a
-node in which the several targets of one demonstration differ: hidden from P2 and P3, with P3's effort as before. It
-counts for no value, and which of them was meant nobody but the operator knows.
+**Questions.** What the demonstrations neither agree nor contradict about enough has to be asked (6.4 iii).
+
+**Several targets.** What a task means holds for each of its targets. A demonstration in which they differ at a node
+(hidden from P2 and P3, while P3 sees as much as before) counts there for no value, and speaks against every one: where
+the band does not pass over so much dissent, the node is confusing, and asked about. But a node that may take any text
+or number, as joint angles do, is irrelevant then: two bodies always differ there, and nobody can say what is meant.
 
 **Answers.** What a person has said about a node stands above its counts until it is withdrawn.
 """
@@ -141,7 +144,7 @@ class Judgement:
     counts: FrozenMap[str, int]
     """Demonstrations by value, most frequent first, ties in canonical order."""
     divided: tuple[Explanation, ...]
-    """Demonstrations whose several targets differ in it, by name: not counted."""
+    """Demonstrations whose several targets differ in it, by name: not counted for any value."""
     answer: Answer | None
     """What a person said, if anything holds."""
     verdict: Verdict
@@ -219,7 +222,7 @@ def _judge(
 ) -> Judgement:
     counts = experience.counts.get(node.name, FrozenMap())
     estimate = weigh(counts, rule, node.values)
-    verdict = answer.verdict if answer and answer.verdict else estimate.verdict
+    verdict = answer.verdict if answer and answer.verdict else _verdict(node, counts, estimate, len(divided), rule)
     value = answer.value if answer and answer.value else estimate.value
     if verdict is Verdict.RELEVANT and value is None:
         hint = "answer with a value, or withdraw the answer"
@@ -238,6 +241,20 @@ def _judge(
         value=value,
         kept=above and verdict is Verdict.RELEVANT,
     )
+
+
+DIVIDED = "targets differ"
+"""Stands for a value that speaks against all others."""
+
+
+def _verdict(node: Node, counts: FrozenMap[str, int], estimate: Estimate, divided: int, rule: Rule) -> Verdict:
+    """What the demonstrations say, those included in which targets differ."""
+    if not divided or estimate.verdict is Verdict.IRRELEVANT:
+        return estimate.verdict
+    contested = weigh({**counts, DIVIDED: divided}, rule, node.values)
+    if contested.verdict is Verdict.RELEVANT and contested.value != DIVIDED:
+        return Verdict.RELEVANT
+    return Verdict.CONFUSING if node.values else Verdict.IRRELEVANT
 
 
 # Questions: what the demonstrations neither agree nor contradict about enough (6.4 iii).
@@ -282,26 +299,21 @@ def questions_of(understanding: Understanding) -> tuple[Question, ...]:
     """The questions whose answers can change the understanding, from abstract to concrete.
 
     A confusing node below an irrelevant one is not asked about: no answer could bring it back. Once the node above is
-    settled otherwise, it will be. Where the targets of one demonstration differ (``Judgement.divided``), the uppermost
-    such node is asked about, the ones below follow from it or come next. Not asked about are nodes that take any text
-    or number, as joint angles do: two bodies always differ there.
+    settled otherwise, it will be. Where the targets of a demonstration differ, only the uppermost such node is asked
+    about: those below follow from it, or come next.
     """
     return tuple(
         _question(understanding, judgement)
         for judgement in understanding.judgements.values()
-        if (judgement.verdict is Verdict.CONFUSING or _is_open(judgement)) and _can_be_kept(understanding, judgement)
+        if judgement.verdict is Verdict.CONFUSING and _can_be_kept(understanding, judgement)
     )
-
-
-def _is_open(judgement: Judgement) -> bool:
-    """Whether targets differ in a node, and neither an answer nor other demonstrations have settled what is meant."""
-    settled = judgement.answer is not None or judgement.verdict is Verdict.IRRELEVANT
-    return bool(judgement.divided) and bool(judgement.node.values) and not settled
 
 
 def _can_be_kept(understanding: Understanding, judgement: Judgement) -> bool:
     above = (understanding.judgements[node.name] for node in understanding.tree.ancestors(judgement.node.name))
-    return all(each.verdict in (Verdict.RELEVANT, Verdict.CONFUSING) and not _is_open(each) for each in above)
+    return all(
+        each.verdict is Verdict.RELEVANT or (each.verdict is Verdict.CONFUSING and not each.divided) for each in above
+    )
 
 
 def _question(understanding: Understanding, judgement: Judgement) -> Question:
