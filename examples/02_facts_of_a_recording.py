@@ -1,8 +1,8 @@
 """A recording's facts: who holds what when, and what the handover changed for the taker."""
 
-from taskgist import Observer, read_recording
+from taskgist import Observer, explain_recording, read_recording
 from taskgist.facts import STANDARD_TREE
-from taskgist.pipeline import explain_recording, label_of, shipped_recordings
+from taskgist.pipeline import label_of, shipped_recordings
 from taskgist.recognition import grips_of
 
 
