@@ -27,9 +27,11 @@ from taskgist.cli.common import (
 )
 from taskgist.cli.explain import understood
 from taskgist.cli.performance_files import check_files, write_files
+from taskgist.common.text import one_or_list
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
+from taskgist.language.phrases import listed
 from taskgist.learning.explanation import Context
 from taskgist.learning.understanding import Clause, clause_of
 from taskgist.settings import DEFAULT
@@ -52,8 +54,12 @@ def perform(
     robot: Annotated[
         str, typer.Option(help="Who performs it: an agent of the room; or a profile, which --at places there.")
     ] = "",
-    target: Annotated[str, typer.Option("--for", help="For whom: another agent of the room.")] = "",
-    thing: Annotated[str, typer.Option("--object", help="With what: an object of the room.")] = "",
+    target: Annotated[
+        list[str] | None, typer.Option("--for", help="For whom: another agent of the room; once for each of several.")
+    ] = None,
+    thing: Annotated[
+        list[str] | None, typer.Option("--object", help="With what: an object of the room; once for each of several.")
+    ] = None,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Write the performance here (.mcap).")] = None,
     trajectory: Annotated[
         Path | None, typer.Option(help="Write trajectories of arms, lift, grippers and base, as ROS has them (.json).")
@@ -101,11 +107,16 @@ def perform(
     it there; carries that out, audits every motion, and judges what happened by the facts that explain demonstrations.
     The exit code is 1 if there is no way; what stood in the way is told.
 
+    Of several agents the clause must hold for each: one place for all. Several objects are brought one after the
+    other, and what is done is not undone.
+
     Example: taskgist perform hide room.toml --robot PR2 --for P2 --object cup
 
     Example: taskgist perform give room.toml --robot J --for P2 --object cup
 
     Example: taskgist perform show day.mcap --at 3.5 --robot J --for P2 --object cup
+
+    Example: taskgist perform hide room.toml --robot J --for P2 --for P3 --object cup
 
     Example: taskgist perform hide room.toml --robot pr2 --at 1,0.5,90 --for P2 --object cup
     """
@@ -130,10 +141,11 @@ def perform(
     with about(where):
         if place is not None:
             stage, robot = _joined(stage, robot, place)
+        targets, things = target or [""], thing or [""]
         for option, given, known in (
             ("--robot", robot, stage.scene.agents),
-            ("--for", target, stage.scene.agents),
-            ("--object", thing, stage.scene.objects),
+            *(("--for", each, stage.scene.agents) for each in targets),
+            *(("--object", each, stage.scene.objects) for each in things),
         ):
             if not given:
                 raise InputError("not given", field=option, hint=f"one of {', '.join(known)}")
@@ -142,13 +154,16 @@ def perform(
                 raise InputError("is not in the room", field=option, value=given, hint=hint)
             if given not in known:
                 raise UnknownNameError("object" if option == "--object" else "agent", given, known, where=option)
-        if robot == target:
-            raise InputError("a task is performed for another", field="--for", value=target, hint="name another agent")
+        if robot in targets:
+            raise InputError("a task is performed for another", field="--for", value=robot, hint="name another agent")
+        for option, names in (("--for", targets), ("--object", things)):
+            if len(set(names)) < len(names):
+                raise InputError("one stands twice", field=option, value=" ".join(names), hint="name each once")
         request = Request(
             clause,
             robot,
-            target,
-            thing,
+            targets[0],
+            things[0],
             assumed,
             _names(allow),
             _names(prefer) or (),
@@ -156,6 +171,8 @@ def perform(
             means=_means(means),
             helpers=_helpers(helpers, stage.scene.agents),
             spare=_spared(spare),
+            also_for=tuple(targets[1:]),
+            also_with=tuple(things[1:]),
         )
         with progress_bar(quiet=as_json) as progress:
             outcome = performed(
@@ -273,9 +290,8 @@ def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> No
         console.print(f"  {'' if len(plan.actions) > 1 else f'{plan.performer} '}{', '.join(steps(plan))}")
         console.print(f"  cost: {cost(plan)}")
         console.print(f"  audited in {len(found.execution.recording.times_s)} frames and between them: clean")
-        console.print(
-            f"  judged by its facts: what {request.clause.task} means for {request.target} is so; {_strict(found)}"
-        )
+        so = f"what {request.clause.task} means for {listed(request.targets)} is so"
+        console.print(f"  judged by its facts: {so}; {_strict(found)}")
         for path in written[number].values():
             console.print(f"  saved {path}")
     if outcome.performances:
@@ -307,8 +323,8 @@ def outcome_document(outcome: Outcome, written: Sequence[Mapping[str, Path]]) ->
     return {
         "task": request.clause.task,
         "performer": request.performer,
-        "target": request.target,
-        "object": request.thing,
+        "target": one_or_list(request.targets),
+        "object": one_or_list(request.things),
         "attention": request.attention,
         "assumed": assumed(request),
         "notes": list(not_as_demonstrated(outcome.goal, tree)),

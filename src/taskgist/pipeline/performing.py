@@ -22,6 +22,7 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import Unknown
 from taskgist.learning.explanation import Explanation
+from taskgist.learning.understanding import conjunction
 from taskgist.performing.audit import audit
 from taskgist.performing.execution import Execution, carried_out
 from taskgist.performing.findings import Audit, MotionLimits, Tolerances
@@ -142,7 +143,7 @@ def _tried(
     planner: Planner, plan: Plan, tree: HypothesisTree, settings: Settings, predicates: Sequence[Predicate]
 ) -> Performance | str:
     """A plan carried out, audited and judged; a sentence if it does not come through."""
-    scene, request, goal = planner.scene, planner.request, planner.goal
+    scene, request = planner.scene, planner.request
     execution = carried_out(scene, plan, attention=request.attention)
     recording = execution.recording
     for let_go in execution.settled:
@@ -165,11 +166,15 @@ def _tried(
     if not found.clean:
         return f"the audit found: {found.findings[0].text}"
     explanation = explain_recording(recording, tree=tree, settings=settings, predicates=predicates)
-    failed = next((each for each in goal.controllable if each.holds(explanation.nodes) is not True), None)
-    if failed is not None:
-        value = explanation.nodes[failed.node].value if failed.node in explanation.nodes else "not observed"
-        return f"judged by its facts {failed} fails: it is {value}"
-    return Performance(plan, execution, found, explanation, request.clause.holds(explanation.nodes))
+    for aim in planner.aims:
+        nodes = explanation.part(aim.agent, aim.thing).nodes
+        failed = next((each for each in aim.goal.controllable if each.holds(nodes) is not True), None)
+        if failed is not None:
+            value = nodes[failed.node].value if failed.node in nodes else "not observed"
+            whose = f" for {explanation.called(explanation.part(aim.agent, aim.thing))}" if explanation.parts else ""
+            return f"judged by its facts {failed} fails{whose}: it is {value}"
+    strict = conjunction(request.clause.holds(each.nodes) for each in explanation.parts or (explanation,))
+    return Performance(plan, execution, found, explanation, strict)
 
 
 def limits_of(performer: Performer | None, planning: Planning) -> MotionLimits:

@@ -189,7 +189,7 @@ class Sequences:
     def helpers(self) -> tuple[str, ...]:
         """Who may take part besides the performer: those that are named, or all robots with a hand."""
         request, scene = self._request, self._scene
-        out = (request.performer, request.target)
+        out = (request.performer, *request.targets)
         if request.helpers is not None:
             return tuple(name for name in request.helpers if name not in out)
         agents = (scene.agent(name) for name in scene.agents if name not in out)
