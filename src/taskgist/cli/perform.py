@@ -116,7 +116,7 @@ def perform(
 
     Example: taskgist perform show day.mcap --at 3.5 --robot J --for P2 --object cup
 
-    Example: taskgist perform hide room.toml --robot J --for P2 --for P3 --object cup
+    Example: taskgist perform hide r.toml --robot J --for P2 --for P3 --object cup
 
     Example: taskgist perform hide room.toml --robot pr2 --at 1,0.5,90 --for P2 --object cup
     """

@@ -29,9 +29,9 @@ from taskgist.performing.findings import Audit, MotionLimits, Tolerances
 from taskgist.pipeline.explain import explain_recording
 from taskgist.planning.goal import Goal
 from taskgist.planning.helping import Help
+from taskgist.planning.one_by_one import OneByOne
 from taskgist.planning.performer import Performer
 from taskgist.planning.plan import Plan
-from taskgist.planning.planner import Planner
 from taskgist.planning.requests import Request, Search
 from taskgist.settings import DEFAULT, Planning, Settings
 from taskgist.world.scene import Scene
@@ -110,7 +110,7 @@ def perform(
         InputError: OMPL or toppra, the extra ``planning``, is not installed.
     """
     state = scene.initial if state is None else state
-    planner = Planner(scene, state, request, tree=tree, settings=settings, predicates=predicates)
+    planner = OneByOne(scene, state, request, tree=tree, settings=settings, predicates=predicates)
     if planner.performer is not None:
         planners()  # before any long work
     found, spoiled = list[Performance](), list[str]()
@@ -140,7 +140,7 @@ def planners() -> None:
 
 
 def _tried(
-    planner: Planner, plan: Plan, tree: HypothesisTree, settings: Settings, predicates: Sequence[Predicate]
+    planner: OneByOne, plan: Plan, tree: HypothesisTree, settings: Settings, predicates: Sequence[Predicate]
 ) -> Performance | str:
     """A plan carried out, audited and judged; a sentence if it does not come through."""
     scene, request = planner.scene, planner.request

@@ -59,6 +59,7 @@ class Endings:
         aims: What is wanted, for each target agent; those first with the thing that is brought now.
         settings: All settings.
         predicates: A user's own predicates.
+        lets_go: Whether the performer's hands must be empty in the end.
     """
 
     def __init__(
@@ -69,9 +70,11 @@ class Endings:
         aims: Sequence[Aim],
         settings: Settings,
         predicates: Sequence[Predicate],
+        *,
+        lets_go: bool = False,
     ) -> None:
         self._scene, self._state, self._request, self._settings = scene, state, request, settings
-        self._aims, self._goal = tuple(aims), aims[0].goal
+        self._aims, self._goal, self._lets_go = tuple(aims), aims[0].goal, lets_go
         self._predicates = tuple(predicates)
         self._judges: dict[bytes, Judges] = {}
         self.judge(state)  # names that nobody knows are told before any long work
@@ -176,6 +179,8 @@ class Endings:
         """How the thing may get where it shall be: what brings about the placement, and the target's hands."""
         placement, hands = self._goal.wants("placement"), self._goal.wants("hands")
         found = [means for means, end in ENDS.items() if placement is None or end in (placement.values or ())]
+        if self._lets_go:
+            found = [means for means in found if means != "hold_up"]
         if hands is not None and hands.values is not None:
             taken = [v.HOLDING_OBJECT in final.values() for final in hands.values if isinstance(final, Mapping)]
             found = [means for means in found if (means == "hand_over") in taken]

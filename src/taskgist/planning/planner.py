@@ -50,6 +50,7 @@ class Planner:
         predicates: A user's own predicates.
         start: How everything was before anything was done; None: as in ``state``.
         kept: What has been brought about already, and shall stay so.
+        lets_go: Whether hands must be empty in the end, because more is to follow.
 
     Attributes:
         scene: As given.
@@ -76,6 +77,7 @@ class Planner:
         predicates: Sequence[Predicate] = (),
         start: State | None = None,
         kept: Sequence[Aim] = (),
+        lets_go: bool = False,
     ) -> None:
         self.scene, self._state, self.request, self._settings = scene, state, request, settings
         refuse_held(scene, state, request.performer, request.thing, settings)
@@ -84,7 +86,7 @@ class Planner:
         begin, who, what = state if start is None else start, request.targets, request.thing
         self.aims = aims_of(scene, begin, request.clause, who, what, tree, settings, predicates)
         self.goal = goal_of_all(self.aims)
-        self._endings = Endings(scene, state, request, (*self.aims, *kept), settings, predicates)
+        self._endings = Endings(scene, state, request, (*self.aims, *kept), settings, predicates, lets_go=lets_go)
         self.search = Search()
 
     def robot(self, name: str) -> Performer | None:
