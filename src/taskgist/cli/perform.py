@@ -108,17 +108,15 @@ def perform(
     The exit code is 1 if there is no way; what stood in the way is told.
 
     Of several agents the clause must hold for each: one place for all. Several objects are brought one after the
-    other, and what is done is not undone.
+    other, and what is done is not undone. A robot that is not in the room is placed there: --robot pr2 --at 1,0.5,90.
 
     Example: taskgist perform hide room.toml --robot PR2 --for P2 --object cup
 
     Example: taskgist perform give room.toml --robot J --for P2 --object cup
 
-    Example: taskgist perform show day.mcap --at 3.5 --robot J --for P2 --object cup
+    Example: taskgist perform show day.mcap --at 3 --robot J --for P2 --object cup
 
     Example: taskgist perform hide r.toml --robot J --for P2 --for P3 --object cup
-
-    Example: taskgist perform hide room.toml --robot pr2 --at 1,0.5,90 --for P2 --object cup
     """
     assumed = _attention(attention)
     files = {
