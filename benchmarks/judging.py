@@ -12,11 +12,9 @@ from numpy.typing import NDArray
 
 from benchmarks.figure import Figure
 from benchmarks.timing import all_cores, in_turn, once
-from taskgist.learning import explain
 from taskgist.observe import Observer
-from taskgist.pipeline import episode_of, explain_all, shipped_study
+from taskgist.pipeline import episodes_of, explain_all, explain_recording, shipped_study
 from taskgist.recording import Recording, read
-from taskgist.settings import DEFAULT
 from taskgist.world import State
 from taskgist_lab.generator import simulate_all
 
@@ -115,14 +113,14 @@ def watched(recording: Recording) -> Observer:
 
 
 def _by_ends(recording: Recording) -> None:
-    explain(episode_of(recording), settings=DEFAULT)
+    explain_recording(recording, predicates=())
 
 
 def _by_all(recording: Recording) -> None:
-    explain(episode_of(recording, observer=watched(recording)), settings=DEFAULT)
+    explain_recording(recording, predicates=(), observer=watched(recording))
 
 
 def _looked_at(recording: Recording) -> int:
     frames = Counted(recording)
-    episode_of(recording, observer=Observer(recording.scene, frames))
+    episodes_of(recording, observer=Observer(recording.scene, frames))
     return len(frames.asked)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from benchmarks.figure import Figure
 from benchmarks.judging import watched
@@ -38,13 +39,4 @@ def adding() -> Figure:
 
 
 def _renamed(explanation: Explanation, number: int) -> Explanation:
-    fields = {
-        name: getattr(explanation, name) for name in ("task", "performing_agent", "target_agent", "target_object")
-    }
-    return Explanation(
-        **fields,
-        demonstration=str(number),
-        source=f"copy {number}",
-        context=explanation.context,
-        nodes=explanation.nodes,
-    )
+    return replace(explanation, demonstration=str(number), source=f"copy {number}")

@@ -1,9 +1,8 @@
 """A recording's facts: who holds what when, and what the handover changed for the taker."""
 
-from taskgist import Observer, read_recording
+from taskgist import Observer, explain_recording, read_recording
 from taskgist.facts import STANDARD_TREE
-from taskgist.learning import explain
-from taskgist.pipeline import episode_of, label_of, shipped_recordings
+from taskgist.pipeline import label_of, shipped_recordings
 from taskgist.recognition import grips_of
 
 
@@ -15,7 +14,7 @@ def main() -> None:
         print(f"{grip.agent} holds the {label.target_object}, {grip.side} hand, {grip.start_s:.2f}-{grip.end_s:.2f} s")
     for interval in observer.placement(label.target_object).intervals:
         print(f"{interval.start_s:.2f}-{interval.end_s:.2f} s: {interval.value.symbol} {', '.join(interval.value.by)}")
-    explanation = explain(episode_of(recording, observer=observer))
+    explanation = explain_recording(recording, observer=observer)
     print(f"what changed for {label.target_agent} between {label.start_s:.2f} and {label.end_s:.2f} s:")
     for node in STANDARD_TREE.nodes:
         if node.level == 2:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from taskgist.learning import Explanation, Knowledge, explain
+from taskgist.learning import Explanation, Knowledge
 from taskgist.observe import Observer
-from taskgist.pipeline import episode_of, label_of, shipped_recordings, shipped_study
+from taskgist.pipeline import explain_recording, label_of, shipped_recordings, shipped_study
 from taskgist.recording import Label, Recording, read
 
 TASKS = ("give", "show", "hide")
@@ -57,7 +57,7 @@ def observer(name: str) -> Observer:
 
 @cache
 def explanation(name: str) -> Explanation:
-    return explain(episode_of(recording(name)))
+    return explain_recording(recording(name), predicates=())
 
 
 @cache

@@ -65,7 +65,7 @@ def _labelled(recording: Recording) -> Recording:
             print(f"  {check.agent} {check.event}: {check.difference_ms:+.0f} ms, supported {check.supported}")
         return recording.with_label(label)
     giver, taker = (recording.signals[f"{agent}_grip"].values for agent in ("P1", "P2"))
-    proposed = propose_label(recording, observer, task="give", performing_agent="P1", target_agent="P2")
+    proposed = propose_label(recording, observer, task="give", performing_agent="P1", target_agents="P2")
     released = float(recording.times_s[((giver < GRIP_N) & (taker > GRIP_N)).argmax()]) + SETTLED_S
     lets_go = f"ends {SETTLED_S} s after P1 has let go by the grip forces (the right hands were not tracked)"
     how = f"{proposed.how.partition(';')[0]}; {lets_go}"

@@ -15,6 +15,7 @@ from matplotlib.transforms import Affine2D
 
 from taskgist.common.workers import Progress, cores, in_order, silent
 from taskgist.facts.tree import HypothesisTree, Node
+from taskgist.language.phrases import listed
 from taskgist.learning.understanding import Understanding
 from taskgist.perspective.effort import Ability
 from taskgist.pipeline.explain import label_of
@@ -63,7 +64,7 @@ def contact_sheet(recordings: Sequence[Recording], titles: Sequence[str], path: 
         assert recording.label is not None
         state = recording.at(recording.label.end_s)
         stage = Stage(recording.scene, state)
-        camera = camera_outside(stage, (state,), recording.label.target_object, width_px=PICTURE_PX)
+        camera = camera_outside(stage, (state,), recording.label.target_objects, width_px=PICTURE_PX)
         draw_outside(axes, stage, camera, recording.label, name)
     return save_figure(figure, path)
 
@@ -380,19 +381,18 @@ def demonstration_picture(recording: Recording, path: Path) -> Path:
     """
     label, states = _ends(recording)
     stage = Stage(recording.scene)
-    figure = Figure(figsize=(9, 10.6), layout="constrained")
-    figure.suptitle(
-        f"{label.task}: {label.performing_agent} → {label.target_agent}, {label.target_object} ({recording.name})",
-        fontsize=11,
-    )
-    grid = figure.subplots(3, 2, gridspec_kw={"height_ratios": [1, 1.2, 1.2]})
-    camera = camera_outside(stage, states, label.target_object)
+    watching = (*label.target_agents, label.performing_agent)
+    agents, things = listed(label.target_agents), listed(label.target_objects)
+    figure = Figure(figsize=(9, 3.4 + 3.6 * len(watching)), layout="constrained")
+    figure.suptitle(f"{label.task}: {label.performing_agent} → {agents}, {things} ({recording.name})", fontsize=11)
+    grid = figure.subplots(1 + len(watching), 2, gridspec_kw={"height_ratios": [1] + [1.2] * len(watching)})
+    camera = camera_outside(stage, states, label.target_objects)
     for column, (instant, state) in enumerate(zip(INSTANTS, states, strict=True)):
         stage.show(state)
         draw_outside(grid[0, column], stage, camera, label, f"{instant}, {state.time_s:.1f} s")
-        for row, agent in ((1, label.target_agent), (2, label.performing_agent)):
+        for row, agent in enumerate(watching, start=1):
             title = f"what {agent} sees at the {instant}"
-            draw_eye(grid[row, column], stage, agent, label.target_object, DEFAULT, title)
+            draw_eye(grid[row, column], stage, agent, label.target_objects, DEFAULT, title)
     return save_figure(figure, path)
 
 
@@ -421,7 +421,7 @@ def task_picture(recordings: Sequence[Recording], path: Path) -> Path:
 def _draw_ends(axes: Sequence[Axes], recording: Recording) -> None:
     label, states = _ends(recording)
     stage = Stage(recording.scene)
-    camera = camera_outside(stage, states, label.target_object, width_px=300)
+    camera = camera_outside(stage, states, label.target_objects, width_px=300)
     for each, instant, state in zip(axes, INSTANTS, states, strict=True):
         stage.show(state)
         draw_outside(each, stage, camera, label, f"{recording.name}: {instant}")

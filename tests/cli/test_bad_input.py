@@ -97,6 +97,7 @@ def _recordings(folder: Path) -> None:
 
     tampered(good, folder / "late.mcap", metadata=label(end_s=99.0))
     tampered(good, folder / "several.mcap", metadata=label(target_agent=["P1", "P2"]))
+    tampered(good, folder / "nobody.mcap", metadata=label(target_agent=[]))
     tampered(good, folder / "newer.mcap", metadata=newer)
     tampered(good, folder / "backwards.mcap", message=backwards)
     tampered(good, folder / "nan.mcap", message=nan)
@@ -193,7 +194,8 @@ CASES: dict[str, list[str]] = {
     "facts late.mcap": [
         "late.mcap: end_s: the label reaches outside of the recording (got 99.0); give a time between 0"
     ],
-    "facts several.mcap": ["several.mcap: target_agent: several values", "(got ['P1', 'P2']); label one"],
+    "facts several.mcap": ["several.mcap: target_agent: performing and target agent are the same (got 'P1'); name"],
+    "facts nobody.mcap": ["nobody.mcap: target_agent: no target agent (got []); name at least one"],
     "facts good.mcap --agent P3": [f"good.mcap: no agent 'P3'; {AGENTS}"],
     "facts good.mcap --object Cap": ["good.mcap: no object 'Cap'; did you mean 'cup'? (known: book, bottle, cup, "],
     "facts good.mcap --at 99": [
@@ -205,8 +207,10 @@ CASES: dict[str, list[str]] = {
     "facts unlabelled.mcap": ["unlabelled.mcap: the recording has no label; name --agent and --object"],
     "facts empty": ["empty: cannot be read: it is a folder"],
     # labels
-    "label good.mcap --target P1 --target P2": ["good.mcap: --target: several", "(got ['P1', 'P2']); label one; copy"],
-    "label good.mcap --object cup --object book": ["good.mcap: --object: several", "(got ['cup', 'book']); label one"],
+    "label good.mcap --target P1 --target P2": ["good.mcap: --target: performing and target agent are the same (got"],
+    "label good.mcap --target P2 --target P2": ["good.mcap: --target: one target agent stands twice (got 'P2'); name"],
+    "label good.mcap --target P2 --target P4": [f"good.mcap: no agent 'P4'; {AGENTS}"],
+    "label good.mcap --object cup --object pen": ["good.mcap: no object 'pen' (known: book, bottle, cup, "],
     "label good.mcap --start 1 --end 99": [
         "good.mcap: --end: ",
         "outside",
@@ -313,9 +317,7 @@ CASES: dict[str, list[str]] = {
     "import map_reversed.toml -o new.mcap": ["map_reversed.toml: ", "reversed.npz", "times run backwards", "; "],
     "import map_unseen.toml -o new.mcap": ["map_unseen.toml: people.P1", "never"],
     "import map_several.toml -o new.mcap": [
-        "map_several.toml: label: target_agent: several",
-        "['P1', 'P2']",
-        "label one",
+        "map_several.toml: label: target_agent: performing and target agent are the same (got 'P1'); name",
     ],
     "import map_late.toml -o new.mcap": [
         "map_late.toml: label: end_s: the label reaches outside",

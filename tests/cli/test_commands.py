@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ from taskgist.recording import read, write
 from taskgist.store import load, save
 from tests.cli.running import contents, run, run_json
 from tests.importing.skeletons import mapping_file, npz_mapping
-from tests.shipped import PATHS, excerpt, explanation
+from tests.shipped import PATHS, excerpt, explanation, label
 
 SHOW = PATHS["show_a"]
 PNG = b"\x89PNG\r\n"
@@ -95,7 +96,8 @@ def test_label_sets_and_changes_nothing_else(own: Path) -> None:
     document = run_json("label own.mcap --task pass --performer P2 --target P1 --object baton --start 1.5 --end 2.5")
     assert [document[key] for key in ("task", "performing_agent", "start_s", "end_s")] == ["pass", "P2", 1.5, 2.5]
     changed = read(own)
-    assert vars(changed.label) == document
+    assert changed.label is not None
+    assert changed.label.as_dict() == document
     assert changed.digest == original.digest
     assert changed.provenance == original.provenance
     assert set(changed.signals) == set(original.signals)
@@ -108,6 +110,74 @@ def test_label_sets_and_changes_nothing_else(own: Path) -> None:
     )
     assert again["how"].count("by hand: ") == 1
     assert again["how"].count("start_s") == 1
+
+
+@pytest.fixture
+def several(folder: Path) -> Path:
+    """A recording that is about two things: the cup that is shown, and the bottle that stays where it is."""
+    path = Path(shutil.copyfile(SHOW, folder / "several.mcap"))
+    document = run_json("label several.mcap --object cup --object bottle")
+    assert (document["target_agent"], document["target_object"]) == ("P2", ["cup", "bottle"])
+    return path
+
+
+def test_label_takes_several_targets(several: Path) -> None:
+    text = run("label several.mcap")
+    assert "target agent      P2\n" in text
+    assert "target objects    cup, bottle\n" in text
+    before = label("show_a")
+    assert read(several).label == replace(
+        before, target_objects=("cup", "bottle"), how=f"{before.how}; by hand: target_object"
+    )
+
+
+@pytest.mark.usefixtures("several")
+def test_label_proposes_for_several_things() -> None:
+    alone, both = (
+        run_json(f"label several.mcap --propose --task show {options} --dry-run")
+        for options in ("--object cup", "--object cup --object bottle")
+    )
+    assert both["target_object"] == ["cup", "bottle"]
+    assert both["start_s"] <= alone["start_s"] < alone["end_s"] <= both["end_s"]
+
+
+@pytest.mark.usefixtures("several")
+def test_facts_of_several_things() -> None:
+    document = run_json("facts several.mcap --every 5")
+    assert (document["agents"], document["objects"]) == (["P2"], ["cup", "bottle"])
+    assert document["each"] == [run_json(f"facts several.mcap --every 5 --object {name}") for name in ("cup", "bottle")]
+    values = [{name: node["value"] for name, node in each["effect"].items()} for each in document["each"]]
+    for name, node in document["effect"].items():
+        assert node["value"] == (values[0][name] if values[0][name] == values[1][name] else None)
+    text = run("facts several.mcap --every 5")
+    assert "effect of 'show' on cup for P2, between" in text
+    assert "effect of 'show' on each of bottle and cup for P2, between" in text
+    assert (
+        "= unknown (differs: Maintaining(On_Support) for bottle; Gaining(In_Hand) & Losing(On_Support) for cup)\n"
+        in text
+    )
+    at = run_json("facts several.mcap --at 3")
+    assert [each["object"] for each in at["each"]] == ["cup", "bottle"]
+    assert at["effect"] is None
+    assert len(run_json("facts several.mcap --relations")["each"]) == 2
+
+
+def test_check_tells_of_each_target(several: Path) -> None:
+    (document,) = run_json(f"check {several}")
+    assert document["fit"]
+
+
+@pytest.mark.usefixtures("several")
+def test_what_is_learned_from_several_things_is_said_of_each_and_asked_where_they_differ() -> None:
+    run("learn several.mcap -k k.db")
+    text = run("explain show -k k.db")
+    assert "Task(show, each of the target objects) ←" in text
+    assert "question What does “show” mean" in text
+    assert "for bottle in show_a" in text
+    document = run_json("explain show -k k.db")
+    assert document["clause"]["each_of"] == ["target objects"]
+    choices = [choice for question in document["questions"] for choice in question["choices"]]
+    assert {target["target"] for choice in choices for target in choice["targets"]} == {"cup", "bottle"}
 
 
 def test_label_tries_without_writing(own: Path) -> None:
@@ -125,7 +195,9 @@ def test_label_proposes(own: Path) -> None:
     assert document["end_s"] == 3.5
     assert document["how"].startswith("proposed: ")
     assert document["how"].endswith("by hand: end_s")
-    assert vars(read(own).label) == document
+    kept = read(own).label
+    assert kept is not None
+    assert kept.as_dict() == document
 
 
 def test_check(own: Path, folder: Path, handovers: tuple[Path, Path]) -> None:

@@ -242,10 +242,10 @@ def test_labels(tmp_path: Path) -> None:
     mapping = load_mapping(mapping_file(tmp_path, text + LABEL.format(target='"P2"', start=0.1)))
     assert mapping.label is not None
     assert mapping.label.how == "set in the mapping file"
-    with pytest.raises(
-        LabelError, match=r"mapping.toml: label: target_agent: several.*not supported.*label one target"
-    ):
+    with pytest.raises(UnknownNameError, match=r"mapping.toml: label: no agent 'P3'; did you mean 'P2'"):
         load_mapping(mapping_file(tmp_path, text + LABEL.format(target='["P2", "P3"]', start=0.1)))
+    with pytest.raises(LabelError, match=r"mapping.toml: label: target_agent: one target agent stands twice"):
+        load_mapping(mapping_file(tmp_path, text + LABEL.format(target='["P2", "P2"]', start=0.1)))
     with pytest.raises(LabelError, match="ends before it starts"):
         load_mapping(mapping_file(tmp_path, text + LABEL.format(target='"P2"', start=0.95)))
     with pytest.raises(UnknownNameError, match=r"mapping.toml: label: no agent 'P3'"):

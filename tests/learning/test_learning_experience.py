@@ -118,8 +118,8 @@ def test_a_demonstration_is_known_by_recording_label_settings_and_tree() -> None
     changes: list[dict[str, object]] = [
         {"task": "hide"},
         {"performing_agent": "P3"},
-        {"target_agent": "P3"},
-        {"target_object": "book"},
+        {"target_agents": ("P3",)},
+        {"target_objects": ("book",)},
         {"source": "another"},
         {"context": Context("another", one.context.tree_version)},
         {"context": Context(one.context.settings_digest, "another")},

@@ -9,9 +9,8 @@ from typing import cast
 import numpy as np
 import pytest
 
-from taskgist.learning import explain
 from taskgist.observe import Observer, status_observations
-from taskgist.pipeline import episode_of
+from taskgist.pipeline import episodes_of, explain_recording
 from taskgist.recording import Recording
 from tests.observe.states import said
 from tests.observe.step_by_step import Watching
@@ -31,7 +30,7 @@ def watched_shipped(name: str) -> Observer:
 
 @pytest.mark.parametrize("name", [*(f"handover_{number}" for number in range(1, 6)), "hide_b", "show_d"])
 def test_shipped_recordings_are_explained_as_if_all_of_them_had_been_watched(name: str) -> None:
-    by_all = explain(episode_of(recording(name), observer=watched_shipped(name)))
+    by_all = explain_recording(recording(name), predicates=(), observer=watched_shipped(name))
     assert explanation(name).to_json() == by_all.to_json()
 
 
@@ -68,4 +67,4 @@ def test_however_much_it_trembles(name: str, sigma_m: float) -> None:
     by_all, by_some = watched(trembling), Observer(trembling.scene, trembling)
     for time_s in trembling.times_s[::-6].tolist():
         assert said(by_some, time_s) == said(by_all, time_s), f"at {time_s:.3f} s"
-    assert episode_of(trembling) == episode_of(trembling, observer=by_all)
+    assert episodes_of(trembling) == episodes_of(trembling, observer=by_all)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -65,7 +66,12 @@ def test_putting_down_ends_when_the_object_rests(name: str) -> None:
 
 
 def test_what_is_given_is_kept() -> None:
-    given = {"task": "pass", "performing_agent": "P2", "target_agent": "P1", "target_object": "baton"}
+    given: dict[str, Any] = {
+        "task": "pass",
+        "performing_agent": "P2",
+        "target_agents": ("P1",),
+        "target_objects": ("baton",),
+    }
     proposed = propose_label(recording("handover_1"), observer("handover_1"), **given)
     assert {key: getattr(proposed, key) for key in given} == given
 
@@ -98,5 +104,5 @@ def test_where_nothing_happens_nothing_is_proposed(case: str) -> None:
 
 def test_a_target_agent_leaves_the_other_to_perform() -> None:
     sliding = carried_by_nobody()
-    proposed = propose_label(sliding, Observer(sliding.scene, sliding), task="push", target_agent="P1")
+    proposed = propose_label(sliding, Observer(sliding.scene, sliding), task="push", target_agents="P1")
     assert (proposed.performing_agent, proposed.target_agent) == ("P2", "P1")

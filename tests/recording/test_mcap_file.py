@@ -55,6 +55,26 @@ def test_writing_again_gives_the_same_file(file: Path, tmp_path: Path) -> None:
     assert (tmp_path / "again.mcap").read_bytes() == file.read_bytes()
 
 
+def test_one_target_stands_as_it_is_and_several_as_a_list(file: Path, tmp_path: Path) -> None:
+    """A file of a release that knew one of each is read, and one of each is written as it was written then."""
+    records = {each.name: each.metadata for each in make_reader(io.BytesIO(file.read_bytes())).iter_metadata()}
+    assert records["taskgist.label"] == {
+        "task": '"give"',
+        "performing_agent": '"P1"',
+        "target_agent": '"P2"',
+        "target_object": '"cup"',
+        "start_s": "0.05",
+        "end_s": "0.1",
+        "how": '"by hand"',
+    }
+    label = dataclasses.replace(LABEL, target_objects=("cup", "box"))
+    write(recording(label=label), tmp_path / "several.mcap")
+    assert read(tmp_path / "several.mcap").label == label
+    several = make_reader(io.BytesIO((tmp_path / "several.mcap").read_bytes()))
+    (record,) = (each.metadata for each in several.iter_metadata() if each.name == "taskgist.label")
+    assert record == records["taskgist.label"] | {"target_object": '["cup", "box"]'}
+
+
 def test_a_label_may_reach_to_the_last_frame(tmp_path: Path) -> None:
     """Times are rounded on disk, labels are not."""
     label = dataclasses.replace(LABEL, end_s=float(recording().times_s[-1]))

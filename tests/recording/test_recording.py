@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from hypothesis.extra.numpy import arrays
 
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.recording import Label, Recording
-from taskgist.recording.recording import decimals, rounded, whole
+from taskgist.recording.recording import decimals, label_of_fields, rounded, whole
 from tests.importing.recordings import FRAMES, LABEL, recording, room
 from tests.scenes import agent, cylinder, scene
 
@@ -112,15 +113,21 @@ def test_unknown_names() -> None:
         recording().with_label(Label("give", "P1", "P2", "cap", 0.0, 0.1))
 
 
-GOOD = {"task": "give", "performing_agent": "P1", "target_agent": "P2", "target_object": "cup"}
+GOOD = {"task": "give", "performing_agent": "P1", "target_agents": "P2", "target_objects": "cup"}
 TIMES = {"start_s": 0.0, "end_s": 0.1}
 LABELS: dict[str, tuple[dict[str, Any], str]] = {
-    "several agents": ({"target_agent": ["P2", "P3"]}, r"target_agent: several values of one target agent.*label one"),
-    "several objects": ({"target_object": ("cup", "box")}, r"several values of one target object are not supported"),
+    "several tasks": ({"task": ["give", "show"]}, r"task: must be a name \(got \['give', 'show'\]\); give a text"),
+    "nobody": ({"target_agents": ()}, r"target_agent: no target agent \(got \(\)\); name at least one"),
+    "nothing": ({"target_objects": []}, r"target_object: no target object \(got \[\]\); name at least one"),
+    "a set": ({"target_agents": {"P2"}}, r"target_agent: must be a name or a list of names \(got \{'P2'\}\)"),
+    "a number": ({"target_objects": ["cup", 7]}, r"target_object: must be a name \(got 7\)"),
+    "an empty one": ({"target_objects": ["cup", " "]}, r"target_object: is empty \(got ' '\)"),
+    "twice": ({"target_agents": ["P2", "P3", " P2"]}, r"target_agent: one target agent stands twice \(got 'P2'\)"),
+    "among them": ({"target_agents": ["P2", "P1"]}, r"target_agent: performing and target agent are the same"),
     "no task": ({"task": " "}, r"task: is empty"),
     "unseen": ({"task": "gi\x1b[2Jve"}, r"task: holds a character that is not seen"),
-    "turned": ({"target_object": "\u202epuc"}, r"target_object: holds a character that is not seen"),
-    "alone": ({"target_agent": "P1"}, r"target_agent: performing and target agent are the same \(got 'P1'\)"),
+    "turned": ({"target_objects": "\u202epuc"}, r"target_object: holds a character that is not seen"),
+    "alone": ({"target_agents": "P1"}, r"target_agent: performing and target agent are the same \(got 'P1'\)"),
     "reversed": ({"start_s": 0.1, "end_s": 0.05}, r"end_s: the label ends before it starts \(got 0.05\)"),
     "no time": ({"start_s": float("nan")}, r"start_s: must be a time \(got nan\)"),
     "text": ({"end_s": "late"}, r"end_s: must be a time \(got 'late'\)"),
@@ -132,6 +139,24 @@ def test_labels_that_contradict_themselves(mistake: str) -> None:
     fields, expected = LABELS[mistake]
     with pytest.raises(LabelError, match=expected):
         Label(**(GOOD | TIMES | fields))
+
+
+def test_one_target_in_a_list_is_that_target() -> None:
+    assert Label("give", "P1", ["P2"], ("cup",), 0.0, 0.1) == Label("give", "P1", "P2", "cup", 0.0, 0.1)
+
+
+def test_several_targets() -> None:
+    label = Label("give", "P1", ["P3", "P2"], ("pen", "paper"), 0.0, 0.1)
+    assert label.pairs == (("P3", "pen"), ("P3", "paper"), ("P2", "pen"), ("P2", "paper"))
+    assert label_of_fields(label.as_dict()) == label == replace(label)
+    with pytest.raises(LabelError, match=r"target_object: the label has several target objects \(got \('pen', 'paper"):
+        _ = label.target_object
+    with pytest.raises(LabelError, match="several target agents"):
+        _ = label.target_agent
+    with pytest.raises(UnknownNameError, match="no object 'paper'"):
+        label.check(agents=("P1", "P2", "P3"), objects=("pen",))
+    with pytest.raises(UnknownNameError, match="no agent 'P2'"):
+        label.check(agents=("P1", "P3"), objects=("pen", "paper"))
 
 
 def test_labels_outside_of_the_recording() -> None:

@@ -72,7 +72,7 @@ METADATA: list[tuple[Change, str]] = [
     (with_value("recording", "format", "1"), "format: the recording is of a newer format (got '1')"),
     (with_value("label", "how", None), "taskgist.label: how: must be a text"),
     (with_value("label", "start_s", "1_0"), "start_s: must be a time (got '1_0')"),
-    (with_value("label", "task", ["a", "b"]), "task: several values of one task"),
+    (with_value("label", "task", ["a", "b"]), "task: must be a name (got ['a', 'b'])"),
     (without("label", "task"), "taskgist.label: task: is missing"),
     (without("recording", "name"), "taskgist.recording: name: is missing"),
 ]

@@ -54,7 +54,7 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     "truncated": (truncated, "is damaged knowledge: database disk image is malformed; restore it from a copy"),
     "newer": (
         lambda path: changed(path, "UPDATE taskgist_properties SET value = '99'"),
-        "schema: another version of the tables (got '99'); this release reads version 2 and older: use",
+        "schema: another version of the tables (got '99'); this release reads version 3 and older: use",
     ),
     "bad text": (lambda path: changed(path, "UPDATE taskgist_explanations SET document = '{'"), "damaged document"),
     "bad digest": (

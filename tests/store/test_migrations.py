@@ -20,8 +20,10 @@ from taskgist.learning import Answer, Context, Explanation, Knowledge, Verdict, 
 from taskgist.store import check, load, save, tables, update
 from taskgist.store.connecting import transact
 
-OLD = Path(__file__).parent / "data" / "knowledge_0_1_0.db"
-"""Made by release 0.1.0 from what ``taught`` gives, and the answer below."""
+DATA = Path(__file__).parent / "data"
+FILES = {"1": DATA / "knowledge_0_1_0.db", "2": DATA / "knowledge_0_3_0.db"}
+"""Made by these releases from what ``taught`` gives, and the answer below; by the version of their tables."""
+OLD = FILES["1"]
 
 
 OLD_CONTEXT = Context("191e32c110a0", "1-29b9297d")
@@ -40,13 +42,19 @@ ANSWER = Answer("show", "see.class", Verdict.RELEVANT, author="ann", time="2024-
 TAUGHT = Knowledge().add(taught(1), taught(2), taught(3, "hide")).answer(ANSWER)
 
 
+@pytest.fixture(params=FILES)
+def version_of_old(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
 @pytest.fixture
-def old(address: str) -> str:
-    """Knowledge of 0.1.0: its file, or the same tables and rows on a server."""
+def old(address: str, version_of_old: str) -> str:
+    """Knowledge of an earlier release: its file, or the same tables and rows on a server."""
+    file = FILES[version_of_old]
     if "://" not in address:
-        shutil.copy(OLD, address)
+        shutil.copy(file, address)
         return address
-    with sqlite3.connect(OLD) as source:
+    with sqlite3.connect(file) as source:
         made = [statement for (statement,) in source.execute("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL")]
         rows = {name: source.execute(f"SELECT * FROM {name}").fetchall() for name in tables.METADATA.tables}
     source.close()
@@ -67,19 +75,19 @@ def version(address: str) -> str:
     return transact(address, lambda connection: tables.version(connection, address), writing=False)
 
 
-def test_reading_changes_nothing(old: str) -> None:
+def test_reading_changes_nothing(old: str, version_of_old: str) -> None:
     before = Path(old).read_bytes() if Path(old).exists() else b""
     assert load(old) == TAUGHT
     assert load(old, tasks=["hide"]).tasks == ("hide",)
     check(old)
-    assert version(old) == "1"
+    assert version(old) == version_of_old
     assert (Path(old).read_bytes() if Path(old).exists() else b"") == before
 
 
-def test_adding_brings_it_up_to_date(old: str) -> None:
+def test_adding_brings_it_up_to_date(old: str, version_of_old: str) -> None:
     with pytest.raises(KnowledgeError, match="with another label"):
         update(old, [taught(1, end_s=9.0)], relabelled="refuse")
-    assert version(old) == "1", "a refusal leaves it as it was"
+    assert version(old) == version_of_old, "a refusal leaves it as it was"
     update(old, [taught(2), taught(4)], relabelled="refuse")
     assert version(old) == tables.SCHEMA_VERSION
     assert load(old) == TAUGHT.add(taught(4))

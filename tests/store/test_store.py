@@ -10,7 +10,7 @@ from sqlalchemy import StaticPool, create_engine
 
 from taskgist.errors import KnowledgeError
 from taskgist.facts import Episode, Observation
-from taskgist.learning import Answer, Context, Explanation, Knowledge, Verdict, explain
+from taskgist.learning import Answer, Context, Explanation, Knowledge, Verdict, explain, merged
 from taskgist.store import load, save, tables, update
 
 ANSWER = Answer("show", "see.class", Verdict.RELEVANT, author="ann", time="2024-05-01T12:00:00+00:00", value="x")
@@ -72,14 +72,26 @@ def test_which_of_two_copies_stays_does_not_depend_on_the_order(address: str, tm
 
 def relabelled(index: int, end_s: float, task: str = "show", object_: str = "cup") -> Explanation:
     source = f"recording{index} 0.0000-{end_s:.4f} s"
-    return dataclasses.replace(explanation(index), task=task, source=source, target_object=object_)
+    return dataclasses.replace(explanation(index), task=task, source=source, target_objects=(object_,))
 
 
 def told(source: str, task: str = "show") -> Explanation:
     return dataclasses.replace(explanation(4), task=task, source=f"facts:{source}")
 
 
-KNOWN = [relabelled(1, 2.0), relabelled(2, 2.0), relabelled(2, 2.0, object_="box"), explanation(1), told("a")]
+def of_two(index: int, end_s: float) -> Explanation:
+    """A recording that is about two things at once."""
+    return merged([relabelled(index, end_s), relabelled(index, end_s, object_="box")])
+
+
+KNOWN = [
+    relabelled(1, 2.0),
+    relabelled(2, 2.0),
+    relabelled(2, 2.0, object_="box"),
+    explanation(1),
+    told("a"),
+    of_two(5, 2.0),
+]
 CANDIDATES = {
     "known": (relabelled(1, 2.0), 0),
     "other times": (relabelled(1, 2.5), 1),
@@ -87,6 +99,11 @@ CANDIDATES = {
     "one of two objects": (relabelled(2, 2.5), 1),
     "another object": (relabelled(1, 2.5, object_="box"), 0),
     "another recording": (relabelled(3, 2.0), 0),
+    "one of several": (relabelled(5, 2.0, object_="box"), 1),
+    "several, one of them known": (of_two(1, 2.0), 1),
+    "several, both known": (of_two(2, 2.0), 2),
+    "several again": (of_two(5, 2.0), 0),
+    "none of several": (relabelled(5, 2.0, object_="book"), 0),
     "corrected facts": (told("b"), 1),
     "facts of another task": (told("b", "hide"), 0),
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import subprocess
 import sys
@@ -126,6 +127,21 @@ def test_before_and_after(tmp_path: Path) -> None:
     assert marked_pixels(path) > 200
     assert stage.state is states[1]
     assert matplotlib.image.imread(path).shape[:2] == (860, 1200)
+
+
+def test_before_and_after_of_several(tmp_path: Path) -> None:
+    """All target objects are marked, and each target agent's eyes have a row."""
+    shown, subject = recording("show_a"), label("show_a")
+    states = (shown.at(subject.start_s), shown.at(subject.end_s))
+    things = dataclasses.replace(subject, target_objects=("cup", "white_box"))
+    one, two = (
+        before_after_picture(Stage(shown.scene), states, each, tmp_path / f"{len(each.target_objects)}.png")
+        for each in (subject, things)
+    )
+    assert marked_pixels(two) > marked_pixels(one) + 200
+    both = dataclasses.replace(subject, performing_agent="nobody", target_agents=("P1", "P2"))
+    path = before_after_picture(Stage(shown.scene), states, both, tmp_path / "both.png")
+    assert matplotlib.image.imread(path).shape[:2] == (1340, 1200)
 
 
 def test_a_picture_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,6 +15,7 @@ from taskgist.cli.performance_files import write_files
 from taskgist.errors import InputError
 from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
+from taskgist.language.phrases import listed
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.understanding import clause_of
@@ -118,7 +119,8 @@ def _perform(knowledge: Knowledge, out: Path, *, replace: bool, as_json: bool) -
 def _picture(recording: Recording, path: Path) -> Path:
     label = label_of(recording)
     states = (recording.at(label.start_s), recording.at(label.end_s))
-    title = f"{label.task}: {label.performing_agent} → {label.target_agent}, {label.target_object} ({recording.name})"
+    agents, things = listed(label.target_agents), listed(label.target_objects)
+    title = f"{label.task}: {label.performing_agent} → {agents}, {things} ({recording.name})"
     from taskgist.view.scene import before_after_picture  # with matplotlib, which only pictures should wait for
 
     return before_after_picture(Stage(recording.scene), states, label, path, title=title)

@@ -40,7 +40,8 @@ def print_understanding(understanding: Understanding, *, whole_tree: bool = True
     console.print(Text(meaning(understanding), style="bold"))
     console.print(indifference(understanding))
     console.print()
-    console.print(f"Task({clause.task}) ←   learned from {count} demonstration{'s' if count != 1 else ''}")
+    each = "".join(f", each of the {role}" for role in clause.each_of)
+    console.print(f"Task({clause.task}{each}) ←   learned from {count} demonstration{'s' if count != 1 else ''}")
     for title, literals in (("effects", clause.effects), ("preconditions", clause.preconditions)):
         for number, literal in enumerate(literals):
             console.print(Text(f"  {title if number == 0 else '':14}{literal}"))
@@ -108,13 +109,21 @@ def understanding_document(understanding: Understanding) -> dict[str, Any]:
             "text": str(clause),
             "effects": [{"node": c.node, "title": c.title, "value": c.value} for c in clause.effects],
             "preconditions": [{"node": c.node, "title": c.title, "value": c.value} for c in clause.preconditions],
+            "each_of": list(clause.each_of),
         },
         "nodes": {name: _node_document(judgement) for name, judgement in understanding.judgements.items()},
         "questions": [
             {
                 "node": question.node.name,
                 "text": asked(question),
-                "choices": [{"value": c.value, "demonstrations": list(c.demonstrations)} for c in question.choices],
+                "choices": [
+                    {
+                        "value": choice.value,
+                        "demonstrations": list(choice.demonstrations),
+                        "targets": [{"target": who, "demonstration": name} for who, name in choice.targets],
+                    }
+                    for choice in question.choices
+                ],
             }
             for question in questions_of(understanding)
         ],
@@ -131,6 +140,7 @@ def _node_document(judgement: Judgement) -> dict[str, Any]:
         "counts": dict(judgement.counts),
         "N": estimate.N,
         **{key: {"exact": str(value), "value": float(value)} for key, value in exact.items()},
+        "divided": [each.demonstration for each in judgement.divided],
         "verdict": judgement.verdict.value,
         "kept": judgement.kept,
     }

@@ -3,33 +3,35 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from typing import Annotated, Any
 
 import typer
 from rich.text import Text
 
 from taskgist.cli.common import JsonOption, RecordingArgument, about, command, console, print_json, progress_bar
-from taskgist.cli.relations import intervals_document, print_intervals, print_relations
+from taskgist.cli.relations import intervals_document, print_intervals, tell_relations
 from taskgist.common.frozen import thaw
 from taskgist.errors import LabelError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.values import UNKNOWN, Observation
-from taskgist.learning.explanation import Explanation, explain
+from taskgist.facts.values import UNKNOWN
+from taskgist.language.phrases import listed
+from taskgist.learning.explanation import Explanation
 from taskgist.observe.attributes import snapshot
 from taskgist.observe.observer import Observer
-from taskgist.pipeline.explain import episode_of
+from taskgist.pipeline.explain import explain_recording
 from taskgist.pipeline.timelines import Timeline, timeline
 from taskgist.recording.mcap import read
 from taskgist.recording.recording import Recording
-from taskgist.settings import DEFAULT
 from taskgist.world.stage import Stage
+from taskgist.world.state import State
 
 
 @command
 def facts(
     recording: RecordingArgument,
-    agent: Annotated[str | None, typer.Option(help="From whose perspective; default: the label's target.")] = None,
+    agent: Annotated[str | None, typer.Option(help="From whose perspective; default: the label's targets.")] = None,
     object: Annotated[str | None, typer.Option("--object", help="Of which object; default: the label's.")] = None,  # noqa: A002
     at: Annotated[float | None, typer.Option(help="Only at this time, with evidence; seconds.")] = None,
     every: Annotated[float, typer.Option(min=0.02, help="Seconds between samples of the timeline.")] = 0.5,
@@ -43,6 +45,9 @@ def facts(
     Prints every attribute over time, and the effect between the label's start and end. With --relations: who has what
     in sight, looks at it, is near, approaches, touches and carries it, exact to the frame.
 
+    Where the label has several target agents or objects, each agent's facts on each object are shown, and in the end
+    what is the same for all of them.
+
     Example: taskgist facts handover.mcap
 
     Example: taskgist facts handover.mcap --agent giver --object baton --at 2.0
@@ -51,75 +56,110 @@ def facts(
     """
     opened = read(recording)
     with about(recording, {"time_s": "--at"}):
-        agent, object = _subject(opened, agent, object)  # noqa: A001
+        agents, objects = _subjects(opened, agent, object)
         state = None if at is None else opened.at(at)
     observer = Observer(opened.scene, opened)
-    if relations:
-        print_relations(opened, observer, agent, object, state, as_json=as_json)
-        return
-    if state is not None:
-        stage = Stage(opened.scene, state)
-        observed = snapshot(stage, observer, agent=agent, name=object, predicates=known_predicates())
-        _print_instant(agent, object, state.time_s, observed, as_json=as_json)
-        return
-    with progress_bar(quiet=as_json) as progress:
-        line = timeline(
-            opened, observer, agent=agent, name=object, every_s=every, predicates=known_predicates(), progress=progress
-        )
-        effect = _effect(opened, agent, object, observer)
+    over_time = not relations and state is None
+    effect = _effect(opened, agents, objects, observer) if over_time else None
+    documents: list[dict[str, Any]] = []
+    for who, what in product(agents, objects):
+        if relations:
+            document = tell_relations(opened, observer, who, what, state, quiet=as_json)
+        elif state is not None:
+            document = _tell_instant(opened, observer, who, what, state, quiet=as_json)
+        else:
+            own = effect.part(who, what) if effect else None
+            document = _tell_over_time(opened, observer, who, what, every, own, quiet=as_json)
+        documents.append(document)
     if as_json:
-        print_json(_timeline_document(line, effect))
-    else:
-        _print_timeline(line)
+        print_json(documents[0] if len(documents) == 1 else _of_all(agents, objects, documents, effect))
+    elif effect is not None and len(documents) > 1:
         _print_effect(effect)
 
 
-def _subject(recording: Recording, agent: str | None, name: str | None) -> tuple[str, str]:
+def _subjects(recording: Recording, agent: str | None, name: str | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
     label = recording.label
     if (agent is None or name is None) and label is None:
         raise LabelError("the recording has no label", hint="name --agent and --object")
-    agent = agent or (label.target_agent if label else "")
-    name = name or (label.target_object if label else "")
-    recording.scene.agent(agent)
-    recording.scene.object_body(name)
-    return agent, name
+    agents = (agent,) if agent is not None else label.target_agents if label else ()
+    objects = (name,) if name is not None else label.target_objects if label else ()
+    for each in agents:
+        recording.scene.agent(each)
+    for each in objects:
+        recording.scene.object_body(each)
+    return agents, objects
 
 
-def _effect(recording: Recording, agent: str, name: str, observer: Observer) -> Explanation | None:
-    """The explanation between the label's ends, as if agent and object asked for were its targets."""
+def _effect(
+    recording: Recording, agents: tuple[str, ...], objects: tuple[str, ...], observer: Observer
+) -> Explanation | None:
+    """The explanation between the label's ends, as if agents and objects asked for were its targets."""
     label = recording.label
     if label is None:
         return None
-    other = label.target_agent if agent == label.performing_agent else label.performing_agent
-    label = replace(label, performing_agent=other, target_agent=agent, target_object=name)
-    tree = with_predicates(STANDARD_TREE)
-    episode = episode_of(recording, label=label, predicates=known_predicates(), observer=observer)
-    return explain(episode, tree, DEFAULT)
+    other = label.target_agents[0] if label.performing_agent in agents else label.performing_agent
+    label = replace(label, performing_agent=other, target_agents=agents, target_objects=objects)
+    return explain_recording(recording, label=label, observer=observer)
 
 
-def _print_instant(agent: str, name: str, at: float, observed: dict[str, Observation[Any]], *, as_json: bool) -> None:
-    if as_json:
-        print_json(
-            {"agent": agent, "object": name, "time_s": at, "attributes": {k: o.to_json() for k, o in observed.items()}}
+def _of_all(
+    agents: tuple[str, ...], objects: tuple[str, ...], each: list[dict[str, Any]], effect: Explanation | None
+) -> dict[str, Any]:
+    """The document of several agents or objects: that of each pair, and the effect that is the same for all."""
+    return {"agents": list(agents), "objects": list(objects), "each": each, "effect": _effect_document(effect)}
+
+
+def _effect_document(effect: Explanation | None) -> dict[str, Any] | None:
+    return {name: node.to_json() for name, node in effect.nodes.items()} if effect else None
+
+
+def _tell_instant(
+    recording: Recording, observer: Observer, agent: str, name: str, state: State, *, quiet: bool
+) -> dict[str, Any]:
+    """Print the attributes at one time, unless quiet; their document."""
+    observed = snapshot(Stage(recording.scene, state), observer, agent=agent, name=name, predicates=known_predicates())
+    if not quiet:
+        console.print(Text(f"{name} for {agent} at {state.time_s:.2f} s", style="bold"))
+        for attribute, observation in observed.items():
+            value = "unknown" if observation.value is UNKNOWN else _value_text(observation.to_json()["value"])
+            reason = thaw(observation.evidence.get("reason", ""))
+            console.print(f"  {attribute:18}{value}{f'   ({reason})' if reason else ''}")
+    attributes = {attribute: observation.to_json() for attribute, observation in observed.items()}
+    return {"agent": agent, "object": name, "time_s": state.time_s, "attributes": attributes}
+
+
+def _tell_over_time(
+    recording: Recording,
+    observer: Observer,
+    agent: str,
+    name: str,
+    every_s: float,
+    effect: Explanation | None,
+    *,
+    quiet: bool,
+) -> dict[str, Any]:
+    """Print the attributes over time and the effect, unless quiet; their document."""
+    with progress_bar(quiet=quiet) as progress:
+        line = timeline(
+            recording,
+            observer,
+            agent=agent,
+            name=name,
+            every_s=every_s,
+            predicates=known_predicates(),
+            progress=progress,
         )
-        return
-    console.print(Text(f"{name} for {agent} at {at:.2f} s", style="bold"))
-    for attribute, observation in observed.items():
-        value = "unknown" if observation.value is UNKNOWN else _value_text(observation.to_json()["value"])
-        reason = thaw(observation.evidence.get("reason", ""))
-        console.print(f"  {attribute:18}{value}{f'   ({reason})' if reason else ''}")
+    if not quiet:
+        _print_timeline(line)
+        _print_effect(effect)
+    rows = {attribute: intervals_document(intervals) for attribute, intervals in line.rows.items()}
+    return {"agent": agent, "object": name, "every_s": every_s, "timeline": rows, "effect": _effect_document(effect)}
 
 
 def _value_text(value: Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{key}: {item or 'unknown'}" for key, item in value.items())
     return f"{value:.4f}" if isinstance(value, float) else str(value)
-
-
-def _timeline_document(line: Timeline, effect: Explanation | None) -> dict[str, Any]:
-    rows = {attribute: intervals_document(intervals) for attribute, intervals in line.rows.items()}
-    values = {name: node.to_json() for name, node in effect.nodes.items()} if effect else None
-    return {"agent": line.agent, "object": line.name, "every_s": line.every_s, "timeline": rows, "effect": values}
 
 
 def _print_timeline(line: Timeline) -> None:
@@ -133,13 +173,17 @@ def _print_timeline(line: Timeline) -> None:
 def _print_effect(effect: Explanation | None) -> None:
     if effect is None:
         return
-    subject = f"on {effect.target_object} for {effect.target_agent}"
+    agents, things = listed(effect.target_agents), listed(effect.target_objects)
+    subject = f"on {'each of ' if len(effect.target_objects) > 1 else ''}{things}"
+    subject += f" for {'each of ' if len(effect.target_agents) > 1 else ''}{agents}"
     console.print(
         Text.assemble(("effect", "bold"), f" of {effect.task!r} {subject}, between the label's start and end")
     )
     tree = with_predicates(STANDARD_TREE)
     for node in tree.nodes:
         if node.level < 3:
-            value = effect.nodes[node.name].value
+            found = effect.nodes[node.name]
+            reason = thaw(found.evidence.get("reason", "")) if effect.parts else ""
             indent = "    " if node.parent is None else "      "
-            console.print(f"{indent}{node.title} = {'unknown' if value is UNKNOWN else value}")
+            value = f"unknown{f' ({reason})' if reason else ''}" if found.value is UNKNOWN else found.value
+            console.print(f"{indent}{node.title} = {value}")

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
 from types import MappingProxyType
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -19,11 +18,12 @@ from taskgist.cli.common import (
     console,
     print_json,
 )
+from taskgist.common.text import one_or_list
 from taskgist.errors import LabelError
 from taskgist.observe.observer import Observer
 from taskgist.recognition.label_proposal import propose_label
 from taskgist.recording.mcap import read, relabel
-from taskgist.recording.recording import Label, Recording
+from taskgist.recording.recording import Label, Recording, label_of_fields
 
 OPTIONS = MappingProxyType(
     {
@@ -43,8 +43,10 @@ def label(
     recording: RecordingArgument,
     task: Annotated[str | None, typer.Option(help="Name of the task.")] = None,
     performer: Annotated[str | None, typer.Option(help="The agent that performs it.")] = None,
-    target: Annotated[list[str] | None, typer.Option(help="The agent for whom.")] = None,
-    object: Annotated[list[str] | None, typer.Option("--object", help="The object with which.")] = None,  # noqa: A002
+    target: Annotated[list[str] | None, typer.Option(help="The agent for whom; once for each of several.")] = None,
+    object: Annotated[  # noqa: A002
+        list[str] | None, typer.Option("--object", help="The object with which; once for each of several.")
+    ] = None,
     start: Annotated[float | None, typer.Option(help="Start, seconds.")] = None,
     end: Annotated[float | None, typer.Option(help="End, seconds.")] = None,
     propose: Annotated[bool, typer.Option("--propose", help="Fill in what is not given from the facts.")] = False,
@@ -53,20 +55,25 @@ def label(
 ) -> int:
     """Show, set or propose what a recording demonstrates.
 
-    That is its label: task, agents, object, start and end. Without options it is shown (exit code 1 if there is none).
+    That is its label: task, agents, objects, start and end. Without options it is shown (exit code 1 if there is none).
     With options it is set, what is not given stays. With --propose the facts fill in the rest: who holds the object
     when, what moves, when it comes to rest. All else in the file stays byte for byte, whoever wrote it.
+
+    What is done for several agents at once, or with several objects, names each of them: every object is then meant
+    for every target agent.
 
     Example: taskgist label handover.mcap --propose --task give
 
     Example: taskgist label handover.mcap --start 1.2 --end 3.45
+
+    Example: taskgist label hidden.mcap --target P2 --target P3
     """
     with about(recording, OPTIONS):
         given = {
             "task": task,
             "performing_agent": performer,
-            "target_agent": _single(target, "target_agent"),
-            "target_object": _single(object, "target_object"),
+            "target_agent": one_or_list(target) if target else None,
+            "target_object": one_or_list(object) if object else None,
             "start_s": start,
             "end_s": end,
         }
@@ -86,18 +93,24 @@ def label(
     return _show(new, as_json=as_json)
 
 
-def _proposed(recording: Recording, given: Mapping[str, object]) -> Label:
-    names = {key: str(value) for key, value in given.items() if key not in ("start_s", "end_s")}
-    return propose_label(recording, Observer(recording.scene, recording), **names)
+def _proposed(recording: Recording, given: Mapping[str, Any]) -> Label:
+    return propose_label(
+        recording,
+        Observer(recording.scene, recording),
+        task=given.get("task"),
+        performing_agent=given.get("performing_agent"),
+        target_agents=given.get("target_agent", ()),
+        target_objects=given.get("target_object", ()),
+    )
 
 
 def _changed(base: Label | None, changes: Mapping[str, object]) -> Label:
     """A label with some fields set by hand; how the others were set is kept."""
-    fields = {**(asdict(base) if base else dict.fromkeys(OPTIONS)), **changes}
+    fields = {**(base.as_dict() if base else dict.fromkeys(OPTIONS)), **changes}
     missing = [OPTIONS[key] for key, value in fields.items() if value is None]
     if missing:
         raise LabelError(f"missing: {', '.join(missing)}", field="label", hint="give them, or add --propose")
-    return Label(**{**fields, "how": _how(base.how if base else "", changes)})
+    return label_of_fields({**fields, "how": _how(base.how if base else "", changes)})
 
 
 BY_HAND = "by hand: "
@@ -112,27 +125,16 @@ def _how(before: str, changes: Mapping[str, object]) -> str:
     return "; ".join([*others, *([BY_HAND + ", ".join(by_hand)] if by_hand else [])])
 
 
-def _single(values: list[str] | None, field: str) -> str | None:
-    if values and len(values) > 1:
-        raise LabelError(
-            "several values are not supported yet",
-            field=field,
-            value=values,
-            hint="label one; copy the recording for each other",
-        )
-    return values[0] if values else None
-
-
 def _show(shown: Label | None, *, as_json: bool) -> int:
     if as_json:
-        print_json(asdict(shown) if shown else None)
+        print_json(shown.as_dict() if shown else None)
     elif shown is None:
         console.print("no label; set one with --task, --performer, --target, --object, --start, --end, or --propose")
     else:
         console.print(f"task              {shown.task}")
         console.print(f"performing agent  {shown.performing_agent}")
-        console.print(f"target agent      {shown.target_agent}")
-        console.print(f"target object     {shown.target_object}")
+        for title, names in (("target agent", shown.target_agents), ("target object", shown.target_objects)):
+            console.print(f"{title if len(names) == 1 else title + 's':18}{', '.join(names)}")
         console.print(f"start, end        {shown.start_s:.3f} s, {shown.end_s:.3f} s")
         console.print(f"how               {shown.how}")
     return OK if shown else FAILED

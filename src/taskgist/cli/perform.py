@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -27,19 +26,28 @@ from taskgist.cli.common import (
 )
 from taskgist.cli.explain import understood
 from taskgist.cli.performance_files import check_files, check_pddl, write_files, write_pddl
-from taskgist.errors import InputError, UnknownNameError
+from taskgist.cli.performance_request import (
+    attention_of,
+    check_names,
+    helpers_of,
+    joined,
+    means_of,
+    none_or_names,
+    spared_of,
+    when_and_where,
+)
+from taskgist.common.text import one_or_list
+from taskgist.errors import InputError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
+from taskgist.language.phrases import listed
 from taskgist.learning.explanation import Context
 from taskgist.learning.understanding import Clause, clause_of
 from taskgist.settings import DEFAULT
 
 if TYPE_CHECKING:  # with MuJoCo, which a wrong name should not wait for
     from taskgist.pipeline.performing import Outcome, Performance
-    from taskgist.planning.judging import Attention
-    from taskgist.planning.plan import Action, Plan, Purpose
-    from taskgist.planning.requests import Spared
-    from taskgist.world.stage import Stage
+    from taskgist.planning.plan import Action, Plan
 
 MOST_WAYS = 12
 
@@ -52,8 +60,12 @@ def perform(
     robot: Annotated[
         str, typer.Option(help="Who performs it: an agent of the room; or a profile, which --at places there.")
     ] = "",
-    target: Annotated[str, typer.Option("--for", help="For whom: another agent of the room.")] = "",
-    thing: Annotated[str, typer.Option("--object", help="With what: an object of the room.")] = "",
+    target: Annotated[
+        list[str] | None, typer.Option("--for", help="For whom: another agent of the room; once for each of several.")
+    ] = None,
+    thing: Annotated[
+        list[str] | None, typer.Option("--object", help="With what: an object of the room; once for each of several.")
+    ] = None,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="Write the performance here (.mcap).")] = None,
     trajectory: Annotated[
         Path | None, typer.Option(help="Write trajectories of arms, lift, grippers and base, as ROS has them (.json).")
@@ -104,15 +116,18 @@ def perform(
     it there; carries that out, audits every motion, and judges what happened by the facts that explain demonstrations.
     The exit code is 1 if there is no way; what stood in the way is told.
 
+    Of several agents the clause must hold for each: one place for all. Several objects are brought one after the
+    other, and what is done is not undone. A robot that is not in the room is placed there: --robot pr2 --at 1,0.5,90.
+
     Example: taskgist perform hide room.toml --robot PR2 --for P2 --object cup
 
     Example: taskgist perform give room.toml --robot J --for P2 --object cup
 
-    Example: taskgist perform show day.mcap --at 3.5 --robot J --for P2 --object cup
+    Example: taskgist perform show day.mcap --at 3 --robot J --for P2 --object cup
 
-    Example: taskgist perform hide room.toml --robot pr2 --at 1,0.5,90 --for P2 --object cup
+    Example: taskgist perform hide r.toml --robot J --for P2 --for P3 --object cup
     """
-    assumed = _attention(attention)
+    assumed = attention_of(attention)
     files = {
         "--out": out,
         "--trajectory": trajectory,
@@ -125,41 +140,34 @@ def perform(
     check_files(asked, ways, replace=replace, inputs=[where, Path(knowledge)])
     check_pddl(pddl, replace=replace)
     clause = _clause(knowledge, task)
-    time_s, place = _when_and_where(at or [])
+    time_s, place = when_and_where(at or [])
     stage = open_stage(where, time_s)
     from taskgist.pipeline.performing import perform as performed
     from taskgist.planning.requests import Request
-    from taskgist.world.bodies.profile import builtin_profiles
 
     with about(where):
         if place is not None:
-            stage, robot = _joined(stage, robot, place)
-        for option, given, known in (
-            ("--robot", robot, stage.scene.agents),
-            ("--for", target, stage.scene.agents),
-            ("--object", thing, stage.scene.objects),
-        ):
-            if not given:
-                raise InputError("not given", field=option, hint=f"one of {', '.join(known)}")
-            if option == "--robot" and given in builtin_profiles() and given not in known:
-                hint = "it is placed there by --at X,Y,YAW"
-                raise InputError("is not in the room", field=option, value=given, hint=hint)
-            if given not in known:
-                raise UnknownNameError("object" if option == "--object" else "agent", given, known, where=option)
-        if robot == target:
-            raise InputError("a task is performed for another", field="--for", value=target, hint="name another agent")
+            stage, robot = joined(stage, robot, place)
+        targets, things = target or [""], thing or [""]
+        check_names(stage.scene, robot, targets, things)
+        if pddl is not None and len(things) > 1:
+            raise InputError(
+                "several objects are no one problem", field="--pddl", value=pddl, hint="ask for each alone"
+            )
         request = Request(
             clause,
             robot,
-            target,
-            thing,
+            targets[0],
+            things[0],
             assumed,
-            _names(allow),
-            _names(prefer) or (),
+            none_or_names(allow),
+            tuple(prefer or ()),
             seed,
-            means=_means(means),
-            helpers=_helpers(helpers, stage.scene.agents),
-            spare=_spared(spare),
+            means=means_of(means),
+            helpers=helpers_of(helpers, stage.scene.agents),
+            spare=spared_of(spare),
+            also_for=tuple(targets[1:]),
+            also_with=tuple(things[1:]),
         )
         with progress_bar(quiet=as_json) as progress:
             outcome = performed(
@@ -181,75 +189,6 @@ def perform(
         if problem is not None:
             console.print(f"saved {problem}")
     return OK if outcome.performances else FAILED
-
-
-def _names(given: list[str] | None) -> tuple[str, ...] | None:
-    return tuple(given) if given else None
-
-
-def _means(text: str) -> tuple[Purpose, ...]:
-    from taskgist.planning.requests import MEANS
-
-    named = [each.strip() for each in text.split(",") if each.strip()]
-    for each in named:
-        if each not in MEANS:
-            raise UnknownNameError("means", each, MEANS, where="--means")
-    return tuple(means for means in MEANS if means in named) or MEANS
-
-
-def _helpers(given: list[str] | None, known: Sequence[str]) -> tuple[str, ...] | None:
-    for name in given or ():
-        if name not in known:
-            raise UnknownNameError("agent", name, known, where="--helpers")
-    return _names(given)
-
-
-def _spared(text: str) -> Spared:
-    from taskgist.planning.requests import SPARED
-
-    for spared in SPARED:
-        if text == spared:
-            return spared
-    raise UnknownNameError("whose effort", text, SPARED, where="--spare")
-
-
-def _when_and_where(given: Sequence[str]) -> tuple[float | None, tuple[float, float, float] | None]:
-    """The time in a recording, and where a robot is placed: metres, metres, degrees."""
-    times, places = [text for text in given if "," not in text], [text for text in given if "," in text]
-    hint = "one time in seconds, such as 2.5, or one place as X,Y,YAW in metres and degrees, such as 1,0.5,90"
-    found = []
-    for texts, count in ((times, 1), (places, 3)):
-        try:
-            found.append([float(number) for text in texts for number in text.split(",")])
-        except ValueError:
-            raise InputError("no number", field="--at", value=" ".join(texts), hint=hint) from None
-        if len(texts) > 1 or len(found[-1]) not in (0, count) or not all(map(math.isfinite, found[-1])):
-            raise InputError("neither a time nor a place", field="--at", value=" ".join(texts), hint=hint)
-    (time_s, place) = found
-    return (time_s[0] if time_s else None), ((place[0], place[1], place[2]) if place else None)
-
-
-def _joined(stage: Stage, robot: str, place: tuple[float, float, float]) -> tuple[Stage, str]:
-    """The room with a robot in it that is placed there, and its name."""
-    from taskgist.world.scene_file import AgentEntry
-    from taskgist.world.stage import Stage
-
-    if robot in stage.scene.agents:
-        raise InputError("is in the room already, where it stays", field="--robot", value=robot, hint="leave --at out")
-    name = Path(robot).stem
-    x, y, yaw_deg = place
-    entry = AgentEntry(name, robot, (x, y), math.radians(yaw_deg))
-    scene, state = stage.scene.joined_by(entry, stage.state)
-    return Stage(scene, state), name
-
-
-def _attention(text: str) -> Attention:
-    from taskgist.planning.judging import ATTENTIONS
-
-    for attention in ATTENTIONS:
-        if text == attention:
-            return attention
-    raise UnknownNameError("attention", text, ATTENTIONS, where="--attention")
 
 
 def _clause(knowledge: str, task: str) -> Clause:
@@ -280,9 +219,8 @@ def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> No
         console.print(f"  {'' if len(plan.actions) > 1 else f'{plan.performer} '}{', '.join(steps(plan))}")
         console.print(f"  cost: {cost(plan)}")
         console.print(f"  audited in {len(found.execution.recording.times_s)} frames and between them: clean")
-        console.print(
-            f"  judged by its facts: what {request.clause.task} means for {request.target} is so; {_strict(found)}"
-        )
+        so = f"what {request.clause.task} means for {listed(request.targets)} is so"
+        console.print(f"  judged by its facts: {so}; {_strict(found)}")
         for path in written[number].values():
             console.print(f"  saved {path}")
     if outcome.performances:
@@ -317,8 +255,8 @@ def outcome_document(
     return {
         "task": request.clause.task,
         "performer": request.performer,
-        "target": request.target,
-        "object": request.thing,
+        "target": one_or_list(request.targets),
+        "object": one_or_list(request.things),
         "attention": request.attention,
         "assumed": assumed(request),
         "notes": list(not_as_demonstrated(outcome.goal, tree)),

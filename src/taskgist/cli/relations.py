@@ -8,7 +8,7 @@ from typing import Any
 
 from rich.text import Text
 
-from taskgist.cli.common import console, print_json, progress_bar
+from taskgist.cli.common import console, progress_bar
 from taskgist.facts.values import UNKNOWN, Observation
 from taskgist.observe.frames import Interval
 from taskgist.observe.observer import Observer
@@ -19,9 +19,9 @@ from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
 
-def print_relations(
-    recording: Recording, observer: Observer, agent: str, name: str, state: State | None, *, as_json: bool
-) -> None:
+def tell_relations(
+    recording: Recording, observer: Observer, agent: str, name: str, state: State | None, *, quiet: bool
+) -> dict[str, Any]:
     """Print the relations between an agent and an object: over time, or in one state with what they stand on.
 
     Args:
@@ -30,23 +30,24 @@ def print_relations(
         agent: From whose view.
         name: The object.
         state: The only state that is asked for.
-        as_json: Print one JSON document.
+        quiet: Print nothing.
+
+    Returns:
+        The document that says the same.
     """
     if state is not None:
-        _print_moment(agent, name, state.time_s, _of_moment(recording, observer, agent, name, state), as_json=as_json)
-        return
-    with progress_bar(quiet=as_json) as progress:
+        return _tell_moment(agent, name, state.time_s, _of_moment(recording, observer, agent, name, state), quiet=quiet)
+    with progress_bar(quiet=quiet) as progress:
         rows = RelationsOverTime(observer, recording, progress=progress).of(agent, name)
     change = _distance_change(recording, agent, name)
-    if as_json:
-        relations = {relation: intervals_document(intervals) for relation, intervals in rows.items()}
-        print_json({"agent": agent, "object": name, "relations": relations, "distance_change": change})
-        return
-    console.print(Text.assemble((f"{name} and {agent}", "bold"), ", exact to the frame"))
-    for relation, intervals in rows.items():
-        print_intervals(relation, intervals)
-    if change:
-        console.print(f"  between the label's start and end the distance: {change}")
+    if not quiet:
+        console.print(Text.assemble((f"{name} and {agent}", "bold"), ", exact to the frame"))
+        for relation, intervals in rows.items():
+            print_intervals(relation, intervals)
+        if change:
+            console.print(f"  between the label's start and end the distance: {change}")
+    relations = {relation: intervals_document(intervals) for relation, intervals in rows.items()}
+    return {"agent": agent, "object": name, "relations": relations, "distance_change": change}
 
 
 def intervals_document(intervals: Iterable[Interval[Any]]) -> list[dict[str, Any]]:
@@ -75,16 +76,15 @@ def _of_moment(recording: Recording, observer: Observer, agent: str, name: str, 
     return found
 
 
-def _print_moment(agent: str, name: str, time_s: float, found: Relations, *, as_json: bool) -> None:
-    if as_json:
-        relations = {relation: observation.to_json() for relation, observation in found.items()}
-        print_json({"agent": agent, "object": name, "time_s": time_s, "relations": relations})
-        return
-    console.print(Text(f"{name} and {agent} at {time_s:.2f} s", style="bold"))
-    for relation, observation in found.items():
-        value = None if observation.value is UNKNOWN else observation.value
-        shown = _evidence_text(observation.to_json()["evidence"])
-        console.print(f"  {relation:22}{_text(value)}{f'   ({shown})' if shown else ''}")
+def _tell_moment(agent: str, name: str, time_s: float, found: Relations, *, quiet: bool) -> dict[str, Any]:
+    if not quiet:
+        console.print(Text(f"{name} and {agent} at {time_s:.2f} s", style="bold"))
+        for relation, observation in found.items():
+            value = None if observation.value is UNKNOWN else observation.value
+            shown = _evidence_text(observation.to_json()["evidence"])
+            console.print(f"  {relation:22}{_text(value)}{f'   ({shown})' if shown else ''}")
+    relations = {relation: observation.to_json() for relation, observation in found.items()}
+    return {"agent": agent, "object": name, "time_s": time_s, "relations": relations}
 
 
 def _evidence_text(evidence: Any) -> str:

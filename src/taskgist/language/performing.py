@@ -40,9 +40,9 @@ MEANS = {
     "put_over": "puts the {thing} over the {covered}",
 }
 ATTENTION = {
-    "stays": "{target} is assumed to keep its head as it is",
-    "thing": "{target} is assumed to look at the {thing} once it is there",
-    "performer": "{target} is assumed to look at {performer}",
+    "stays": "{target} assumed to keep the head as it is",
+    "thing": "{target} assumed to look at the {thing} once it is there",
+    "performer": "{target} assumed to look at {performer}",
 }
 
 
@@ -54,7 +54,7 @@ def chosen(plan: Plan) -> str:
 def acted(plan: Plan, action: Action) -> str:
     """One action of a plan, and what it is for where that is not plain."""
     candidate = action.candidate
-    words = {"thing": action.thing, "carrier": candidate.carrier, "target": plan.target, "covered": plan.thing}
+    words = {"thing": action.thing, "carrier": candidate.carrier, "target": listed(plan.targets), "covered": plan.thing}
     x, y, z = candidate.pose[:3]
     how = f"{action.performer} {MEANS[candidate.means].format(**words)}, its middle at ({x:.2f}, {y:.2f}, {z:.2f}) m"
     then = plan.actions[(plan.actions.index(action) + 1) % len(plan.actions)]
@@ -86,8 +86,9 @@ def cost(plan: Plan) -> str:
 
 
 def assumed(request: Request) -> str:
-    """What the target agent is assumed to look at."""
-    words = {"target": request.target, "thing": request.thing, "performer": request.performer}
+    """What the target agents are assumed to look at."""
+    who = f"{listed(request.targets)} {'is' if len(request.targets) == 1 else 'are'}"
+    words = {"target": who, "thing": request.things[-1], "performer": request.performer}
     return ATTENTION[request.attention].format(**words)
 
 
@@ -127,7 +128,7 @@ def _places_refused(request: Request, search: Search, tree: HypothesisTree) -> I
         miss = f", the nearest with {_found(nearest.found)}" if nearest is not None else ""
         yield f"at {count} of them it fails that {_said(literal, tree)}{miss}"
     if search.out_of_hand:
-        yield f"at {search.out_of_hand} of them {request.target} could not take it"
+        yield f"at {search.out_of_hand} of them {listed(request.targets, 'or')} could not take it"
     if search.out_of_reach:
         those = "all of those" if search.out_of_reach == search.wanted else f"{search.out_of_reach} of those"
         yield f"{those} {search.wanted} are where {request.performer} does not get at it"

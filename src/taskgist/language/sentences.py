@@ -7,18 +7,23 @@ from fractions import Fraction
 
 from taskgist.language.phrases import ABILITIES, listed, phrase, topic
 from taskgist.learning.estimate import Verdict
-from taskgist.learning.understanding import Judgement, Literal, Question, Understanding, clause_of
+from taskgist.learning.explanation import Explanation
+from taskgist.learning.understanding import Choice, Judgement, Literal, Question, Understanding, clause_of
 
 
 def meaning(understanding: Understanding) -> str:
-    """What the task means, in one sentence: the effects for the target agent, then how it begins."""
+    """What the task means, in one sentence: the effects for the target agent, then how it begins.
+
+    Where demonstrations had several target agents or objects, it is said of each of them.
+    """
     clause = clause_of(understanding)
     told = f"“{understanding.task}” means"
     if not clause.literals:
         return f"{told} nothing yet: the demonstrations have nothing in common."
     effects = _spoken(understanding, clause.effects)
     before = _spoken(understanding, clause.preconditions)
-    sentence = f"{told} for the target agent: {listed(effects)}" if effects else f"{told} no effect yet"
+    target = "each of the target agents" if "target agents" in clause.each_of else "the target agent"
+    sentence = f"{told} for {target}: {listed(effects)}" if effects else f"{told} no effect yet"
     return f"{sentence}; beforehand, {listed(before)}." if before else f"{sentence}."
 
 
@@ -53,18 +58,25 @@ def why(understanding: Understanding, node: str) -> str:
     parts = [_verdict(understanding, judgement)]
     if judgement.counts:
         parts.append(_observed(understanding, judgement))
+    parts.extend(_divided(judgement, each) for each in judgement.divided)
     parts.append(_answered(judgement) if judgement.answer else _figures(judgement))
     return " ".join(part for part in parts if part)
 
 
 def asked(question: Question) -> str:
     """A question to a person, with the values in conflict and the demonstrations behind each (6.4 iii)."""
-    told = [
-        f"{phrase(question.node, choice.value)} (in {listed(choice.demonstrations)})" for choice in question.choices
-    ]
+    told = [f"{phrase(question.node, choice.value)} ({_behind(choice)})" for choice in question.choices]
     when = " at the start" if question.node.instant == 1 else ""
     title = question.node.title
     return f"What does “{question.task}” mean{when}: that {listed(told, 'or that')}; or does {title} not matter?"
+
+
+def _behind(choice: Choice) -> str:
+    """Demonstrations and single targets that showed a value: "in show_1 and show_2; for P2 in show_3"."""
+    whole = [f"in {listed(choice.demonstrations)}"] if choice.demonstrations else []
+    names = dict.fromkeys(name for _, name in choice.targets)
+    single = (f"for {listed([who for who, name in choice.targets if name == each])} in {each}" for each in names)
+    return "; ".join([*whole, *single])
 
 
 SPOKEN_ORDER = ("see", "visibility", "reach", "grasp", "hands", "placement", "motion", "posture")
@@ -76,7 +88,10 @@ def _spoken(understanding: Understanding, literals: Iterable[Literal]) -> list[s
     said = [literal for literal in literals if ".state." not in literal.node]
     said.sort(key=lambda literal: _place(literal.node))
     phrases = [phrase(understanding.tree.node(literal.node), literal.value) for literal in said]
-    return _joined(list(dict.fromkeys(phrases)))
+    told = _joined(list(dict.fromkeys(phrases)))
+    if "target objects" not in understanding.each_of:
+        return told
+    return [each.replace("the object", "each of the objects") for each in told]
 
 
 def _place(node: str) -> int:
@@ -126,6 +141,13 @@ def _observed(understanding: Understanding, judgement: Judgement) -> str:
         names = [each.demonstration for each in understanding.demonstrations(name, value)]
         told.append(f"{value} in {n} of {judgement.estimate.N} ({', '.join(names)})")
     return f"Observed: {'; '.join(told)}."
+
+
+def _divided(judgement: Judgement, explanation: Explanation) -> str:
+    """How the several targets of one demonstration differ."""
+    values = explanation.differing(judgement.node.name).items()
+    told = (f"{value} for {listed([explanation.called(part) for part in parts])}" for value, parts in values)
+    return f"In {explanation.demonstration} targets differ, which speaks against each value: {', '.join(told)}."
 
 
 def _figures(judgement: Judgement) -> str:

@@ -9,6 +9,7 @@ from .explanation import Context as Context
 from .explanation import Explanation as Explanation
 from .explanation import explain as explain
 from .explanation import explanation_from_json as explanation_from_json
+from .explanation import merged as merged
 from .knowledge import Knowledge as Knowledge
 from .understanding import Answer as Answer
 from .understanding import Choice as Choice

@@ -1,18 +1,27 @@
-"""An explanation: every node of the tree for one demonstration, target agent and target object (6, step 1)."""
+"""An explanation: every node of the tree for one demonstration (6, step 1).
+
+**Several targets.** What is hidden from two people, or given as pen and paper, is explained for each pair of target
+agent and target object alone (9.6, 9.7), and these explanations are merged to one: it counts as one demonstration. A
+node has a value there if it has that value for every pair, because the task was meant for each of them. Where pairs
+differ the merged node is unknown, so that it is evidence for neither value, and ``differing`` tells who had which: it
+becomes a question (``understanding``). Where nothing differs but a pair is unknown, so is the merged node.
+"""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from taskgist.common.frozen import FrozenMap, Json, canonical_text
-from taskgist.errors import KnowledgeError
+from taskgist.common.text import one_or_list
+from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import Episode, HypothesisTree, Nodes
-from taskgist.facts.values import UNKNOWN, Observation, Value
+from taskgist.facts.values import UNKNOWN, Observation, Unknown, Value
 from taskgist.settings import DEFAULT, Settings
 
 
@@ -46,23 +55,29 @@ class Explanation:
     demonstration: str
     """Name of the demonstration, for people; not part of the digest."""
     performing_agent: str
-    target_agent: str
-    target_object: str
+    target_agents: tuple[str, ...]
+    """For whom; sorted."""
+    target_objects: tuple[str, ...]
+    """With what; sorted."""
     source: str
     """Identifies what was observed, with the labelled interval; see ``facts.Episode``."""
     context: Context
     nodes: Nodes
     """Value and evidence of each node."""
+    parts: tuple[Explanation, ...] = ()
+    """Of several targets: the explanation of each pair, agent by agent; empty where there is one pair."""
     digest: str = field(init=False)
     """16 hexadecimal digits."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "nodes", FrozenMap(self.nodes))
+        for name in TARGETS:
+            object.__setattr__(self, name, tuple(sorted(getattr(self, name))))
         identity: list[Json] = [
             self.task,
             self.performing_agent,
-            self.target_agent,
-            self.target_object,
+            one_or_list(self.target_agents),
+            one_or_list(self.target_objects),
             self.source,
             self.context.settings_digest,
             self.context.tree_version,
@@ -71,14 +86,49 @@ class Explanation:
 
     @property
     def recording(self) -> tuple[str, ...]:
-        """Which recording it explains, for which agent and object; the label's words and times stay out of it.
+        """Which recording it explains; the label's words and times stay out of it.
 
         A source begins with the digest of what was recorded; the labelled interval follows. Facts from elsewhere
         (``facts:``) are told by task and name of their demonstration.
         """
-        elsewhere = self.source.startswith("facts:")
-        observed = ("facts", self.task, self.demonstration) if elsewhere else (self.source.partition(" ")[0],)
-        return (*observed, self.target_agent, self.target_object)
+        if self.source.startswith("facts:"):
+            return ("facts", self.task, self.demonstration)
+        return (self.source.partition(" ")[0],)
+
+    def is_rival_of(self, other: Explanation) -> bool:
+        """Whether both explain one recording for an agent and an object that they share, but not the same label."""
+        return (
+            self.digest != other.digest
+            and self.recording == other.recording
+            and not set(self.target_agents).isdisjoint(other.target_agents)
+            and not set(self.target_objects).isdisjoint(other.target_objects)
+        )
+
+    def part(self, agent: str, name: str) -> Explanation:
+        """The explanation of one pair of target agent and target object; itself, where it has no other.
+
+        Raises:
+            UnknownNameError: It is about no such agent or object.
+        """
+        for kind, asked, known in (("agent", agent, self.target_agents), ("object", name, self.target_objects)):
+            if asked not in known:
+                raise UnknownNameError(kind, asked, known)
+        pairs = self.parts or (self,)
+        return next(each for each in pairs if (each.target_agents, each.target_objects) == ((agent,), (name,)))
+
+    def called(self, part: Explanation) -> str:
+        """What tells one of its parts from the others: the agent, the object, or both ("P2 and pen")."""
+        agents = part.target_agents if len(self.target_agents) > 1 else ()
+        objects = part.target_objects if len(self.target_objects) > 1 else ()
+        return " and ".join((*agents, *objects))
+
+    def differing(self, node: str) -> FrozenMap[str, tuple[Explanation, ...]]:
+        """The parts behind each value of a node in which they differ; empty where they do not."""
+        found: dict[str, tuple[Explanation, ...]] = {}
+        for part in self.parts:
+            if node in part.nodes and not isinstance(value := part.nodes[node].value, Unknown):
+                found[value] = (*found.get(value, ()), part)
+        return FrozenMap(found if len(found) > 1 else {})
 
     @property
     def content(self) -> str:
@@ -93,12 +143,20 @@ class Explanation:
 
     def to_json(self) -> dict[str, Json]:
         """Plain data; ``explanation_from_json`` reads it back."""
-        texts = {name: getattr(self, name) for name in (*TEXTS, "digest", "content")}
+        texts: dict[str, Json] = {name: getattr(self, name) for name in (*TEXTS, "digest", "content")}
+        targets: dict[str, Json] = {TARGETS[name]: one_or_list(getattr(self, name)) for name in TARGETS}
         context = {name.name: getattr(self.context, name.name) for name in fields(Context)}
-        return {**texts, **context, "nodes": {name: node.to_json() for name, node in self.nodes.items()}}
+        nodes: dict[str, Json] = {name: node.to_json() for name, node in self.nodes.items()}
+        parts: dict[str, Json] = {"parts": [part.to_json() for part in self.parts]} if self.parts else {}
+        return {**texts, **targets, **context, "nodes": nodes, **parts}
 
 
-TEXTS = ("task", "demonstration", "performing_agent", "target_agent", "target_object", "source")
+TEXTS = ("task", "demonstration", "performing_agent", "source")
+Role = Literal["target agents", "target objects"]
+ROLES: Mapping[Role, str] = {"target agents": "target_agents", "target objects": "target_objects"}
+"""Fields of those of which there may be several."""
+TARGETS = {"target_agents": "target_agent", "target_objects": "target_object"}
+"""Fields of targets, and what documents call them: one name stands there as it is, several as a list."""
 
 
 def explain(episode: Episode, tree: HypothesisTree = STANDARD_TREE, settings: Settings = DEFAULT) -> Explanation:
@@ -117,12 +175,55 @@ def explain(episode: Episode, tree: HypothesisTree = STANDARD_TREE, settings: Se
         task=episode.task,
         demonstration=episode.demonstration,
         performing_agent=episode.performing_agent,
-        target_agent=episode.target_agent,
-        target_object=episode.target_object,
+        target_agents=(episode.target_agent,),
+        target_objects=(episode.target_object,),
         source=episode.source,
         context=Context.of(settings, tree),
         nodes=tree.instantiate(episode.start, episode.end, settings),
     )
+
+
+def merged(parts: Iterable[Explanation]) -> Explanation:
+    """One explanation of a demonstration that was meant for several agents, or with several objects (9.6, 9.7).
+
+    Args:
+        parts: The explanation of each pair of target agent and target object, in any order; one is returned as it is.
+
+    Raises:
+        KnowledgeError: They explain different demonstrations, or pairs are missing or stand there twice.
+    """
+    pairs = sorted(parts, key=lambda part: (part.target_agents, part.target_objects))
+    if len(pairs) == 1:
+        return pairs[0]
+    if not pairs:
+        raise KnowledgeError("no pair of target agent and object", hint="explain one at least")
+    first = pairs[0]
+    for part in pairs[1:]:
+        for name in (*TEXTS, "context"):
+            if getattr(part, name) != getattr(first, name):
+                hint = "merge explanations of one demonstration"
+                raise KnowledgeError("is another demonstration", field=name, value=getattr(part, name), hint=hint)
+    agents, objects = (tuple(sorted({target for part in pairs for target in getattr(part, name)})) for name in TARGETS)
+    wanted = [((agent,), (name,)) for agent, name in product(agents, objects)]
+    if [(part.target_agents, part.target_objects) for part in pairs] != wanted:
+        hint = "give each target agent with each target object, once"
+        raise KnowledgeError("not one explanation for each pair", field="parts", value=len(pairs), hint=hint)
+    whole = replace(first, target_agents=agents, target_objects=objects, nodes={}, parts=tuple(pairs))
+    return replace(whole, nodes={name: _merged_node(whole, name) for name in first.nodes})
+
+
+def _merged_node(whole: Explanation, name: str) -> Observation[Value]:
+    """The value that all parts have, whose evidence stands there; else unknown, and why."""
+    values = [part.nodes[name].value if name in part.nodes else UNKNOWN for part in whole.parts]
+    differing = whole.differing(name)
+    if differing:
+        who = {value: [whole.called(part) for part in parts] for value, parts in differing.items()}
+        told = "; ".join(f"{value} for {', '.join(names)}" for value, names in who.items())
+        return Observation(UNKNOWN, {"reason": f"differs: {told}", "differs": dict(who)})
+    if UNKNOWN in values:
+        unknown = [whole.called(part) for part, value in zip(whole.parts, values, strict=True) if value is UNKNOWN]
+        return Observation(UNKNOWN, {"reason": f"unknown for {', '.join(unknown)}"})
+    return Observation(values[0])
 
 
 def explanation_from_json(document: object, *, where: str | Path | None = None) -> Explanation:
@@ -136,8 +237,11 @@ def explanation_from_json(document: object, *, where: str | Path | None = None) 
         data: Mapping[str, Any] = document  # type: ignore[assignment] # what does not fit is caught below
         explanation = Explanation(
             **{name: _text(data[name]) for name in TEXTS},
+            target_agents=_names(data["target_agent"]),
+            target_objects=_names(data["target_object"]),
             context=Context(_text(data["settings_digest"]), _text(data["tree_version"])),
             nodes={_text(name): _observation(node) for name, node in data["nodes"].items()},
+            parts=tuple(_part(part, where) for part in data.get("parts", ())),
         )
         stored = {name: _text(data[name]) for name in ("digest", "content")}
         found = {name: getattr(explanation, name) for name in stored}
@@ -146,7 +250,32 @@ def explanation_from_json(document: object, *, where: str | Path | None = None) 
     for name, value in stored.items():
         if value != found[name]:
             raise KnowledgeError("damaged explanation", where=where, field=name, value=value, hint=hint)
+    several = len(explanation.target_agents) * len(explanation.target_objects) > 1
+    if (several or explanation.parts) and not _follows(explanation):
+        raise KnowledgeError("damaged explanation", where=where, field="parts", hint=hint)
     return explanation
+
+
+def _follows(explanation: Explanation) -> bool:
+    """Whether an explanation of several targets is what its parts give."""
+    try:
+        return bool(explanation.parts) and merged(explanation.parts) == explanation
+    except KnowledgeError:
+        return False
+
+
+def _part(document: Mapping[str, Any], where: str | Path | None) -> Explanation:
+    if "parts" in document:
+        raise TypeError("parts of a part")
+    return explanation_from_json(document, where=where)
+
+
+def _names(value: object) -> tuple[str, ...]:
+    if not isinstance(value, list):
+        return (_text(value),)
+    if len(value) < 2:
+        raise TypeError("a list of less than two names")
+    return tuple(map(_text, value))
 
 
 def _observation(data: Mapping[str, Any]) -> Observation[Value]:

@@ -75,12 +75,8 @@ class Knowledge:
         return replace(self, experiences=FrozenMap(experiences))
 
     def rivals(self, explanation: Explanation) -> tuple[Explanation, ...]:
-        """Explanations of the same recording, for the same agent and object, with another label or other times."""
-        return tuple(
-            each
-            for each in self.explanations
-            if each.recording == explanation.recording and each.digest != explanation.digest
-        )
+        """Explanations of the same recording, for an agent and object of its own, with another label or times."""
+        return tuple(each for each in self.explanations if each.is_rival_of(explanation))
 
     def remove(self, task: str, digest: str) -> Knowledge:
         """This knowledge without one demonstration; a task without any is forgotten, its answers are not.

@@ -20,6 +20,11 @@ away, though: all nodes stay with their counts, and one that was pruned may come
 
 **Questions.** What the demonstrations neither agree nor contradict about enough has to be asked (6.4 iii).
 
+**Several targets.** What a task means holds for each of its targets. A demonstration in which they differ at a node
+(hidden from P2 and P3, while P3 sees as much as before) counts there for no value, and speaks against every one: where
+the band does not pass over so much dissent, the node is confusing, and asked about. But a node that may take any text
+or number, as joint angles do, is irrelevant then: two bodies always differ there, and nobody can say what is meant.
+
 **Answers.** What a person has said about a node stands above its counts until it is withdrawn.
 """
 
@@ -37,7 +42,7 @@ from taskgist.facts.tree import HypothesisTree, Instant, Node, Nodes
 from taskgist.facts.values import NEGLIGIBLE, UNKNOWN, Unknown
 from taskgist.learning.estimate import Estimate, Rule, Verdict, canonical_key, weigh
 from taskgist.learning.experience import Experience
-from taskgist.learning.explanation import Explanation
+from taskgist.learning.explanation import ROLES, Explanation, Role
 from taskgist.settings import DEFAULT, Learning
 
 # Answers: what a person said about a predicate that the demonstrations left open (6.4).
@@ -138,6 +143,8 @@ class Judgement:
     """What the demonstrations say."""
     counts: FrozenMap[str, int]
     """Demonstrations by value, most frequent first, ties in canonical order."""
+    divided: tuple[Explanation, ...]
+    """Demonstrations whose several targets differ in it, by name: not counted for any value."""
     answer: Answer | None
     """What a person said, if anything holds."""
     verdict: Verdict
@@ -167,6 +174,12 @@ class Understanding:
         """The largest consistent subtree, in canonical order."""
         return tuple(judgement for judgement in self.judgements.values() if judgement.kept)
 
+    @property
+    def each_of(self) -> tuple[Role, ...]:
+        """Of which roles some demonstration had several: what the task means holds for each of them."""
+        explanations = self.experience.explanations.values()
+        return tuple(role for role, field in ROLES.items() if any(len(getattr(e, field)) > 1 for e in explanations))
+
 
 def understand(
     experience: Experience,
@@ -187,17 +200,29 @@ def understand(
     """
     rule = Rule.of(settings)
     holding = in_force(answer for answer in answers if answer.task == experience.task)
+    several = sorted(
+        (each for each in experience.explanations.values() if each.parts), key=lambda e: (e.demonstration, e.digest)
+    )
     judgements: dict[str, Judgement] = {}
     for node in tree.nodes:  # parents come first
         above = node.parent is None or judgements[node.parent].kept
-        judgements[node.name] = _judge(node, experience, rule, holding.get(node.name), above=above)
+        divided = tuple(each for each in several if each.differing(node.name))
+        judgements[node.name] = _judge(node, experience, divided, rule, holding.get(node.name), above=above)
     return Understanding(experience.task, tree, FrozenMap(judgements), experience)
 
 
-def _judge(node: Node, experience: Experience, rule: Rule, answer: Answer | None, *, above: bool) -> Judgement:
+def _judge(
+    node: Node,
+    experience: Experience,
+    divided: tuple[Explanation, ...],
+    rule: Rule,
+    answer: Answer | None,
+    *,
+    above: bool,
+) -> Judgement:
     counts = experience.counts.get(node.name, FrozenMap())
     estimate = weigh(counts, rule, node.values)
-    verdict = answer.verdict if answer and answer.verdict else estimate.verdict
+    verdict = answer.verdict if answer and answer.verdict else _verdict(node, counts, estimate, len(divided), rule)
     value = answer.value if answer and answer.value else estimate.value
     if verdict is Verdict.RELEVANT and value is None:
         hint = "answer with a value, or withdraw the answer"
@@ -210,11 +235,26 @@ def _judge(node: Node, experience: Experience, rule: Rule, answer: Answer | None
         counts=FrozenMap(
             dict(sorted(counts.items(), key=lambda item: (-item[1], canonical_key(item[0], node.values))))
         ),
+        divided=divided,
         answer=answer,
         verdict=verdict,
         value=value,
         kept=above and verdict is Verdict.RELEVANT,
     )
+
+
+DIVIDED = "targets differ"
+"""Stands for a value that speaks against all others."""
+
+
+def _verdict(node: Node, counts: FrozenMap[str, int], estimate: Estimate, divided: int, rule: Rule) -> Verdict:
+    """What the demonstrations say, those included in which targets differ."""
+    if not divided or estimate.verdict is Verdict.IRRELEVANT:
+        return estimate.verdict
+    contested = weigh({**counts, DIVIDED: divided}, rule, node.values)
+    if contested.verdict is Verdict.RELEVANT and contested.value != DIVIDED:
+        return Verdict.RELEVANT
+    return Verdict.CONFUSING if node.values else Verdict.IRRELEVANT
 
 
 # Questions: what the demonstrations neither agree nor contradict about enough (6.4 iii).
@@ -227,6 +267,8 @@ class Choice:
     value: str
     demonstrations: tuple[str, ...]
     """Names of the demonstrations."""
+    targets: tuple[tuple[str, str], ...] = ()
+    """Where several targets of a demonstration differ: which of them had this value, and the demonstration's name."""
 
 
 @dataclass(frozen=True)
@@ -236,7 +278,7 @@ class Question:
     task: str
     node: Node
     choices: tuple[Choice, ...]
-    """The values observed, most frequent first."""
+    """The values observed, most frequent first, those of single targets last."""
 
     def answer(self, verdict: Verdict, *, author: str, time: str, value: str | None = None) -> Answer:
         """An answer to this question; see ``Answer``.
@@ -257,7 +299,8 @@ def questions_of(understanding: Understanding) -> tuple[Question, ...]:
     """The questions whose answers can change the understanding, from abstract to concrete.
 
     A confusing node below an irrelevant one is not asked about: no answer could bring it back. Once the node above is
-    settled otherwise, it will be.
+    settled otherwise, it will be. Where the targets of a demonstration differ, only the uppermost such node is asked
+    about: those below follow from it, or come next.
     """
     return tuple(
         _question(understanding, judgement)
@@ -268,14 +311,20 @@ def questions_of(understanding: Understanding) -> tuple[Question, ...]:
 
 def _can_be_kept(understanding: Understanding, judgement: Judgement) -> bool:
     above = (understanding.judgements[node.name] for node in understanding.tree.ancestors(judgement.node.name))
-    return all(each.verdict in (Verdict.RELEVANT, Verdict.CONFUSING) for each in above)
+    return all(
+        each.verdict is Verdict.RELEVANT or (each.verdict is Verdict.CONFUSING and not each.divided) for each in above
+    )
 
 
 def _question(understanding: Understanding, judgement: Judgement) -> Question:
     name = judgement.node.name
+    targets: dict[str, list[tuple[str, str]]] = {value: [] for value in judgement.counts}
+    for each in judgement.divided:
+        for value, parts in each.differing(name).items():
+            targets.setdefault(value, []).extend((each.called(part), each.demonstration) for part in parts)
     choices = (
-        Choice(value, tuple(each.demonstration for each in understanding.demonstrations(name, value)))
-        for value in judgement.counts
+        Choice(value, tuple(each.demonstration for each in understanding.demonstrations(name, value)), tuple(who))
+        for value, who in targets.items()
     )
     return Question(understanding.task, judgement.node, tuple(choices))
 
@@ -315,10 +364,12 @@ class Clause:
     Args:
         task: Name of the task.
         literals: Its predicates, in the canonical order of the tree.
+        each_of: Roles of which demonstrations had several: the predicates hold for each of them.
     """
 
     task: str
     literals: tuple[Literal, ...]
+    each_of: tuple[Role, ...] = ()
 
     @property
     def effects(self) -> tuple[Literal, ...]:
@@ -331,7 +382,8 @@ class Clause:
         return tuple(literal for literal in self.literals if literal.instant == 1)
 
     def __str__(self) -> str:
-        return f"Task({self.task}) ← {' ∧ '.join(map(str, self.literals)) or 'nothing in common'}"
+        each = "".join(f", each of the {role}" for role in self.each_of)
+        return f"Task({self.task}{each}) ← {' ∧ '.join(map(str, self.literals)) or 'nothing in common'}"
 
     def holds(self, nodes: Nodes) -> bool | Unknown:
         """Whether all predicates hold: false if one surely does not, else unknown if one is unknown."""
@@ -348,7 +400,7 @@ def clause_of(understanding: Understanding) -> Clause:
         for each in kept
         if each.node.name not in (parents_of_preconditions if each.node.instant == 1 else parents_of_effects)
     )
-    return Clause(understanding.task, tuple(_literal(each) for each in deepest))
+    return Clause(understanding.task, tuple(_literal(each) for each in deepest), understanding.each_of)
 
 
 def conjunction(truths: Iterator[bool | Unknown]) -> bool | Unknown:

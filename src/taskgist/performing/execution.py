@@ -60,17 +60,18 @@ def carried_out(scene: Scene, plan: Plan, *, attention: Attention, name: str = "
     frames, holds = _filmed(plan)
     times = np.arange(len(frames)) / RATE_HZ
     let_go = _let_go(scene, frames, holds)
-    _look(scene, plan, times, frames, attention)
+    for target in plan.targets:
+        _look(scene, plan, target, times, frames, attention)
     label = Label(
         task=plan.task,
         performing_agent=plan.performer,
-        target_agent=plan.target,
-        target_object=plan.thing,
+        target_agents=plan.targets,
+        target_objects=plan.things,
         start_s=BEFORE_S - LABEL_BEFORE_S,
         end_s=round(float(times[-1]) - AFTER_S + LABEL_AFTER_S, 3),
         how=f"from {LABEL_BEFORE_S:g} s before the first motion to {LABEL_AFTER_S:g} s after the last",
     )
-    notes = ("kinematic", f"attention of {plan.target}: {attention}", *plan.notes)
+    notes = ("kinematic", f"attention of {' and '.join(plan.targets)}: {attention}", *plan.notes)
     provenance = Provenance(source=SOURCE, licence="Apache-2.0", simulated=True, notes=notes)
     recording = Recording(
         scene=scene, times_s=times, qpos=frames, label=label, provenance=provenance, name=name or plan.task
@@ -116,25 +117,25 @@ def _let_go(scene: Scene, frames: Array, holds: list[frozenset[Hold]]) -> tuple[
     return tuple(found)
 
 
-def _look(scene: Scene, plan: Plan, times: Array, frames: Array, attention: Attention) -> None:
-    """Turn the target agent's head, from how it is at the start to what catches its eye."""
-    agent = scene.agent(plan.target)
+def _look(scene: Scene, plan: Plan, target: str, times: Array, frames: Array, attention: Attention) -> None:
+    """Turn a target agent's head, from how it is at the start to what catches its eye."""
+    agent = scene.agent(target)
     pan, tilt = agent.profile.pan, agent.profile.tilt
     if attention == "stays" or pan is None or tilt is None:
         return
     fixations = [Fixation(0.0, plan.performer), Fixation(BEFORE_S, plan.performer)]
     if attention == "thing":
-        fixations = _followed(scene, plan, times, frames)
-        fixations.append(Fixation(float(times[-1]) - AFTER_S, plan.thing))  # what all was about, once it is done
+        fixations = _followed(scene, plan, target, times, frames)
+        fixations.append(Fixation(float(times[-1]) - AFTER_S, plan.things[-1]))  # what all was about, once it is done
     columns = [agent.joints[pan.joint], agent.joints[tilt.joint]]
     start = frames[:, columns].copy()
     begins_s = fixations[1].from_s if len(fixations) > 1 else float(times[-1])
     turned = minimum_jerk((times - begins_s) / TURN_S)[:, None]
-    frames[:, columns] = _unhurried(start + turned * (looked(scene, plan.target, times, frames, fixations) - start))
+    frames[:, columns] = _unhurried(start + turned * (looked(scene, target, times, frames, fixations) - start))
 
 
-def _followed(scene: Scene, plan: Plan, times: Array, frames: Array) -> list[Fixation]:
-    """What the target agent looks at as it follows one action after the other."""
+def _followed(scene: Scene, plan: Plan, target: str, times: Array, frames: Array) -> list[Fixation]:
+    """What a target agent looks at as it follows one action after the other."""
     stage, found, spans = Stage(scene), list[Fixation](), phase_frames(plan)
     ends, phases = [0], 0
     for action in plan.actions:
@@ -142,7 +143,7 @@ def _followed(scene: Scene, plan: Plan, times: Array, frames: Array) -> list[Fix
         ends.append(spans[phases - 1].stop)
     ends[-1] = len(times)
     for action, (first, last) in zip(plan.actions, pairwise(ends), strict=True):
-        onlooker = Onlooker(plan.target, action.performer, f"{action.performer}/{action.side}_arm", action.thing)
+        onlooker = Onlooker(target, action.performer, f"{action.performer}/{action.side}_arm", action.thing)
         subject = found[-1].subject if found else action.performer
         found += onlooker.fixations(stage, times[first:last], frames[first:last], subject)[1 if found else 0 :]
     return found

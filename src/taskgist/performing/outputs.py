@@ -35,6 +35,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.files import writing
+from taskgist.common.text import one_or_list
 from taskgist.performing.execution import Execution, phase_frames
 from taskgist.planning.gripper import Gripper
 from taskgist.planning.inverse_kinematics import chain_of_arm
@@ -208,8 +209,8 @@ def plan_document(plan: Plan, execution: Execution) -> Document:
         "format": FORMAT,
         "task": plan.task,
         "performer": plan.performer,
-        "target": plan.target,
-        "object": plan.thing,
+        "target": one_or_list(plan.targets),
+        "object": one_or_list(plan.things),
         "cost": cost_document(plan.cost),
         "attained": _attained(execution.recording, plan.thing, -1),
         "actions": actions,

@@ -2,6 +2,7 @@ from .checkup import Checkup as Checkup
 from .checkup import Finding as Finding
 from .checkup import check as check
 from .explain import episode_of as episode_of
+from .explain import episodes_of as episodes_of
 from .explain import explain_all as explain_all
 from .explain import explain_recording as explain_recording
 from .explain import label_of as label_of

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, Literal
 
 import numpy as np
@@ -200,29 +201,31 @@ def _label(recording: Recording, observer: Observer, settings: Settings) -> Iter
     if label is None:
         yield Finding("unfit", "label", "there is none", "set one: taskgist label RECORDING --help")
         return
-    if observer.motion(label.target_object).at(label.start_s) == v.MOVING:
-        yield Finding(
-            "note", "label", f"{label.target_object} is already moving at the start", "start the label earlier"
-        )
+    for name in label.target_objects:
+        if observer.motion(name).at(label.start_s) == v.MOVING:
+            yield Finding("note", "label", f"{name} is already moving at the start", "start the label earlier")
     yield from _unknown_facts(recording, label, observer, settings)
 
 
 def _unknown_facts(recording: Recording, label: Label, observer: Observer, settings: Settings) -> Iterator[Finding]:
     stage = Stage(recording.scene)
-    for end, time_s in (("start", label.start_s), ("end", label.end_s)):
+    ends = (("start", label.start_s), ("end", label.end_s))
+    for (end, time_s), (agent, thing) in product(ends, label.pairs):
         stage.show(recording.at(time_s))
-        observed = snapshot(stage, observer, agent=label.target_agent, name=label.target_object, settings=settings)
+        observed = snapshot(stage, observer, agent=agent, name=thing, settings=settings)
+        several = len(label.pairs) > 1
         unknown = [name for name, observation in observed.items() if _is_unknown(observation)]
         if set(observed) - OF_THE_AGENT <= set(unknown):
             yield Finding(
                 "unfit",
-                label.target_object,
-                f"no fact can be said of it at the label's {end} ({time_s:.2f} s)",
+                thing,
+                f"no fact can be said of it{f' for {agent}' if several else ''} at the label's {end} ({time_s:.2f} s)",
                 "move the label to where object and target agent are tracked",
             )
         elif unknown:
+            whose = f" of {thing} for {agent}" if several else ""
             yield Finding(
-                "note", f"facts at the label's {end}", f"unknown: {', '.join(unknown)}", "they are not counted"
+                "note", f"facts{whose} at the label's {end}", f"unknown: {', '.join(unknown)}", "they are not counted"
             )
 
 

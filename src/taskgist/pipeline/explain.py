@@ -14,7 +14,7 @@ from taskgist.errors import LabelError, RecordingError
 from taskgist.facts.predicates import Predicate, known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import Episode, HypothesisTree
-from taskgist.learning.explanation import Explanation, explain
+from taskgist.learning.explanation import Explanation, explain, merged
 from taskgist.learning.knowledge import Knowledge
 from taskgist.observe.attributes import Snapshot, snapshot
 from taskgist.observe.observer import Observer
@@ -37,7 +37,7 @@ def label_of(recording: Recording, name: str = "") -> Label:
     return recording.label
 
 
-def episode_of(
+def episodes_of(
     recording: Recording,
     *,
     label: Label | None = None,
@@ -45,8 +45,8 @@ def episode_of(
     predicates: Iterable[Predicate] = (),
     observer: Observer | None = None,
     progress: Progress = silent,
-) -> Episode:
-    """What was observed at both ends of a demonstration, from the target agent's perspective.
+) -> tuple[Episode, ...]:
+    """What was observed at both ends of a demonstration, from the perspective of each target agent on each object.
 
     Args:
         recording: A recording.
@@ -56,47 +56,80 @@ def episode_of(
         observer: One of this recording, if there is one already: it need not look again at what it has seen.
         progress: Told how far it is.
 
+    Returns:
+        One episode for each of the label's ``pairs``, in their order.
+
     Raises:
         LabelError: There is no label.
     """
     label = label or label_of(recording)
     observer = observer or Observer(recording.scene, recording, settings)
     predicates, stage = tuple(predicates), Stage(recording.scene)
-    who, what = label.target_agent, label.target_object
-    ends: list[Snapshot] = []
+    ends: list[list[Snapshot]] = []
     for time_s in (label.start_s, label.end_s):
         stage.show(recording.at(time_s))
-        ends.append(snapshot(stage, observer, agent=who, name=what, settings=settings, predicates=predicates))
-        progress("taking perspective", len(ends) / 2)
-    return Episode(
-        task=label.task,
-        demonstration=recording.name,
-        performing_agent=label.performing_agent,
-        target_agent=who,
-        target_object=what,
-        start=ends[0],
-        end=ends[1],
-        source=f"{recording.digest} {label.start_s:.4f}-{label.end_s:.4f} s",
+        ends.append([])
+        for agent, name in label.pairs:
+            ends[-1].append(snapshot(stage, observer, agent=agent, name=name, settings=settings, predicates=predicates))
+            progress("taking perspective", sum(map(len, ends)) / (2 * len(label.pairs)))
+    return tuple(
+        Episode(
+            task=label.task,
+            demonstration=recording.name,
+            performing_agent=label.performing_agent,
+            target_agent=agent,
+            target_object=name,
+            start=start,
+            end=end,
+            source=f"{recording.digest} {label.start_s:.4f}-{label.end_s:.4f} s",
+        )
+        for (agent, name), start, end in zip(label.pairs, *ends, strict=True)
     )
+
+
+def episode_of(
+    recording: Recording,
+    *,
+    label: Label | None = None,
+    settings: Settings = DEFAULT,
+    predicates: Iterable[Predicate] = (),
+    observer: Observer | None = None,
+) -> Episode:
+    """The one episode of a demonstration for one target agent with one object; arguments as in ``episodes_of``.
+
+    Raises:
+        LabelError: There is no label, or it has several target agents or objects.
+    """
+    label = label or label_of(recording)
+    _ = label.target_agent, label.target_object  # several are refused before any work
+    (episode,) = episodes_of(recording, label=label, settings=settings, predicates=predicates, observer=observer)
+    return episode
 
 
 def explain_recording(
     recording: Recording,
     *,
+    label: Label | None = None,
     tree: HypothesisTree = STANDARD_TREE,
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] | None = None,
+    observer: Observer | None = None,
     progress: Progress = silent,
 ) -> Explanation:
     """The explanation of a labelled recording; predicates join the tree: by default all that are known.
+
+    Where the label has several target agents or objects, each pair is explained alone (``Explanation.parts``), and
+    these are merged to one.
 
     Raises:
         LabelError: There is no label.
     """
     predicates = known_predicates() if predicates is None else tuple(predicates)
     whole = with_predicates(tree, predicates)
-    episode = episode_of(recording, settings=settings, predicates=predicates, progress=progress)
-    return explain(episode, whole, settings)
+    episodes = episodes_of(
+        recording, label=label, settings=settings, predicates=predicates, observer=observer, progress=progress
+    )
+    return merged(explain(episode, whole, settings) for episode in episodes)
 
 
 FEW = 6

@@ -22,16 +22,17 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import Unknown
 from taskgist.learning.explanation import Explanation
+from taskgist.learning.understanding import conjunction
 from taskgist.performing.audit import audit
 from taskgist.performing.execution import Execution, carried_out
 from taskgist.performing.findings import Audit, MotionLimits, Tolerances
 from taskgist.pipeline.explain import explain_recording
 from taskgist.planning.goal import Goal
 from taskgist.planning.helping import Help
+from taskgist.planning.one_by_one import OneByOne
 from taskgist.planning.pddl import Pddl
 from taskgist.planning.performer import Performer
 from taskgist.planning.plan import Plan
-from taskgist.planning.planner import Planner
 from taskgist.planning.requests import Request, Search
 from taskgist.settings import DEFAULT, Planning, Settings
 from taskgist.world.scene import Scene
@@ -79,7 +80,7 @@ class Outcome:
     performances: tuple[Performance, ...]
     search: Search
     spoiled: tuple[str, ...]
-    planner: Planner
+    planner: OneByOne
     helps: tuple[Help, ...] = ()
 
     def pddl(self) -> Pddl:
@@ -116,7 +117,7 @@ def perform(
         InputError: OMPL or toppra, the extra ``planning``, is not installed.
     """
     state = scene.initial if state is None else state
-    planner = Planner(scene, state, request, tree=tree, settings=settings, predicates=predicates)
+    planner = OneByOne(scene, state, request, tree=tree, settings=settings, predicates=predicates)
     if planner.performer is not None:
         planners()  # before any long work
     found, spoiled = list[Performance](), list[str]()
@@ -146,10 +147,10 @@ def planners() -> None:
 
 
 def _tried(
-    planner: Planner, plan: Plan, tree: HypothesisTree, settings: Settings, predicates: Sequence[Predicate]
+    planner: OneByOne, plan: Plan, tree: HypothesisTree, settings: Settings, predicates: Sequence[Predicate]
 ) -> Performance | str:
     """A plan carried out, audited and judged; a sentence if it does not come through."""
-    scene, request, goal = planner.scene, planner.request, planner.goal
+    scene, request = planner.scene, planner.request
     execution = carried_out(scene, plan, attention=request.attention)
     recording = execution.recording
     for let_go in execution.settled:
@@ -172,11 +173,15 @@ def _tried(
     if not found.clean:
         return f"the audit found: {found.findings[0].text}"
     explanation = explain_recording(recording, tree=tree, settings=settings, predicates=predicates)
-    failed = next((each for each in goal.controllable if each.holds(explanation.nodes) is not True), None)
-    if failed is not None:
-        value = explanation.nodes[failed.node].value if failed.node in explanation.nodes else "not observed"
-        return f"judged by its facts {failed} fails: it is {value}"
-    return Performance(plan, execution, found, explanation, request.clause.holds(explanation.nodes))
+    for aim in planner.aims:
+        nodes = explanation.part(aim.agent, aim.thing).nodes
+        failed = next((each for each in aim.goal.controllable if each.holds(nodes) is not True), None)
+        if failed is not None:
+            value = nodes[failed.node].value if failed.node in nodes else "not observed"
+            whose = f" for {explanation.called(explanation.part(aim.agent, aim.thing))}" if explanation.parts else ""
+            return f"judged by its facts {failed} fails{whose}: it is {value}"
+    strict = conjunction(request.clause.holds(each.nodes) for each in explanation.parts or (explanation,))
+    return Performance(plan, execution, found, explanation, strict)
 
 
 def limits_of(performer: Performer | None, planning: Planning) -> MotionLimits:

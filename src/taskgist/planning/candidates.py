@@ -92,10 +92,10 @@ def candidates(
         ways.append(held_up(asking))
     if "hand_over" in means:
         ways.append(handed_over(asking))
-    return _in_turn(ways)
+    return in_turn(ways)
 
 
-def _in_turn(ways: list[Iterator[Candidate]]) -> Iterator[Candidate]:
+def in_turn(ways: list[Iterator[Candidate]]) -> Iterator[Candidate]:
     """One of each, again and again, until all have come to their end."""
     while ways:
         for way in list(ways):

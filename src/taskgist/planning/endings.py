@@ -15,9 +15,9 @@ import numpy as np
 from taskgist.facts import vocabulary as v
 from taskgist.facts.predicates import Predicate
 from taskgist.planning.actions import WhyNot
-from taskgist.planning.candidates import candidates
+from taskgist.planning.aims import Aim, Judges
+from taskgist.planning.candidates import candidates, in_turn
 from taskgist.planning.covering import covers
-from taskgist.planning.goal import Goal
 from taskgist.planning.handing import Taker
 from taskgist.planning.judging import Judge, Verdict
 from taskgist.planning.placing import Candidate, Means
@@ -36,6 +36,8 @@ ENDS: Mapping[Means, str] = {
 }
 """Where a thing is in the end, by how it gets there."""
 HANDED: tuple[Means, ...] = ("hand_over",)
+IN_AIR: frozenset[Means] = frozenset({"hold_up", "hand_over"})
+"""Ways that are of one target agent."""
 AWAY_M = 1e3
 """Where a thing is put that is thought away."""
 
@@ -54,9 +56,10 @@ class Endings:
         scene: The scene.
         state: Where everything is at the start.
         request: What is to be performed.
-        goal: What is wanted.
+        aims: What is wanted, for each target agent; those first with the thing that is brought now.
         settings: All settings.
         predicates: A user's own predicates.
+        lets_go: Whether the performer's hands must be empty in the end.
     """
 
     def __init__(
@@ -64,30 +67,39 @@ class Endings:
         scene: Scene,
         state: State,
         request: Request,
-        goal: Goal,
+        aims: Sequence[Aim],
         settings: Settings,
         predicates: Sequence[Predicate],
+        *,
+        lets_go: bool = False,
     ) -> None:
-        self._scene, self._state, self._request, self._goal, self._settings = scene, state, request, goal, settings
+        self._scene, self._state, self._request, self._settings = scene, state, request, settings
+        self._aims, self._goal, self._lets_go = tuple(aims), aims[0].goal, lets_go
         self._predicates = tuple(predicates)
-        self._judges: dict[bytes, Judge] = {}
+        self._judges: dict[bytes, Judges] = {}
         self.judge(state)  # names that nobody knows are told before any long work
 
-    def judge(self, state: State) -> Judge:
-        """The judge of states that differ little from one."""
+    def judge(self, state: State) -> Judges:
+        """The judges of states that differ little from one."""
         key = state.qpos.tobytes()
         if key not in self._judges:
             request = self._request
-            self._judges[key] = Judge(
-                self._scene,
-                state,
-                request.target,
-                request.thing,
-                self._goal,
-                self._settings,
-                self._predicates,
-                attention=request.attention,
-                performer=request.performer,
+            self._judges[key] = Judges(
+                [
+                    Judge(
+                        self._scene,
+                        state,
+                        aim.agent,
+                        aim.thing,
+                        aim.goal,
+                        self._settings,
+                        self._predicates,
+                        attention=request.attention,
+                        performer=request.performer,
+                        watched=request.thing,
+                    )
+                    for aim in self._aims
+                ]
             )
         return self._judges[key]
 
@@ -103,22 +115,30 @@ class Endings:
 
     def moved(self, state: State, agent: str) -> Iterator[Judged]:
         """The thing itself elsewhere, in the order in which places are tried."""
-        request = self._request
-        taker, judge = Taker(self._scene, request.target, state), self.judge(state)
-        for candidate in candidates(
-            Stage(self._scene, state),
-            request.thing,
-            agent,
-            request.target,
-            self._settings,
-            allow=request.allow,
-            prefer=request.prefer,
-            means=self._means,
-            seed=request.seed,
-        ):
+        request, judge = self._request, self.judge(state)
+        takers = {name: Taker(self._scene, name, state) for name in request.targets}
+        # Places on supports are the same for all; those before a face, or in a hand, are of one of them.
+        means = {name: tuple(each for each in self._means if each in IN_AIR) for name in request.also_for}
+        means[request.target] = self._means
+        asked = (
+            candidates(
+                Stage(self._scene, state),
+                request.thing,
+                agent,
+                target,
+                self._settings,
+                allow=request.allow,
+                prefer=request.prefer,
+                means=means[target],
+                seed=request.seed,
+            )
+            for target in request.targets
+            if means[target]
+        )
+        for candidate in in_turn(list(asked)):
             end: State | None = candidate.state
             if candidate.means == "hand_over":
-                end = taker.holding(candidate.state, request.thing)
+                end = takers[candidate.carrier].holding(candidate.state, request.thing)
             yield Judged(candidate, None if end is None else judge.verdict(end))
 
     def covered(self, state: State, agent: str, cover: str) -> Iterator[Judged]:
@@ -159,6 +179,8 @@ class Endings:
         """How the thing may get where it shall be: what brings about the placement, and the target's hands."""
         placement, hands = self._goal.wants("placement"), self._goal.wants("hands")
         found = [means for means, end in ENDS.items() if placement is None or end in (placement.values or ())]
+        if self._lets_go:
+            found = [means for means in found if means != "hold_up"]
         if hands is not None and hands.values is not None:
             taken = [v.HOLDING_OBJECT in final.values() for final in hands.values if isinstance(final, Mapping)]
             found = [means for means in found if (means == "hand_over") in taken]
@@ -183,8 +205,9 @@ class Endings:
         alone = tuple(name for name in others if judge.verdict(self.without(state, name)).holds is True)
         if alone:
             return alone
-        hiding = judge.observed(state, "visibility.score").evidence.get("occluders", ())
-        names = [str(pair[0]) for pair in hiding if isinstance(pair, Sequence)] if isinstance(hiding, Sequence) else []
+        hiding = [each.evidence.get("occluders", ()) for each in judge.observed(state, "visibility.score")]
+        pairs = [pair for each in hiding if isinstance(each, Sequence) for pair in each]
+        names = dict.fromkeys(str(pair[0]) for pair in pairs if isinstance(pair, Sequence))
         return tuple(name for name in names if name in others)
 
     def without(self, state: State, name: str) -> State:

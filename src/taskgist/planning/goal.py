@@ -93,15 +93,19 @@ class Impossible:
         attribute: Name of the attribute.
         literals: One that never holds; or several that never hold together.
         start: What the attribute is at the start.
+        reason: A sentence why, where it is not that.
     """
 
     attribute: str
     literals: tuple[Literal, ...]
     start: Raw
+    reason: str = ""
 
     @property
     def why(self) -> str:
         """A sentence: what is so at the start, and what therefore cannot be."""
+        if self.reason:
+            return self.reason
         aspect, level = self.attribute.partition(".")[0], v.EFFORT_LEVELS.get(str(self.start))
         wanted = " and ".join(map(str, self.literals))
         if self.attribute == MOTION:

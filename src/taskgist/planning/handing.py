@@ -30,7 +30,8 @@ class Taker:
     Args:
         scene: The scene.
         name: Who it is.
-        state: How it is before: a hand that does nothing stays where it is there.
+        state: How it is before: a hand that does nothing stays where it is there; one that holds something by that
+            state takes nothing else.
 
     Attributes:
         name: As given.
@@ -50,7 +51,7 @@ class Taker:
 
     def holding(self, state: State, thing: str) -> State | None:
         """A state in which its hand is around a thing, where that is; None if neither hand gets there."""
-        for side in sides_by_distance(self._scene, state.qpos, thing, self.name):
+        for side in self.sides(state.qpos, thing):
             try:
                 hand, torso_rad = taking(Stage(self._scene, state), self._body, thing, side)
                 reached, error_m = self._body.reaching(state, side, hand, torso_rad, iterations=ITERATIONS)
@@ -59,6 +60,12 @@ class Taker:
             if error_m <= LARGEST_ERROR_M:
                 return reached
         return None
+
+    def sides(self, qpos: Array, thing: str) -> tuple[str, ...]:
+        """Sides of its hands that are free to take a thing, the nearest first."""
+        busy = {hold.side for hold in self._before.holding or () if hold.agent == self.name and hold.object != thing}
+        nearest = sides_by_distance(self._scene, qpos, thing, self.name)
+        return tuple(side for side in nearest if side not in busy)
 
     def motion(self, qpos: Array, thing: str, side: str) -> Array:
         """Frames, (n, nq), in which a hand comes and closes around a thing that is held where it is.

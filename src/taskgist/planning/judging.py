@@ -54,11 +54,13 @@ class Verdict:
         failed: The first literal that surely does not; None if there is none.
         values: What was found, by attribute, as far as somebody looked: a symbol, a score, a status by side. An effort
             is there only if its level is known exactly.
+        judge: Of several who are asked, the number of the one who says so.
     """
 
     holds: Truth
     failed: Literal | None = None
     values: Mapping[str, Raw] = field(default_factory=FrozenMap)
+    judge: int = 0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", FrozenMap(self.values))
@@ -78,6 +80,7 @@ class Judge:
         predicates: A user's own predicates.
         attention: What the target agent is assumed to look at.
         performer: The performing agent; only needed if the target agent looks at it.
+        watched: The thing that the target agent is assumed to look at, where that is another one.
 
     Raises:
         UnknownNameError: There is no such agent, object or kind of attention, or nobody observes what is wanted.
@@ -96,6 +99,7 @@ class Judge:
         *,
         attention: Attention = "stays",
         performer: str | None = None,
+        watched: str | None = None,
     ) -> None:
         if attention not in ATTENTIONS:
             raise UnknownNameError("kind of attention", attention, ATTENTIONS)
@@ -103,7 +107,7 @@ class Judge:
             raise InputError("nobody to look at", field="performer", hint="name the performing agent")
         self._agent, self._thing = scene.agent(agent), thing
         scene.object_body(thing)
-        self._looks_at = {"stays": None, "thing": thing, "performer": performer}[attention]
+        self._looks_at = {"stays": None, "thing": watched or thing, "performer": performer}[attention]
         if performer is not None:
             scene.agent(performer)
         self.goal, self._settings = goal, settings

@@ -19,7 +19,7 @@ from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
 from taskgist.moving.steps import CLOSING_S
 from taskgist.planning.hand_ways import HandWay
-from taskgist.planning.handing import Taker, sides_by_distance
+from taskgist.planning.handing import Taker
 from taskgist.planning.paths import base_path, joint_path
 from taskgist.planning.performer import TOLERANCE_M, Base, Grip, Performer, near_bases, with_values
 from taskgist.planning.placing import Means
@@ -183,10 +183,9 @@ class Motions:
 
     def _taken(self, at: _At, thing: str, taker: Taker) -> Iterator[Phase]:
         """The taker's hand comes and closes around the thing, by the hand that is nearer."""
-        performer = self._performer
         grip = at.held.grip if at.held else None
-        failed = ""
-        for side in sides_by_distance(performer.scene, at.qpos, thing, taker.name):
+        failed = "its hands are full"
+        for side in taker.sides(at.qpos, thing):
             try:
                 qpos = taker.motion(at.qpos, thing, side)
             except SceneError as error:

@@ -16,7 +16,7 @@ from taskgist.moving.acting import RATE_HZ, Acting, filmed
 from taskgist.moving.body import Body
 from taskgist.moving.steps import HandOver, HoldUp, PutDown, Take, Withdraw, carried_to, carry_to
 from taskgist.perspective.effort import LEAN, TURN, stretch
-from taskgist.planning.handing import sides_by_distance
+from taskgist.planning.handing import Taker
 from taskgist.planning.motions import NoMotionError
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Phase, PhaseName
@@ -103,8 +103,10 @@ def _bring(acting: Acting, candidate: Candidate, target: str) -> None:
     elif candidate.means == "hand_over":
         goal, _ = carried_to(acting, np.array((x, y, z)))
         carry_to(acting, goal, lower=True)  # down to it from above: there may be a table on the way
-        side, *_ = sides_by_distance(acting.scene, candidate.state.qpos, candidate.thing, target)
-        HandOver(side).play(acting)
+        free = Taker(acting.scene, target, candidate.state).sides(candidate.state.qpos, candidate.thing)
+        if not free:
+            raise SceneError("its hands are full", where=target)
+        HandOver(free[0]).play(acting)
     else:
         bottom_m = float(object_points(stage, candidate.thing, POINT_SPACING_M)[:, 2].min())
         PutDown((x, y, bottom_m)).play(acting)

@@ -140,6 +140,8 @@ class Plan:
         actions: One after the other, each from where the one before has left everything.
         cost: What they cost.
         notes: What was chosen, in words.
+        also_for: Further target agents.
+        also_with: Further things.
     """
 
     task: str
@@ -149,6 +151,18 @@ class Plan:
     actions: tuple[Action, ...]
     cost: Cost
     notes: tuple[str, ...] = ()
+    also_for: tuple[str, ...] = ()
+    also_with: tuple[str, ...] = ()
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """All target agents."""
+        return (self.target, *self.also_for)
+
+    @property
+    def things(self) -> tuple[str, ...]:
+        """All that the task is about, in the order in which it is brought."""
+        return (self.thing, *self.also_with)
 
     @property
     def phases(self) -> tuple[Phase, ...]:

@@ -16,8 +16,8 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import Raw
 from taskgist.learning.understanding import Literal
-from taskgist.observe.attributes import resting_snapshot
 from taskgist.planning.actions import Actions
+from taskgist.planning.aims import Aim, aims_of, goal_of_all
 from taskgist.planning.endings import Endings
 from taskgist.planning.goal import Goal
 from taskgist.planning.helping import Help, helps
@@ -29,7 +29,6 @@ from taskgist.planning.requests import Missed, Request, Search
 from taskgist.planning.sequences import Sequences
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.scene import Scene
-from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
 __all__ = ["Planner"]
@@ -46,16 +45,20 @@ class Planner:
     Args:
         scene: The scene.
         state: Where everything is.
-        request: What is to be performed.
+        request: What is to be performed, with the first of its things.
         tree: The tree that the clause was learned in.
         settings: All settings.
         predicates: A user's own predicates.
+        start: How everything was before anything was done; None: as in ``state``.
+        kept: What has been brought about already, and shall stay so.
+        lets_go: Whether hands must be empty in the end, because more is to follow.
 
     Attributes:
         scene: As given.
         request: As given.
         performer: The performing robot; None for a person.
-        goal: What is wanted, given, impossible.
+        goal: What is wanted, given, impossible; of several target agents wanted for the first, and the rest for any.
+        aims: What is wanted of each target agent.
         search: What became of the candidates until now.
 
     Raises:
@@ -73,16 +76,18 @@ class Planner:
         tree: HypothesisTree = STANDARD_TREE,
         settings: Settings = DEFAULT,
         predicates: Sequence[Predicate] = (),
+        start: State | None = None,
+        kept: Sequence[Aim] = (),
+        lets_go: bool = False,
     ) -> None:
         self.scene, self._state, self.request, self._settings = scene, state, request, settings
         refuse_held(scene, state, request.performer, request.thing, settings)
         self._actions = Actions(scene, state, settings, target=request.target, seed=request.seed)
         self.performer = self._actions.robot(request.performer, state)
-        start = resting_snapshot(
-            Stage(scene, state), agent=request.target, name=request.thing, settings=settings, predicates=predicates
-        )
-        self.goal = Goal.of(request.clause, start, tree, settings)
-        self._endings = Endings(scene, state, request, self.goal, settings, predicates)
+        begin, who, what = state if start is None else start, request.targets, request.thing
+        self.aims = aims_of(scene, begin, request.clause, who, what, tree, settings, predicates)
+        self.goal = goal_of_all(self.aims)
+        self._endings = Endings(scene, state, request, (*self.aims, *kept), settings, predicates, lets_go=lets_go)
         self.search = Search()
         self._sequences = Sequences(scene, state, request, self._endings, self._actions, self.search)
 
@@ -158,16 +163,17 @@ class Planner:
                 continue
             if verdict.failed is not None:
                 search.missed[verdict.failed] += 1
-                self._note(verdict.failed, verdict.values, candidate)
+                if verdict.judge < len(self.aims):
+                    self._note(self.aims[verdict.judge].goal, verdict.failed, verdict.values, candidate)
             elif verdict.holds is True:
                 search.wanted += 1
                 yield candidate
             if search.places % 20 == 0:
                 progress(f"{search.places} places judged", self._share())
 
-    def _note(self, literal: Literal, values: Mapping[str, Raw], candidate: Candidate) -> None:
+    def _note(self, goal: Goal, literal: Literal, values: Mapping[str, Raw], candidate: Candidate) -> None:
         """Keep the nearest miss of a literal."""
-        for wanted in self.goal.wanted:
+        for wanted in goal.wanted:
             if literal in wanted.literals and wanted.attribute in values:
                 found = values[wanted.attribute]
                 off = wanted.missed_by(found)
@@ -184,6 +190,7 @@ class Planner:
             performer=request.performer,
             target=request.target,
             thing=request.thing,
+            also_for=request.also_for,
             actions=actions,
             cost=Cost(len(actions), efforts),
         )

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal as OneOf
 from typing import NamedTuple, get_args
 
-from taskgist.errors import UnknownNameError
+from taskgist.errors import InputError, UnknownNameError
 from taskgist.facts.values import Raw
 from taskgist.learning.understanding import Clause, Literal
 from taskgist.planning.judging import Attention
@@ -38,6 +38,8 @@ class Request:
         means: By what means it may be performed; moving the thing alone is tried first.
         helpers: Who may take part in a relay, people only if they are named; None: every other robot of the room.
         spare: Whose effort decides which of the places that will do comes first.
+        also_for: Further target agents: one place must do for all of them.
+        also_with: Further things, one after the other.
     """
 
     clause: Clause
@@ -51,10 +53,27 @@ class Request:
     means: tuple[Purpose, ...] = MEANS
     helpers: tuple[str, ...] | None = None
     spare: Spared = "nobody"
+    also_for: tuple[str, ...] = ()
+    also_with: tuple[str, ...] = ()
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """All target agents."""
+        return (self.target, *self.also_for)
+
+    @property
+    def things(self) -> tuple[str, ...]:
+        """All things, in the order in which they are brought."""
+        return (self.thing, *self.also_with)
 
     def __post_init__(self) -> None:
         _check("means", self.means, MEANS)
         _check("spare", (self.spare,), SPARED)
+        for field_, names in (("also_for", (self.performer, *self.targets)), ("also_with", self.things)):
+            twice = next((name for name in names if names.count(name) > 1), None)
+            if twice is not None and len(getattr(self, field_)):
+                hint = "name each once; a task is performed for others"
+                raise InputError("stands twice", where="Request", field=field_, value=twice, hint=hint)
 
 
 def _check(what: str, given: Iterable[str], known: tuple[str, ...]) -> None:

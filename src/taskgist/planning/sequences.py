@@ -189,7 +189,7 @@ class Sequences:
     def helpers(self) -> tuple[str, ...]:
         """Who may take part besides the performer: those that are named, or all robots with a hand."""
         request, scene = self._request, self._scene
-        out = (request.performer, request.target)
+        out = (request.performer, *request.targets)
         if request.helpers is not None:
             return tuple(name for name in request.helpers if name not in out)
         agents = (scene.agent(name) for name in scene.agents if name not in out)
@@ -220,18 +220,7 @@ class Sequences:
     ) -> Iterator[tuple[Action, ...]]:
         """All actions, where the steps that are left begin in a state."""
         step, rest, blockers = steps[0], steps[1:], dict[str, None]()
-        upon = self._endings.upon(state, step.thing)
-        if upon:
-            trial.why = f"on the {step.thing}, or in it, there is the {' and the '.join(upon)}"
-            trial.blocked = (len(done), upon)
-            return
-        if not self._actions.grasps(state, step.agent, step.thing):
-            trial.why = f"{step.agent} does not get hold of the {step.thing}"
-            trial.blocked = (len(done), self._in_the_way(state, step))
-            return
-        cannot = self._actions.cannot_pick(state, step.agent, step.thing)
-        if cannot is not None:
-            trial.why = cannot
+        if not self._begins(state, step, len(done), trial):
             return
         why_not = self._endings.why_not(state, step.agent)
         if rest:
@@ -252,10 +241,9 @@ class Sequences:
                 blockers=blockers,
             )
             if isinstance(action, str):
-                cannot = self._actions.cannot_pick(state, step.agent, step.thing)
-                trial.why = cannot or action
-                if cannot is not None:
-                    break
+                trial.why = action
+                if not self._begins(state, step, len(done), trial):
+                    return
                 continue
             if not rest:
                 yield (*done, action)
@@ -267,6 +255,22 @@ class Sequences:
                 yield from self._carried_out(end, rest, (*done, action), trial)
         if blockers:
             trial.blocked = (len(done), tuple(blockers))
+
+    def _begins(self, state: State, step: Step, number: int, trial: _Trial) -> bool:
+        """Whether a step can be begun in a state, as far as is known; if not, the trial is told why not."""
+        upon = self._endings.upon(state, step.thing)
+        cannot = self._actions.cannot_pick(state, step.agent, step.thing)
+        if upon:
+            trial.why = f"on the {step.thing}, or in it, there is the {' and the '.join(upon)}"
+            trial.blocked = (number, upon)
+        elif not self._actions.grasps(state, step.agent, step.thing):
+            trial.why = f"{step.agent} does not get hold of the {step.thing}"
+            trial.blocked = (number, self._in_the_way(state, step))
+        elif cannot is not None:
+            trial.why = cannot
+        else:
+            return True
+        return False
 
     def _places(self, state: State, step: Step, rest: Sketch, trial: _Trial) -> Iterator[Candidate]:
         """Places to which a step brings its thing: at the last the goal holds, before it the next one can be done."""

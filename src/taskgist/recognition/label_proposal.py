@@ -5,11 +5,15 @@ is who holds it in the end, if that is somebody else, and otherwise the other ag
 object still lies still, just before anything touches it, and ends when the performer lets go (a handover), or
 when the object has come to rest where it stays. What the task is called only people know; a handover is proposed as
 *give*.
+
+Of several objects that are named, each is looked at in this way: the label starts before the first of them is moved and
+ends after the last has been given or has come to rest.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from taskgist.errors import LabelError
@@ -55,9 +59,9 @@ def propose_label(
     observer: Observer,
     *,
     task: str | None = None,
-    target_object: str | None = None,
+    target_objects: str | Sequence[str] = (),
     performing_agent: str | None = None,
-    target_agent: str | None = None,
+    target_agents: str | Sequence[str] = (),
 ) -> Label:
     """Propose a label; what is given is kept.
 
@@ -65,26 +69,32 @@ def propose_label(
         recording: The recording.
         observer: One of this recording.
         task: Name of the task.
-        target_object: The object.
+        target_objects: The object, or several; none: the one that gets farthest away from where it was.
         performing_agent: Who performs.
-        target_agent: For whom.
+        target_agents: For whom; none: who holds the object in the end, or the only other agent.
 
     Raises:
         LabelError: Nothing happens that would tell, or it does not tell which task it is.
     """
-    name = target_object or _moved_most(recording)
-    grips = grips_of(observer, name)
-    performer = performing_agent or _performer(recording, grips, target_agent)
-    receiver = next((grip.agent for grip in grips if grip.agent != performer), None)
-    target = target_agent or receiver or _other(recording, performer)
-    handover = _handover(observer, name, grips, performer, target)
-    name_of_task = task or ("give" if handover else None)
+    names = _given(target_objects) or (_moved_most(recording),)
+    grips = {name: grips_of(observer, name) for name in names}
+    in_order = tuple(sorted((grip for each in grips.values() for grip in each), key=lambda grip: grip.start_s))
+    agents = _given(target_agents)
+    performer = performing_agent or _performer(recording, in_order, agents)
+    receiver = next((grip.agent for grip in in_order if grip.agent != performer), None)
+    targets = agents or (receiver or _other(recording, performer),)
+    handovers = {name: _handover(observer, name, grips[name], performer, targets) for name in names}
+    name_of_task = task or ("give" if all(handovers.values()) else None)
     if name_of_task is None:
         raise LabelError("the facts do not tell which task this is", field="task", hint="name it: --task show")
-    start, start_how = _start(recording, observer, name, grips)
-    end, end_how = handover or _rest(recording, observer, name, after_s=start)
+    start, start_how = min(_start(recording, observer, name, grips[name]) for name in names)
+    end, end_how = max(handovers[name] or _rest(recording, observer, name, after_s=start) for name in names)
     times = (_tidy(recording, start), _tidy(recording, end))
-    return Label(name_of_task, performer, target, name, *times, f"proposed: {start_how}; {end_how}")
+    return Label(name_of_task, performer, targets, names, *times, f"proposed: {start_how}; {end_how}")
+
+
+def _given(names: str | Sequence[str]) -> tuple[str, ...]:
+    return (names,) if isinstance(names, str) else tuple(names)
 
 
 def _tidy(recording: Recording, time_s: float) -> float:
@@ -109,29 +119,29 @@ def _moved_most(recording: Recording) -> str:
     return best
 
 
-def _performer(recording: Recording, grips: tuple[Grip, ...], target_agent: str | None) -> str:
+def _performer(recording: Recording, grips: tuple[Grip, ...], targets: tuple[str, ...]) -> str:
     if grips:
-        return next((grip.agent for grip in grips if grip.agent != target_agent), grips[0].agent)
-    if target_agent is not None:
-        return _other(recording, target_agent)
+        return next((grip.agent for grip in grips if grip.agent not in targets), grips[0].agent)
+    if targets:
+        return _other(recording, *targets)
     raise LabelError("nobody is seen to hold the object", field="performing_agent", hint="name it: --performer P1")
 
 
-def _other(recording: Recording, agent: str) -> str:
-    others = [name for name in recording.scene.agents if name != agent]
+def _other(recording: Recording, *agents: str) -> str:
+    others = [name for name in recording.scene.agents if name not in agents]
     if len(others) != 1:
         raise LabelError("which agent is the target is not clear", field="target_agent", hint="name it: --target P2")
     return others[0]
 
 
 def _handover(
-    observer: Observer, name: str, grips: tuple[Grip, ...], performer: str, target: str
+    observer: Observer, name: str, grips: tuple[Grip, ...], performer: str, targets: tuple[str, ...]
 ) -> tuple[float, str] | None:
-    """The moment at which the target agent holds the object and the performer no longer does.
+    """The moment at which a target agent holds the object and the performer no longer does.
 
     Where hands are hidden at that moment, the first one thereafter at which it is known where the object is.
     """
-    grip_of_target = next((grip for grip in grips if grip.agent == target), None)
+    grip_of_target = next((grip for grip in grips if grip.agent in targets), None)
     if grip_of_target is None:
         return None
     taken, held_until = grip_of_target.start_s, grip_of_target.end_s
@@ -140,7 +150,7 @@ def _handover(
         return None
     event = _placement_known(observer, name, from_s=max(released, taken), until_s=held_until)
     end = min(event + SETTLED_S, (event + held_until) / 2)
-    return end, f"ends {SETTLED_S} s after {performer} has let go, while {target} holds it"
+    return end, f"ends {SETTLED_S} s after {performer} has let go, while {grip_of_target.agent} holds it"
 
 
 def _placement_known(observer: Observer, name: str, *, from_s: float, until_s: float) -> float:

@@ -37,7 +37,7 @@ from taskgist.recording.messages import (
     StateMessages,
     encode_signals,
 )
-from taskgist.recording.recording import Label, Provenance, Recording, nanoseconds, rounded
+from taskgist.recording.recording import Label, Provenance, Recording, label_of_fields, nanoseconds, rounded
 from taskgist.recording.splicing import with_metadata
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.scene import Scene
@@ -182,10 +182,13 @@ def _value(found: Survey, record: str, name: str) -> Any:
 
 def _label(values: dict[str, Any]) -> Label:
     """The label of somebody, its names cleaned of what is not seen."""
-    for name in NAMES:
-        if isinstance(values[name], str):
-            values[name] = clean_name(values[name])
-    return Label(**values)
+    return label_of_fields({**values, **{name: _cleaned(values[name]) for name in NAMES}})
+
+
+def _cleaned(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_cleaned(each) for each in value]
+    return clean_name(value) if isinstance(value, str) else value
 
 
 # --- Writing.
@@ -264,7 +267,7 @@ def _metadata(recording: Recording) -> dict[str, dict[str, str]]:
         "provenance": recording.provenance.as_dict(),
     }
     if recording.label is not None:
-        records["label"] = vars(recording.label)
+        records["label"] = recording.label.as_dict()
     return {OURS + name: _texts(record) for name, record in records.items()}
 
 
@@ -301,7 +304,7 @@ def relabel(path: str | Path, change: Callable[[Recording], Label], *, limits: L
         label = recording.with_label(change(recording)).label
         assert label
         if label != recording.label:
-            record = _texts(vars(label))
+            record = _texts(label.as_dict())
             with writing(source, replace=True, error=RecordingError) as target:
                 with_metadata(stream, target, OURS + "label", record, found, source)
     return label

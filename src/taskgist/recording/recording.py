@@ -7,8 +7,9 @@ import dataclasses
 import hashlib
 import json
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from types import MappingProxyType
 from typing import Any, cast
 
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.text import clean_name, fault_of_name
+from taskgist.common.text import clean_name, fault_of_name, one_or_list
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.recording.columns import PackedRows
 from taskgist.world.scene import Scene
@@ -27,51 +28,112 @@ from taskgist.world.state import State
 _TOLERANCE_S = 1e-6  # times on disk are whole nanoseconds
 
 
-@dataclass(frozen=True)
+Pair = tuple[str, str]
+"""A target agent and a target object: for whom, with what."""
+
+
+@dataclass(frozen=True, init=False)
 class Label:
     """What a recording demonstrates.
+
+    A task may be performed for several agents at once (hide from both, 9.6) and with several objects (give pen and
+    paper, 9.7): each of the objects is then meant for each of the agents. In files one name stands as it is, and
+    several as a list, beneath ``target_agent`` and ``target_object``.
 
     Attributes:
         task: Name of the task, such as "give"; like all names, without spaces at its ends and composed (NFC).
         performing_agent: Who performs it.
-        target_agent: For whom.
-        target_object: With what.
+        target_agents: For whom; one or more, in the order in which they were named.
+        target_objects: With what; one or more, likewise.
         start_s: Start, seconds since the recording's origin.
         end_s: End.
         how: How the label was set: by hand, from which events.
 
     Raises:
-        LabelError: A field is empty, a list, or not a time; a name holds control characters; the end is not after the
-            start; both agents are the same.
+        LabelError: A field is empty, or not a time; a name holds control characters or stands twice; the end is not
+            after the start; the performing agent is a target agent, too.
     """
 
     task: str
     performing_agent: str
-    target_agent: str
-    target_object: str
+    target_agents: tuple[str, ...]
+    target_objects: tuple[str, ...]
     start_s: float
     end_s: float
     how: str = ""
 
-    def __post_init__(self) -> None:
-        for name in ("task", "performing_agent", "target_agent", "target_object"):
-            object.__setattr__(self, name, _checked_name(name, getattr(self, name)))
-        for name in ("start_s", "end_s"):
-            _check_time(name, getattr(self, name))
-        if self.end_s <= self.start_s:
+    def __init__(
+        self,
+        task: str,
+        performing_agent: str,
+        target_agents: str | Sequence[str],
+        target_objects: str | Sequence[str],
+        start_s: float,
+        end_s: float,
+        how: str = "",
+    ) -> None:
+        given = {
+            "task": _checked_name("task", task),
+            "performing_agent": _checked_name("performing_agent", performing_agent),
+            "target_agents": _checked_names("target_agent", target_agents),
+            "target_objects": _checked_names("target_object", target_objects),
+            "start_s": start_s,
+            "end_s": end_s,
+            "how": how,
+        }
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
+        _check_time("start_s", start_s)
+        _check_time("end_s", end_s)
+        if end_s <= start_s:
             raise LabelError(
                 "the label ends before it starts",
                 field="end_s",
-                value=self.end_s,
-                hint=f"give an end after start_s = {self.start_s:g}",
+                value=end_s,
+                hint=f"give an end after start_s = {start_s:g}",
             )
-        if self.performing_agent == self.target_agent:
+        if self.performing_agent in self.target_agents:
             raise LabelError(
                 "performing and target agent are the same",
                 field="target_agent",
-                value=self.target_agent,
+                value=self.performing_agent,
                 hint="name the other agent, for whom the task is performed",
             )
+
+    @property
+    def pairs(self) -> tuple[Pair, ...]:
+        """Each target agent with each target object: what is explained one by one."""
+        return tuple(product(self.target_agents, self.target_objects))
+
+    @property
+    def target_agent(self) -> str:
+        """The one target agent.
+
+        Raises:
+            LabelError: There are several.
+        """
+        return _only("target_agent", self.target_agents)
+
+    @property
+    def target_object(self) -> str:
+        """The one target object.
+
+        Raises:
+            LabelError: There are several.
+        """
+        return _only("target_object", self.target_objects)
+
+    def as_dict(self) -> dict[str, Any]:
+        """All fields as plain values, as files have them; ``label_of_fields`` makes the label of them again."""
+        return {
+            "task": self.task,
+            "performing_agent": self.performing_agent,
+            "target_agent": one_or_list(self.target_agents),
+            "target_object": one_or_list(self.target_objects),
+            "start_s": self.start_s,
+            "end_s": self.end_s,
+            "how": self.how,
+        }
 
     def check(
         self,
@@ -90,14 +152,15 @@ class Label:
             last_s: Time of its last frame.
 
         Raises:
-            UnknownNameError: An agent or the object is not in it.
+            UnknownNameError: An agent or an object is not in it.
             LabelError: The label reaches outside of it.
         """
-        for agent in (self.performing_agent, self.target_agent):
+        for agent in (self.performing_agent, *self.target_agents):
             if agent not in agents:
                 raise UnknownNameError("agent", agent, agents)
-        if self.target_object not in objects:
-            raise UnknownNameError("object", self.target_object, objects)
+        for name in self.target_objects:
+            if name not in objects:
+                raise UnknownNameError("object", name, objects)
         for name, time_s in (("start_s", self.start_s), ("end_s", self.end_s)):
             if not first_s - _TOLERANCE_S <= time_s <= last_s + _TOLERANCE_S:
                 raise LabelError(
@@ -108,36 +171,73 @@ class Label:
                 )
 
 
+def label_of_fields(fields: Mapping[str, Any]) -> Label:
+    """The label of fields as files have them; what is missing has no default but ``how``.
+
+    Raises:
+        LabelError: As ``Label``.
+    """
+    return Label(
+        task=fields["task"],
+        performing_agent=fields["performing_agent"],
+        target_agents=fields["target_agent"],
+        target_objects=fields["target_object"],
+        start_s=fields["start_s"],
+        end_s=fields["end_s"],
+        how=fields.get("how", ""),
+    )
+
+
 def _spelled(label: Label, scene: Scene) -> Label:
-    """The same label with agents and object spelled as in a scene, whose models may write an accent apart."""
+    """The same label with agents and objects spelled as in a scene, whose models may write an accent apart."""
     spelling = {clean_name(name): name for name in (*scene.agents, *scene.objects)}
-    changed = {
-        field: spelling[name]
-        for field in ("performing_agent", "target_agent", "target_object")
-        if spelling.get(name := getattr(label, field), name) != name
+    spelled = {
+        "performing_agent": spelling.get(label.performing_agent, label.performing_agent),
+        "target_agents": tuple(spelling.get(name, name) for name in label.target_agents),
+        "target_objects": tuple(spelling.get(name, name) for name in label.target_objects),
     }
+    changed = {field: value for field, value in spelled.items() if value != getattr(label, field)}
     if changed:
         label = copy.copy(label)
         vars(label).update(changed)  # the constructor would spell them in the one way again
     return label
 
 
-def _checked_name(field: str, value: object) -> str:
+def _checked_names(field: str, value: object) -> tuple[str, ...]:
+    """One name or several, each in its one spelling."""
+    if not isinstance(value, list | tuple):
+        return (_checked_name(field, value, kind="a name or a list of names"),)
+    noun = field.replace("_", " ")
+    if not value:
+        raise LabelError(f"no {noun}", field=field, value=value, hint="name at least one")
+    names = tuple(_checked_name(field, each) for each in value)
+    for name in names:
+        if names.count(name) > 1:
+            raise LabelError(f"one {noun} stands twice", field=field, value=name, hint="name each once")
+    return names
+
+
+def _checked_name(field: str, value: object, *, kind: str = "a name") -> str:
     """A name in its one spelling."""
-    if isinstance(value, list | tuple | set | frozenset):
-        noun = field.replace("_", " ")
-        raise LabelError(
-            f"several values of one {noun} are not supported yet",
-            field=field,
-            value=value,
-            hint=f"label one {noun}; make a copy of the recording with its own label for each other one",
-        )
     if not isinstance(value, str):
-        raise LabelError("must be a name", field=field, value=value, hint="give a text")
+        hint = "give a text" if kind == "a name" else "give a text, or several in a list"
+        raise LabelError(f"must be {kind}", field=field, value=value, hint=hint)
     if fault := fault_of_name(value):
         hint = "give a short text of one line, without tabs and marks that turn the direction of writing"
         raise LabelError(fault, field=field, value=value, hint=hint)
     return clean_name(value)
+
+
+def _only(field: str, names: tuple[str, ...]) -> str:
+    if len(names) > 1:
+        noun = field.replace("_", " ")
+        raise LabelError(
+            f"the label has several {noun}s",
+            field=field,
+            value=names,
+            hint="ask for all of them, or take a label with one",
+        )
+    return names[0]
 
 
 def _check_time(field: str, value: object) -> None:

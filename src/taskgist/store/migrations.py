@@ -7,7 +7,7 @@ were then, so that a later change of ``tables`` changes no step.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from alembic.migration import MigrationContext
 from alembic.operations import Operations
@@ -35,7 +35,22 @@ def _from_1(operations: Operations, connection: Connection, where: str) -> None:
     name, keys = "taskgist_explanations", ("task_key", "context_key", "recording_key")
     for key in keys:
         operations.add_column(name, Column(key, String(16)))
-    rows = table(name, column("digest"), column("document"), *map(column, keys))
+    _fill(connection, where, keys)
+    with operations.batch_alter_table(name) as batch:
+        for key in keys:
+            batch.alter_column(key, existing_type=String(16), nullable=False)
+    operations.create_index("taskgist_by_task", name, ["task_key", "context_key"])
+    operations.create_index("taskgist_by_recording", name, ["recording_key"])
+
+
+def _from_2(_operations: Operations, connection: Connection, where: str) -> None:
+    """The key of a recording no longer holds agent and object: labels with several of them overlap with others."""
+    _fill(connection, where, ("recording_key",))
+
+
+def _fill(connection: Connection, where: str, keys: Sequence[str]) -> None:
+    """Write keys of all explanations as they follow from their documents."""
+    rows = table("taskgist_explanations", column("digest"), column("document"), *map(column, keys))
     fill = update(rows).where(rows.c.digest == bindparam("row")).values({key: bindparam(key) for key in keys})
     digests = connection.scalars(select(rows.c.digest)).all()
     for some in tables.batches(digests):
@@ -45,12 +60,7 @@ def _from_1(operations: Operations, connection: Connection, where: str) -> None:
             {"row": digest, **{key: tables.found_by(each)[key] for key in keys}} for digest, each in documents.items()
         ]
         connection.execute(fill, filled)
-    with operations.batch_alter_table(name) as batch:
-        for key in keys:
-            batch.alter_column(key, existing_type=String(16), nullable=False)
-    operations.create_index("taskgist_by_task", name, ["task_key", "context_key"])
-    operations.create_index("taskgist_by_recording", name, ["recording_key"])
 
 
-STEPS: Mapping[str, Callable[[Operations, Connection, str], None]] = {"1": _from_1}
+STEPS: Mapping[str, Callable[[Operations, Connection, str], None]] = {"1": _from_1, "2": _from_2}
 """What makes the next version of each."""

@@ -1,17 +1,17 @@
 """Tables of the knowledge database, of types that every database has.
 
 An explanation's row holds its document and three *keys*, short digests that are indexed: of its task, of its context
-(settings and tree), and of its recording with target agent and object. By these an addition finds what it has to do
-with, whatever else the knowledge holds: the same demonstration, the same recording under another label, and one
-explanation of each context of its tasks.
+(settings and tree), and of its recording. By these an addition finds what it has to do with, whatever else the
+knowledge holds: the same demonstration, the same recording under another label, and one explanation of each context of
+its tasks.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import islice
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import combinations, islice
 from operator import itemgetter
 from typing import Any, Literal, TypeVar
 
@@ -41,9 +41,9 @@ from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.understanding import Answer, answer_from_json
 from taskgist.store.faults import DAMAGED
 
-SCHEMA_VERSION = "2"
+SCHEMA_VERSION = "3"
 """Version of these tables; ``migrations`` brings older ones up to it."""
-READABLE = ("1", SCHEMA_VERSION)
+READABLE = ("1", "2", SCHEMA_VERSION)
 
 METADATA = MetaData()
 
@@ -205,10 +205,9 @@ def check_rivals(added: Knowledge, relabelled: Relabelled) -> None:
     Raises:
         KnowledgeError: There is one.
     """
-    by_recording: dict[tuple[str, ...], Explanation] = {}
-    for each in added.explanations if relabelled != "add" else ():
-        other = by_recording.setdefault(each.recording, each)
-        if other is not each:
+    by_recording = _by_recording(added.explanations) if relabelled != "add" else {}
+    for each, other in (pair for rivals in by_recording.values() for pair in combinations(rivals, 2)):
+        if each.is_rival_of(other):
             raise KnowledgeError(
                 f"the same recording as {other.demonstration!r}, with another label",
                 where=each.demonstration,
@@ -286,10 +285,17 @@ def _concerned(connection: Connection, added: Knowledge, where: str) -> Knowledg
 
 def _rivals(connection: Connection, added: Knowledge, where: str) -> Iterator[Explanation]:
     """Stored explanations of the recordings that are added, with other labels or times; see ``Knowledge.rivals``."""
-    digests = {_key(*each.recording): each.digest for each in added.explanations}
-    for stored in _found(connection, EXPLANATIONS.c.recording_key, digests, where):
-        if stored.digest != digests[_key(*stored.recording)]:
+    by_recording = _by_recording(added.explanations)
+    for stored in _found(connection, EXPLANATIONS.c.recording_key, (_key(*each) for each in by_recording), where):
+        if any(each.is_rival_of(stored) for each in by_recording[stored.recording]):
             yield stored
+
+
+def _by_recording(explanations: Iterable[Explanation]) -> Mapping[tuple[str, ...], list[Explanation]]:
+    found: dict[tuple[str, ...], list[Explanation]] = {}
+    for each in explanations:
+        found.setdefault(each.recording, []).append(each)
+    return found
 
 
 def _learned_already(older: Explanation) -> KnowledgeError:

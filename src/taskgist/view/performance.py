@@ -23,6 +23,7 @@ from taskgist.common.files import writing
 from taskgist.common.workers import Progress, silent
 from taskgist.errors import InputError
 from taskgist.language.performing import chosen, doing
+from taskgist.language.phrases import listed
 from taskgist.performing.execution import Execution, phase_frames
 from taskgist.planning.plan import RATE_HZ, Phase, Plan
 from taskgist.recording.recording import Label, Recording
@@ -39,7 +40,7 @@ CHOOSING_WIDTH_PX, PICTURE_WIDTH_PX, FILM_WIDTH_PX, EYE_WIDTH_PX = 200, 600, 480
 
 
 def performance_picture(plan: Plan, execution: Execution, path: Path, *, settings: Settings = DEFAULT) -> Path:
-    """Save the moments of a performance from outside, and what the target agent sees before and after.
+    """Save the moments of a performance from outside, and what each target agent sees before and after.
 
     Args:
         plan: What was done.
@@ -54,9 +55,10 @@ def performance_picture(plan: Plan, execution: Execution, path: Path, *, setting
     stage, shown = Stage(recording.scene), moments(plan, execution)
     camera = _camera(stage, plan, execution, PICTURE_WIDTH_PX)
     rows = -(-len(shown) // 3)
-    figure = Figure(figsize=(13, 3.15 * rows + 5.0), layout="constrained")
+    eyes = len(plan.targets)
+    figure = Figure(figsize=(13, 3.15 * rows + 5.0 * eyes), layout="constrained")
     figure.suptitle(f"{_title(plan)}\n{chosen(plan)}", fontsize=13)
-    grid = figure.add_gridspec(rows + 1, 6, height_ratios=[1.0] * rows + [1.5])
+    grid = figure.add_gridspec(rows + eyes, 6, height_ratios=[1.0] * rows + [1.5] * eyes)
     for number, (frame, text) in enumerate(shown):
         row, column = divmod(number, 3)
         stage.show(recording.state(frame))
@@ -64,8 +66,9 @@ def performance_picture(plan: Plan, execution: Execution, path: Path, *, setting
         draw_outside(axes, stage, camera, label, f"{recording.times_s[frame]:.1f} s: {text}")
     for column, (frame, when) in enumerate(((0, "at the start"), (-1, "at the end"))):
         stage.show(recording.state(frame))
-        axes = figure.add_subplot(grid[rows, 3 * column : 3 * column + 3])
-        draw_eye(axes, stage, plan.target, plan.thing, settings, f"what {plan.target} sees {when}")
+        for row, target in enumerate(plan.targets, start=rows):
+            axes = figure.add_subplot(grid[row, 3 * column : 3 * column + 3])
+            draw_eye(axes, stage, target, plan.things, settings, f"what {target} sees {when}")
     return save_figure(figure, path)
 
 
@@ -112,7 +115,9 @@ def _label(execution: Execution) -> Label:
 
 
 def _title(plan: Plan) -> str:
-    return f"{plan.performer} performs “{plan.task}” for {plan.target} with the {plan.thing}"
+    return (
+        f"{plan.performer} performs “{plan.task}” for {listed(plan.targets)} with the {listed(plan.things, 'and the')}"
+    )
 
 
 def _camera(stage: Stage, plan: Plan, execution: Execution, width_px: int) -> Camera:
@@ -120,7 +125,7 @@ def _camera(stage: Stage, plan: Plan, execution: Execution, width_px: int) -> Ca
     recording = execution.recording
     frames = {frame for frame, _ in moments(plan, execution)} | {frames[-1] for frames in phase_frames(plan)}
     states = [recording.state(frame) for frame in sorted(frames)]
-    camera = camera_outside(stage, states, plan.thing, width_px=CHOOSING_WIDTH_PX)
+    camera = camera_outside(stage, states, plan.things, width_px=CHOOSING_WIDTH_PX)
     return replace(camera, width_px=width_px, height_px=round(width_px * camera.height_px / camera.width_px))
 
 
@@ -182,7 +187,7 @@ def _drawn(plan: Plan, execution: Execution, progress: Progress) -> Iterator[Ima
         _draw_frame(axes, stage, camera, label, outside.picture())
         axes.text(0, 1.02 * camera.height_px, f"{recording.times_s[frame]:5.1f} s  {texts[frame]}", va="top")
         axes = figure.add_axes((0.612, 0.085, 0.378, 0.715))
-        draw_eye(axes, stage, plan.target, plan.thing, DEFAULT, f"what {plan.target} sees", width_px=EYE_WIDTH_PX)
+        draw_eye(axes, stage, plan.target, plan.things, DEFAULT, f"what {plan.target} sees", width_px=EYE_WIDTH_PX)
         canvas.draw()  # type: ignore[no-untyped-call]
         rgba = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
         yield Image.fromarray(rgba[..., :3].copy())
@@ -214,15 +219,15 @@ class Outside:
 
     Args:
         stage: The scene; its state is pictured.
-        recording: Of which the frames are; its target object has the colour of attention.
+        recording: Of which the frames are; its target objects have the colour of attention.
         frames: Which.
         camera: From where.
     """
 
     def __init__(self, stage: Stage, recording: Recording, frames: Indices, camera: Camera) -> None:
         self._stage, self._camera = stage, camera
-        thing = recording.label.target_object if recording.label else None
-        self._marked = [int(geom) for geom in recording.scene.object_geoms(thing)] if thing else []
+        things = recording.label.target_objects if recording.label else ()
+        self._marked = [int(geom) for thing in things for geom in recording.scene.object_geoms(thing)]
         self._moving = moving_geoms(stage, recording, frames)
         self._rays = pinhole(FOV_RAD, SMOOTHING * camera.width_px, SMOOTHING * camera.height_px)
         still = stage.seen.copy()

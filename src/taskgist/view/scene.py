@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
-from taskgist.common.arrays import Array, Mask
+from taskgist.common.arrays import Array, Indices, Mask
+from taskgist.language.phrases import listed
 from taskgist.perspective.image import visibility
 from taskgist.recording.recording import Label
 from taskgist.settings import DEFAULT, Settings
@@ -31,7 +32,7 @@ def see_picture(
     agent: str,
     path: Path,
     *,
-    target: str | None = None,
+    target: str | Sequence[str] | None = None,
     settings: Settings = DEFAULT,
     title: str | None = None,
 ) -> Path:
@@ -41,7 +42,7 @@ def see_picture(
         stage: The scene in a state.
         agent: Whose eyes.
         path: The PNG file to write.
-        target: An object to mark.
+        target: An object to mark, or several.
         settings: For the visibility score in the title.
         title: Instead of the default title.
     """
@@ -60,7 +61,7 @@ def before_after_picture(
     settings: Settings = DEFAULT,
     title: str = "",
 ) -> Path:
-    """Save a demonstration's start and end: the room from outside, and what the target agent sees.
+    """Save a demonstration's start and end: the room from outside, and what each target agent sees.
 
     Args:
         stage: The scene; shows the last state afterwards.
@@ -70,15 +71,16 @@ def before_after_picture(
         settings: For the visibility scores in the titles.
         title: Title of the whole picture.
     """
-    figure = Figure(figsize=(12, 8.6), layout="constrained")
+    agents, things = label.target_agents, label.target_objects
+    figure = Figure(figsize=(12, 3.8 + 4.8 * len(agents)), layout="constrained")
     figure.suptitle(title, fontsize=13)
-    grid = figure.subplots(2, 2, gridspec_kw={"height_ratios": [1, 1.25]})
-    agent, target = label.target_agent, label.target_object
-    camera = camera_outside(stage, states, target, width_px=OUTSIDE_WIDTH_PX)
+    grid = figure.subplots(1 + len(agents), 2, gridspec_kw={"height_ratios": [1] + [1.25] * len(agents)})
+    camera = camera_outside(stage, states, things, width_px=OUTSIDE_WIDTH_PX)
     for column, (name, state) in enumerate(zip(("start", "end"), states, strict=True)):
         stage.show(state)
         draw_outside(grid[0, column], stage, camera, label, f"{name}, {state.time_s:.2f} s")
-        draw_eye(grid[1, column], stage, agent, target, settings, f"what {agent} sees at the {name}")
+        for row, agent in enumerate(agents, start=1):
+            draw_eye(grid[row, column], stage, agent, things, settings, f"what {agent} sees at the {name}")
     return save_figure(figure, path)
 
 
@@ -86,17 +88,18 @@ def draw_eye(
     axes: Axes,
     stage: Stage,
     agent: str,
-    target: str | None,
+    target: str | Sequence[str] | None,
     settings: Settings,
     title: str,
     *,
     width_px: int = EYE_WIDTH_PX,
 ) -> None:
-    """Draw what an agent sees; the dashed circle is its gaze cone."""
+    """Draw what an agent sees, with one target object or several marked; the dashed circle is its gaze cone."""
     body = stage.scene.agent(agent)
     eye = body.profile.eye
     height = round(width_px * eye.image_px[1] / eye.image_px[0])
-    marked = stage.scene.object_geoms(target) if target else np.empty(0, dtype=np.intp)
+    things = _names(target)
+    marked = _geoms(stage, things)
     there = stage.seen & stage.scene.hiding(settings.vision.transparent_alpha)
     there[marked] = stage.seen[marked]
     image = render(
@@ -108,17 +111,31 @@ def draw_eye(
         highlight=[int(geom) for geom in marked],
     )
     axes.imshow(np.clip(image.rgb, 0, 1))
-    axes.set_title(f"{title}{_score_text(stage, agent, target, settings)}", fontsize=10)
+    scores = "".join(_score_text(stage, agent, thing, settings) for thing in things)
+    axes.set_title(f"{title}{scores}", fontsize=10)
     axes.set_xticks([])
     axes.set_yticks([])
     _draw_gaze(axes, eye.fov_rad, eye.gaze_cone_rad, width_px, height)
-    if target:
-        _mark(axes, np.isin(image.geoms, marked), target)
+    shown = {thing: np.isin(image.geoms, stage.scene.object_geoms(thing)) for thing in things}
+    unseen = [thing for thing, mask in shown.items() if not _mark(axes, mask, thing)]
+    if unseen:
+        text = f"{listed(unseen)} {'is' if len(unseen) == 1 else 'are'} not visible"
+        axes.text(0.02, 0.03, text, transform=axes.transAxes, fontsize=10, backgroundcolor="white")
 
 
-def _score_text(stage: Stage, agent: str, target: str | None, settings: Settings) -> str:
+def _names(target: str | Sequence[str] | None) -> tuple[str, ...]:
+    """Names of none, one or several target objects."""
     if target is None:
-        return ""
+        return ()
+    return (target,) if isinstance(target, str) else tuple(target)
+
+
+def _geoms(stage: Stage, things: Sequence[str]) -> Indices:
+    """Shapes of target objects."""
+    return np.array([geom for thing in things for geom in stage.scene.object_geoms(thing)], dtype=np.intp)
+
+
+def _score_text(stage: Stage, agent: str, target: str, settings: Settings) -> str:
     seen = visibility(stage, agent, target, settings)
     if seen is None:
         return f"\n{target}: unknown"
@@ -135,11 +152,10 @@ def _draw_gaze(axes: Axes, fov_rad: tuple[float, float], cone_rad: float, width:
     axes.add_patch(Ellipse(middle, across, down, fill=False, linestyle="--", linewidth=1, edgecolor="black", alpha=0.6))
 
 
-def _mark(axes: Axes, mask: Mask, name: str) -> None:
-    """Outline the visible pixels of the target and name it."""
+def _mark(axes: Axes, mask: Mask, name: str) -> bool:
+    """Outline the visible pixels of a target and name it; whether there are any."""
     if not mask.any():
-        axes.text(0.02, 0.03, f"{name} is not visible", transform=axes.transAxes, fontsize=10, backgroundcolor="white")
-        return
+        return False
     axes.contour(mask, levels=[0.5], colors=["black"], linewidths=1.0)
     rows, columns = np.nonzero(mask)
     axes.annotate(
@@ -153,6 +169,7 @@ def _mark(axes: Axes, mask: Mask, name: str) -> None:
         bbox={"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": tuple(HIGHLIGHT)},
         arrowprops={"arrowstyle": "->", "color": "black"},
     )
+    return True
 
 
 # --- From outside: a camera that shows all people and things of a demonstration, with everybody's name.
@@ -199,22 +216,24 @@ class Camera:
         return float(across * self.width_px), float(down * self.height_px)
 
 
-def camera_outside(stage: Stage, states: Sequence[State], target: str, *, width_px: int = 480) -> Camera:
-    """The camera that shows most of the target object, of the four that look across the people's line.
+def camera_outside(
+    stage: Stage, states: Sequence[State], target: str | Sequence[str], *, width_px: int = 480
+) -> Camera:
+    """The camera that shows most of the target objects, of the four that look across the people's line.
 
     Args:
         stage: The scene; shows the last state afterwards.
         states: What the picture must hold.
-        target: The target object.
+        target: The target object, or several.
         width_px: Width of the pictures.
     """
     height_px = round(width_px * math.tan(FOV_RAD[1] / 2) / math.tan(FOV_RAD[0] / 2))
     cameras = [Camera(pose, width_px, height_px) for pose in _poses(stage, states)]
-    return max(cameras, key=lambda camera: _seen(stage, states, target, camera))
+    return max(cameras, key=lambda camera: _seen(stage, states, _names(target), camera))
 
 
 def draw_outside(axes: Axes, stage: Stage, camera: Camera, label: Label, title: str) -> None:
-    """Draw the state that the stage shows, the target object in the colour of attention.
+    """Draw the state that the stage shows, the target objects in the colour of attention.
 
     Args:
         axes: Where to draw.
@@ -223,7 +242,7 @@ def draw_outside(axes: Axes, stage: Stage, camera: Camera, label: Label, title: 
         label: Who performs, for whom, with what.
         title: Title of the picture.
     """
-    axes.imshow(_smooth_picture(stage, camera, label.target_object))
+    axes.imshow(_smooth_picture(stage, camera, label.target_objects))
     axes.set_title(title, fontsize=9)
     axes.set_axis_off()
     draw_names(axes, stage, camera, label)
@@ -231,7 +250,7 @@ def draw_outside(axes: Axes, stage: Stage, camera: Camera, label: Label, title: 
 
 def draw_names(axes: Axes, stage: Stage, camera: Camera, label: Label) -> None:
     """Write above everybody's head who it is, and which part in the task it has."""
-    roles = {label.performing_agent: "performer", label.target_agent: "target agent"}
+    roles = {label.performing_agent: "performer"} | dict.fromkeys(label.target_agents, "target agent")
     heads = [stage.eye(stage.scene.agent(name)).position + (0.0, 0.0, ABOVE_EYE_M) for name in stage.scene.agents]
     placed: list[tuple[float, float, float]] = []
     lowest_first = sorted(zip(map(camera.pixel, heads), stage.scene.agents, strict=True), key=lambda each: -each[0][1])
@@ -288,20 +307,20 @@ def _distance_m(offsets: Array, away: Array) -> float:
     return float(np.max(needed))
 
 
-def _seen(stage: Stage, states: Sequence[State], target: str, camera: Camera) -> list[int]:
-    """Pixels of the target object in each state, fewest first, in a small picture."""
+def _seen(stage: Stage, states: Sequence[State], things: Sequence[str], camera: Camera) -> list[int]:
+    """Pixels of each target object in each state, fewest first, in a small picture."""
     rays = pinhole(FOV_RAD, camera.width_px // 2, camera.height_px // 2)
-    marked = stage.scene.object_geoms(target)
     counts = []
     for state in states:
         stage.show(state)
-        counts.append(int(np.isin(render(stage, camera.pose, rays).geoms, marked).sum()))
+        geoms = render(stage, camera.pose, rays).geoms
+        counts += [int(np.isin(geoms, stage.scene.object_geoms(thing)).sum()) for thing in things]
     return sorted(counts)
 
 
-def _smooth_picture(stage: Stage, camera: Camera, target: str) -> Array:
+def _smooth_picture(stage: Stage, camera: Camera, things: Sequence[str]) -> Array:
     width, height = camera.width_px, camera.height_px
     rays = pinhole(FOV_RAD, SMOOTHING * width, SMOOTHING * height)
-    marked = [int(geom) for geom in stage.scene.object_geoms(target)]
+    marked = [int(geom) for geom in _geoms(stage, things)]
     rgb = np.clip(render(stage, camera.pose, rays, highlight=marked).rgb, 0, 1)
     return np.asarray(rgb.reshape(height, SMOOTHING, width, SMOOTHING, 3).mean(axis=(1, 3)))

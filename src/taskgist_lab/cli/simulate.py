@@ -13,7 +13,7 @@ from rich.table import Table as RichTable
 from taskgist.cli.common import JsonOption, check_target, command, console, print_json, progress_bar
 from taskgist.errors import InputError
 from taskgist.recording.mcap import read
-from taskgist_lab.generator.simulation import WAYS, Series, Written, simulate_files
+from taskgist_lab.generator.simulation import SEVERAL, WAYS, Series, Written, simulate_files
 
 
 @command
@@ -70,7 +70,7 @@ def simulate(
 
 
 def _list(*, as_json: bool) -> None:
-    known = {task: [way.name for way in ways] for task, ways in WAYS.items()}
+    known = {task: [way.name for way in (*ways, *SEVERAL.get(task, ()))] for task, ways in WAYS.items()}
     if as_json:
         print_json(known)
         return

@@ -1,4 +1,5 @@
 from .arrangement import Setting as Setting
+from .simulation import SEVERAL as SEVERAL
 from .simulation import TASKS as TASKS
 from .simulation import WAYS as WAYS
 from .simulation import Series as Series

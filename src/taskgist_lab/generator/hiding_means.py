@@ -63,6 +63,7 @@ def script_of(roles: Roles, task: str, means: str, steps: tuple[Step, ...]) -> S
         roles.target_watches,
         means,
         roles.target_returns_to,
+        roles.also_for,
     )
 
 
@@ -80,7 +81,7 @@ def put_inside(roles: Roles, task: str, *, container: str) -> Means:
 
 
 def inside(scene: Scene, roles: Roles, container: str) -> tuple[Place, float]:
-    """A place in a bin where its walls hide the thing from the target agent's eye, and the height of its rim.
+    """A place in a bin where its walls hide the thing from the target agents' eyes, and the height of its rim.
 
     Raises:
         SceneError: There is none.
@@ -91,17 +92,18 @@ def inside(scene: Scene, roles: Roles, container: str) -> tuple[Place, float]:
     middle = np.array([*((low + high) / 2)[:2], low[2] + WALL_M])
     walls = np.abs(points[:, :2] - middle[:2])
     room = float(np.linalg.norm(walls[points[:, 2] > low[2] + 2 * WALL_M], axis=1).min()) - WALL_M
-    eye = putting.stage.eye(scene.agent(roles.target)).position
+    eye = np.mean([putting.stage.eye(scene.agent(name)).position for name in roles.targets], axis=0)
     best = TOWARDS_M * normalized((eye - middle)[:2])  # there the wall hides most, and arms have room
     for offset in sorted(product(OFFSETS_M, OFFSETS_M), key=lambda each: float(np.linalg.norm(each - best))):
         fits = np.linalg.norm(offset) + putting.radius_m + HIDING_PLACES_ROOM_M <= room
         place = middle + (*offset, 0.0)
-        if fits and would_be_hidden(
-            putting.stage, roles.target, roles.thing, putting.shape + place, but=(roles.performer,)
+        if fits and all(
+            would_be_hidden(putting.stage, name, roles.thing, putting.shape + place, but=(roles.performer,))
+            for name in roles.targets
         ):
             return (float(place[0]), float(place[1]), float(place[2])), float(high[2])
     raise SceneError(
-        f"{container!r} does not hide {roles.thing!r} from {roles.target!r}",
+        f"{container!r} does not hide {roles.thing!r} from {' and '.join(map(repr, roles.targets))}",
         where=scene.name,
         hint="take a deeper one",
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import combinations
 from typing import Literal
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
-from taskgist.recording.recording import Recording
+from taskgist.recording.recording import Pair, Recording
 from taskgist.world.contacts import object_points, overlaps
 from taskgist.world.geometry.transforms import normalized
 from taskgist.world.scene import Scene
@@ -91,16 +92,17 @@ def check_stands(recording: Recording) -> None:
     label, scene = recording.label, recording.scene
     assert label is not None
     stage = Stage(scene, recording.at(label.end_s))
-    for point in _beneath(stage, label.target_object):
-        body = scene.object_body(label.target_object)
-        (geom,), (distance,) = stage.cast(point, [(0.0, 0.0, -1.0)], exclude_body=body)
-        if geom < 0 or distance > 2 * SPACING_M or scene.owners[geom] in scene.agents:
-            raise SceneError(
-                f"{label.target_object!r} would fall",
-                where=recording.name,
-                field="end",
-                hint="try another room",
-            )
+    for thing in label.target_objects:
+        for point in _beneath(stage, thing):
+            body = scene.object_body(thing)
+            (geom,), (distance,) = stage.cast(point, [(0.0, 0.0, -1.0)], exclude_body=body)
+            if geom < 0 or distance > 2 * SPACING_M or scene.owners[geom] in scene.agents:
+                raise SceneError(
+                    f"{thing!r} would fall",
+                    where=recording.name,
+                    field="end",
+                    hint="try another room",
+                )
 
 
 def _beneath(stage: Stage, thing: str) -> Array:
@@ -170,7 +172,7 @@ def seen_first(roles: Roles, means: Means) -> Means:
     """Means of a performer who takes something out of view, and finds no sense in that if it is not in view."""
 
     def script(scene: Scene) -> Script:
-        share = share_in_view(Stage(scene), roles.target, roles.thing)
+        share = min(share_in_view(Stage(scene), name, roles.thing) for name in roles.targets)
         if share < SHOWN_SHARE:
             raise SceneError(
                 f"{roles.thing!r} is not in view in the beginning",
@@ -183,12 +185,13 @@ def seen_first(roles: Roles, means: Means) -> Means:
     return script
 
 
-# --- Outcomes: what a performer sees to when all is done. Was it shown, hidden, put farther off?
+# --- Outcomes: what a performer sees to when all is done. Was it shown, hidden, put farther off? Of several target
+# agents and objects, for each of them.
 
 HIDDEN_SHARE = 0.2
 """What comes into view was in view to no more before."""
-NEARER_SHARE = 0.6
-"""What is held before the eyes is at most this share as far from them as it was."""
+NEARER_SHARE, NEARER_TO_EACH = 0.6, 0.85
+"""What is held before the eyes is at most this share as far from them as it was; before those of several, from each."""
 When = Literal["beginning", "end"]
 """Of the labelled task."""
 
@@ -208,9 +211,9 @@ def check_comes_into_view(recording: Recording) -> None:
     Raises:
         SceneError: So it is.
     """
-    before = _share_at(recording, "beginning")
-    if before > HIDDEN_SHARE:
-        raise _missed(recording, "is in view in the beginning", before)
+    for pair, before in _shares_at(recording, "beginning"):
+        if before > HIDDEN_SHARE:
+            raise _missed(recording, pair, "is in view in the beginning", before)
     check_shown(recording)
 
 
@@ -220,9 +223,9 @@ def check_hidden(recording: Recording) -> None:
     Raises:
         SceneError: It has one.
     """
-    share = _share_at(recording, "end")
-    if share > 0.0:
-        raise _missed(recording, "is not hidden in the end", share)
+    for pair, share in _shares_at(recording, "end"):
+        if share > 0.0:
+            raise _missed(recording, pair, "is not hidden in the end", share)
 
 
 def check_seen_before(recording: Recording) -> None:
@@ -243,18 +246,19 @@ def check_before_eyes(recording: Recording) -> None:
     label = recording.label
     assert label is not None
     check_shown(recording)
-    before, after = (_from_eye_m(recording, time) for time in (label.start_s, label.end_s))
-    if after > NEARER_SHARE * before:
-        raise _missed(recording, "is not brought before the eyes", after / before)
+    share = NEARER_SHARE if len(label.target_agents) == 1 else NEARER_TO_EACH
+    for pair in label.pairs:
+        before, after = (_from_eye_m(recording, pair, time) for time in (label.start_s, label.end_s))
+        if after > share * before:
+            raise _missed(recording, pair, "is not brought before the eyes", after / before)
 
 
-def _from_eye_m(recording: Recording, time_s: float) -> float:
-    """Distance of the thing from the target agent's eye."""
-    label, scene = recording.label, recording.scene
-    assert label is not None
+def _from_eye_m(recording: Recording, pair: Pair, time_s: float) -> float:
+    """Distance of a thing from a target agent's eye."""
+    (agent, thing), scene = pair, recording.scene
     stage = Stage(scene, recording.at(time_s))
-    place = stage.body_position(scene.object_body(label.target_object))
-    return float(np.linalg.norm(place - stage.eye(scene.agent(label.target_agent)).position))
+    place = stage.body_position(scene.object_body(thing))
+    return float(np.linalg.norm(place - stage.eye(scene.agent(agent)).position))
 
 
 def check_farther(recording: Recording) -> None:
@@ -265,33 +269,35 @@ def check_farther(recording: Recording) -> None:
     """
     label, scene = recording.label, recording.scene
     assert label is not None
-    places = [
-        recording.at(time).qpos[scene.object_slice(label.target_object)][:2] for time in (label.start_s, label.end_s)
-    ]
-    pelvis = scene.initial.qpos[scene.base_slice(label.target_agent)][:2]
-    before, after = (float(np.linalg.norm(place - pelvis)) for place in places)
-    if after - before < FARTHER_M:
-        raise _missed(recording, "is not farther off in the end", after - before)
+    for agent, thing in label.pairs:
+        places = [recording.at(time).qpos[scene.object_slice(thing)][:2] for time in (label.start_s, label.end_s)]
+        pelvis = scene.initial.qpos[scene.base_slice(agent)][:2]
+        before, after = (float(np.linalg.norm(place - pelvis)) for place in places)
+        if after - before < FARTHER_M:
+            raise _missed(recording, (agent, thing), "is not farther off in the end", after - before)
 
 
 def _check_in_view(recording: Recording, when: When) -> None:
-    share = _share_at(recording, when)
-    if share < SHOWN_SHARE:
-        raise _missed(recording, f"is not in view in the {when}", share)
+    for pair, share in _shares_at(recording, when):
+        if share < SHOWN_SHARE:
+            raise _missed(recording, pair, f"is not in view in the {when}", share)
 
 
-def _share_at(recording: Recording, when: When) -> float:
+def _shares_at(recording: Recording, when: When) -> Iterator[tuple[Pair, float]]:
+    """How much of each target object is in each target agent's view."""
     label = recording.label
     assert label is not None
-    state = recording.at(label.start_s if when == "beginning" else label.end_s)
-    return share_in_view(Stage(recording.scene, state), label.target_agent, label.target_object)
+    stage = Stage(recording.scene, recording.at(label.start_s if when == "beginning" else label.end_s))
+    for agent, thing in label.pairs:
+        yield (agent, thing), share_in_view(stage, agent, thing)
 
 
-def _missed(recording: Recording, what: str, share: float) -> SceneError:
+def _missed(recording: Recording, pair: Pair, what: str, share: float) -> SceneError:
+    agent, thing = pair
     label = recording.label
-    assert label is not None
+    whose = f" for {agent!r}" if label is not None and len(label.target_agents) > 1 else ""
     return SceneError(
-        f"{label.target_object!r} {what}",
+        f"{thing!r} {what}{whose}",
         where=recording.name,
         value=round(share, 2),
         hint="try another room",

@@ -16,6 +16,7 @@ from taskgist.recording.mcap import write
 from taskgist.recording.recording import Recording
 from taskgist_lab.generator.other_tasks import DROP, DUMP, LIFT, TAP, THROW
 from taskgist_lab.generator.outcomes import check_motion, check_room
+from taskgist_lab.generator.several_targets import GIVE_BOTH, HIDE_FROM_BOTH, SHOW_TO_BOTH
 from taskgist_lab.generator.tasks_that_offer import GIVE, MAKE_ACCESSIBLE, SHOW
 from taskgist_lab.generator.tasks_that_remove import HIDE, HIDE_AWAY, PUT_AWAY
 from taskgist_lab.generator.way import Way
@@ -28,6 +29,10 @@ WAYS: Mapping[str, tuple[Way, ...]] = MappingProxyType({ways[0].task: ways for w
 """The ways of each task."""
 TASKS = tuple(WAYS)
 """Names of the tasks, in order."""
+SEVERAL: Mapping[str, tuple[Way, ...]] = MappingProxyType(
+    {ways[0].task: ways for ways in (SHOW_TO_BOTH, HIDE_FROM_BOTH, GIVE_BOTH)}
+)
+"""Ways with several target agents or objects. They are taken by name only, so that a seed draws what it always drew."""
 
 
 def ways_of(task: str, means: str | None = None) -> tuple[Way, ...]:
@@ -40,7 +45,7 @@ def ways_of(task: str, means: str | None = None) -> tuple[Way, ...]:
         raise UnknownNameError("task", task, WAYS)
     if means is None:
         return WAYS[task]
-    by_name = {way.name: way for way in WAYS[task]}
+    by_name = {way.name: way for way in (*WAYS[task], *SEVERAL.get(task, ()))}
     if means not in by_name:
         raise UnknownNameError(f"means to {task}", means, by_name)
     return (by_name[means],)
@@ -57,7 +62,7 @@ def simulate(task: str, *, seed: int, number: int, means: str | None = None) -> 
         task: Name of a task of ``WAYS``.
         seed: Seed of a series of demonstrations.
         number: Which one of the series, from 0 on.
-        means: Name of the means; None chooses one, evenly.
+        means: Name of the means; None chooses one of ``WAYS``, evenly.
 
     Returns:
         The recording, labelled; its notes name the means, the seed, the number and the attempt.

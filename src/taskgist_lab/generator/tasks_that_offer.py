@@ -298,9 +298,13 @@ def _room(rng: np.random.Generator, *, taking: str) -> Setting:
 
 
 def _handed_over(setting: Setting, *, taking: str) -> Means:
-    """Take it from the table and hand it over, well above the table."""
-    roles, rests = setting.roles, setting.places.get("rests")
-    plain = hand_over(roles, taking=taking, distance_m=setting.amounts["distance"], rests_m=rests)
+    rests = setting.places.get("rests")
+    return handed_over(setting.roles, taking=taking, distance_m=setting.amounts["distance"], rests_m=rests)
+
+
+def handed_over(roles: Roles, *, taking: str, distance_m: float, rests_m: Place | None = None) -> Means:
+    """Take it from the table and hand it over, well above the table; arguments as in ``hand_over``."""
+    plain = hand_over(roles, taking=taking, distance_m=distance_m, rests_m=rests_m)
 
     def script(scene: Scene) -> Script:
         stage, found = Stage(scene), plain(scene)

@@ -43,6 +43,8 @@ class Script:
         target_watches: What the target agent looks at in the beginning, as a subject of ``gaze``; None: the performer.
         means: How the performer reaches its intention, in words.
         target_returns_to: What the target agent is busy with: it looks there again when the thing rests; None: nothing.
+        also_for: Further target agents; they watch, and return to, what the first one does.
+        also_with: Further target objects.
     """
 
     task: str
@@ -53,12 +55,16 @@ class Script:
     target_watches: str | None = None
     means: str = ""
     target_returns_to: str | None = None
+    also_for: tuple[str, ...] = ()
+    also_with: tuple[str, ...] = ()
 
 
 BEFORE_S, AFTER_S = 1.0, 1.0
 """Recorded before the first movement, and after the last one."""
 LABEL_BEFORE_S, LABEL_AFTER_S = 0.5, 0.7
 """The label begins so long before the first movement, and ends so long after everything has come to rest."""
+NOTICED_BEFORE_S = 0.8
+"""So long before the next thing is taken the hand that sets out for it is noticed."""
 LINGERING_S = 0.5
 """How long eyes that are busy with something else stay with what has come to rest."""
 SOURCE = "simulated by taskgist's scripted demonstrator"
@@ -103,23 +109,39 @@ def _played(script: Script, scene: Scene, rng: np.random.Generator) -> Acting:
 
 
 def _look(script: Script, acting: Acting, times: Array, frames: Array) -> None:
-    """Turn the heads: the performer's by its script, the target agent's by what catches its attention."""
+    """Turn the heads: the performer's by its script, the target agents' by what catches their attention."""
     scene = acting.scene
-    hand = f"{script.performer}/{acting.acting_side}_arm"
-    onlooker = Onlooker(script.target, script.performer, hand, _moved(script, acting))
-    caught = onlooker.fixations(Stage(scene), times, frames, script.target_watches or script.performer)
-    if script.target_returns_to is not None:
-        caught = _returning(caught, acting.last_carry().until_s + LINGERING_S, script.target_returns_to)
-    for name, fixations in ((script.performer, acting.looks), (script.target, caught)):
+    looks = {script.performer: acting.looks}
+    for target in (script.target, *script.also_for):
+        caught = _caught(script, acting, target, times, frames)
+        if script.target_returns_to is not None:
+            caught = _returning(caught, acting.last_carry().until_s + LINGERING_S, script.target_returns_to)
+        looks[target] = caught
+    for name, fixations in looks.items():
         profile, joints = scene.agent(name).profile, scene.agent(name).joints
         if profile.pan is not None and profile.tilt is not None:  # some robots have no neck to turn
             angles = looked(scene, name, times, frames, fixations)
             frames[:, [joints[profile.pan.joint], joints[profile.tilt.joint]]] = angles
 
 
-def _moved(script: Script, acting: Acting) -> str:
-    """What the performer moves: what it carries, which need not be the thing that it is all about."""
-    return acting.carries[-1].thing if acting.carries else script.thing
+def _caught(script: Script, acting: Acting, target: str, times: Array, frames: Array) -> list[Fixation]:
+    """What catches a target agent's attention: the acting hand and what it moves, one thing after the other."""
+    stage, found = Stage(acting.scene), [Fixation(0.0, script.target_watches or script.performer)]
+    for hand, thing, since_s in _moved(script, acting):
+        found = [fixation for fixation in found if fixation.from_s <= since_s]
+        onlooker = Onlooker(target, script.performer, f"{script.performer}/{hand}_arm", thing)
+        during = times >= since_s
+        found += onlooker.fixations(stage, times[during], frames[during], found[-1].subject)[1:]
+    return found
+
+
+def _moved(script: Script, acting: Acting) -> list[tuple[str, str, float]]:
+    """What the performer moves, which need not be the thing that it is all about: hand, thing, and from when on."""
+    if not script.also_with:
+        thing = acting.carries[-1].thing if acting.carries else script.thing
+        return [(acting.acting_side, thing, 0.0)]
+    own = [carry for carry in acting.carries if carry.agent is None]
+    return [(each.side, each.thing, 0.0 if each is own[0] else each.from_s - NOTICED_BEFORE_S) for each in own]
 
 
 def _returning(caught: list[Fixation], since_s: float, subject: str) -> list[Fixation]:
@@ -132,8 +154,8 @@ def _label(script: Script, acting: Acting) -> Label:
     return Label(
         task=script.task,
         performing_agent=script.performer,
-        target_agent=script.target,
-        target_object=script.thing,
+        target_agents=(script.target, *script.also_for),
+        target_objects=(script.thing, *script.also_with),
         start_s=round(float(acting.motions[0].start_s - LABEL_BEFORE_S), 3),
         end_s=round(float(acting.motions[-1].end_s + LABEL_AFTER_S if acting.over_s is None else acting.over_s), 3),
         how=HOW.format(before=LABEL_BEFORE_S, until=until),

@@ -44,6 +44,7 @@ class Roles:
         side: The acting hand.
         target_watches: What the target agent looks at in the beginning; None: the performer's face.
         target_returns_to: What it is busy with, and looks at again when the thing rests; None: nothing.
+        also_for: Further target agents.
     """
 
     performer: str
@@ -52,6 +53,12 @@ class Roles:
     side: str
     target_watches: str | None = None
     target_returns_to: str | None = None
+    also_for: tuple[str, ...] = ()
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """All target agents."""
+        return (self.target, *self.also_for)
 
     def script(self, task: str, means: str, *steps: Step) -> Script:
         """A script with these roles, which begins with taking the thing."""
@@ -64,6 +71,7 @@ class Roles:
             self.target_watches,
             means,
             self.target_returns_to,
+            self.also_for,
         )
 
     def putting(self, task: str, means: str, place: Callable[[Scene], Place]) -> Means:
@@ -72,10 +80,10 @@ class Roles:
 
 
 def hold_up(roles: Roles, *, distance_m: float = COMFORTABLE_VIEW_M) -> Means:
-    """Show by holding up, before the target agent's face, at a distance from its eye."""
+    """Show by holding up, before the target agent's face, or amid several, at a distance from the eye."""
 
     def script(scene: Scene) -> Script:
-        place = before_face(scene, roles.performer, roles.target, roles.side, distance_m)
+        place = before_face(scene, roles.performer, roles.target, roles.side, distance_m, also_for=roles.also_for)
         return roles.script("show", "held up before the face", HoldUp(place, HELD_S))
 
     return script
@@ -90,7 +98,7 @@ def put_behind(roles: Roles, *, occluder: str) -> Means:
     """Hide by putting behind something, as seen by the target agent."""
 
     def place(scene: Scene) -> Place:
-        return behind(scene, roles.thing, occluder, roles.target)
+        return behind(scene, roles.thing, occluder, roles.target, also_for=roles.also_for)
 
     return roles.putting("hide", f"put behind {occluder}", place)
 

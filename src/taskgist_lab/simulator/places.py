@@ -7,7 +7,7 @@ find out. ``hiding`` has the places at which things are hidden.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -37,8 +37,12 @@ def on_top(stage: Stage, thing: str) -> tuple[float, float, float]:
     return float(x), float(y), float(points[:, 2].max())
 
 
-def before_face(scene: Scene, performer: str, target: str, side: str, distance_m: float) -> tuple[float, float, float]:
+def before_face(
+    scene: Scene, performer: str, target: str, side: str, distance_m: float, *, also_for: Sequence[str] = ()
+) -> tuple[float, float, float]:
     """A place on the line of sight from a face to another one, as near to a distance as the other can hold a thing.
+
+    Of several faces the middle is taken.
 
     Args:
         scene: The scene.
@@ -46,12 +50,13 @@ def before_face(scene: Scene, performer: str, target: str, side: str, distance_m
         target: Before whose face.
         side: The holding hand.
         distance_m: Wanted distance from the target's eye.
+        also_for: Before whose faces, too.
 
     Returns:
         The place in metres, (3,).
     """
     stage, body = Stage(scene), Body(scene, performer)
-    eye = stage.eye(scene.agent(target)).position
+    eye = np.mean([stage.eye(scene.agent(name)).position for name in (target, *also_for)], axis=0)
     sight = stage.eye(scene.agent(performer)).position - eye
     place = eye
     for share in np.linspace(0.0, 1.0, 41):
@@ -174,16 +179,17 @@ HEAD_MOVES_M = 0.05
 """Nobody keeps the head quite still: a thing is hidden from places so far around the eye, too."""
 
 
-def behind(scene: Scene, thing: str, occluder: str, target: str) -> Place:
-    """A place on the occluder's own support at which the occluder hides a thing from the target agent's eye.
+def behind(scene: Scene, thing: str, occluder: str, target: str, *, also_for: Sequence[str] = ()) -> Place:
+    """A place on the occluder's own support at which the occluder hides a thing from the target agents' eyes.
 
-    Candidates lie behind the occluder as the target agent sees it, the nearest to it first.
+    Candidates lie behind the occluder as seen from the middle of the eyes, the nearest to it first.
 
     Args:
         scene: The scene.
         thing: What is hidden.
         occluder: Behind what.
         target: From whom.
+        also_for: From whom, too.
 
     Returns:
         Where the middle of the thing's underside goes, metres, (3,).
@@ -191,16 +197,18 @@ def behind(scene: Scene, thing: str, occluder: str, target: str) -> Place:
     Raises:
         SceneError: No candidate is hidden, free and on the support.
     """
-    putting = Putting.of(scene, thing)
+    putting, targets = Putting.of(scene, thing), (target, *also_for)
     place = putting.first(
-        _beyond(putting, occluder, target),
+        _beyond(putting, occluder, targets),
         around=np.zeros((1, 3)),
         room_m=HAND_ROOM_M / 2,
-        suits=lambda place: _hidden(putting.stage, thing, putting.shape + place, occluder, target),
+        suits=lambda place: all(
+            _hidden(putting.stage, thing, putting.shape + place, occluder, name) for name in targets
+        ),
     )
     if place is None:
         raise SceneError(
-            f"no place behind {occluder!r} hides {thing!r} from {target!r}",
+            f"no place behind {occluder!r} hides {thing!r} from {' and '.join(map(repr, targets))}",
             where=scene.name,
             field=occluder,
             hint="take a larger occluder, or clear the support behind it",
@@ -208,10 +216,10 @@ def behind(scene: Scene, thing: str, occluder: str, target: str) -> Place:
     return place
 
 
-def _beyond(putting: Putting, occluder: str, target: str) -> Iterator[Array]:
-    """Places behind the occluder as seen by the target agent, at the height of its underside, near ones first."""
+def _beyond(putting: Putting, occluder: str, targets: Sequence[str]) -> Iterator[Array]:
+    """Places behind the occluder as seen by the target agents, at the height of its underside, near ones first."""
     stage = putting.stage
-    eye = stage.eye(stage.scene.agent(target)).position
+    eye = np.mean([stage.eye(stage.scene.agent(name)).position for name in targets], axis=0)
     points = object_points(stage, occluder, SUPPORT_SPACING_M)
     low, high = points.min(axis=0), points.max(axis=0)
     middle = (low + high)[:2] / 2

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from taskgist.recording import read
-from taskgist_lab.generator import WAYS, simulate
+from taskgist_lab.generator import SEVERAL, WAYS, simulate
 from tests.cli.running import Result, run, run_json
 
 SHOW = "simulate show --means turn --seed 3 --processes 1"
@@ -45,7 +45,9 @@ def test_a_picture_and_a_summary(tmp_path: Path) -> None:
 def test_tasks_and_means_are_listed() -> None:
     text = run("simulate --list")
     assert "hold-up, on-top, turn, move-occluder" in text
-    assert run_json("simulate --list") == {task: [way.name for way in ways] for task, ways in WAYS.items()}
+    assert run_json("simulate --list") == {
+        task: [way.name for way in (*ways, *SEVERAL.get(task, ()))] for task, ways in WAYS.items()
+    }
 
 
 @pytest.mark.parametrize(
