@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 from taskgist.facts import vocabulary as v
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import UNKNOWN
 from taskgist.language.phrases import listed, phrase
 from taskgist.learning.understanding import Literal
-from taskgist.planning.goal import Goal
-from taskgist.planning.helping import Help
-from taskgist.planning.plan import Action, PhaseName, Plan
-from taskgist.planning.requests import Request, Search
+
+if TYPE_CHECKING:  # with NumPy, and words need none
+    from taskgist.planning.goal import Goal
+    from taskgist.planning.helping import Help
+    from taskgist.planning.plan import Action, PhaseName, Plan
+    from taskgist.planning.requests import Request, Search
 
 DOINGS = {
     "drive": "drives to the {thing}",
