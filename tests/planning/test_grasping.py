@@ -74,7 +74,7 @@ def test_hands_close_on_the_outside_and_not_through_walls(robot: str, name: str)
             point = body.to_world(grasps.centers + sign * grasps.closings * (grasps.widths_m[:, None] / 2 + 0.0015))[0]
             assert not any(inside(performer, int(shape), point) for shape in shapes), "a finger would be in it"
         shut = pick.closed(pick.line[-1])
-        assert performer.body.in_hand_m(shut, name, pick.side) < 0.005
+        assert performer.body.in_hand_m(shut, name, pick.side) <= 0.001
 
 
 def inside(performer: Performer, geom: int, point: np.ndarray) -> bool:

@@ -33,7 +33,7 @@ from taskgist.perspective.grasp_trials import GraspTrials
 from taskgist.perspective.target import Recorder
 from taskgist.planning.hand_ways import Among, Failures, Gate, HandWay, PickPose, PlacePose, Tally, farthest, named
 from taskgist.planning.performer import Grip, Performer, with_values
-from taskgist.planning.whole_body import IN_HAND_M, Pair, pose_of
+from taskgist.planning.whole_body import IN_HAND_M, TOLERANCE_M, Pair, pose_of
 from taskgist.world.bodies.hands import Hand
 from taskgist.world.geometry.transforms import Pose
 from taskgist.world.stage import Stage
@@ -372,7 +372,7 @@ class Grasping:
             failed: Filled with where each configuration failed.
         """
         performer, gripper, chain = self.performer, self.performer.gripper(side), self.performer.chain(side)
-        open_hand, closed_hand = (gripper.opened(wide_m) for wide_m in self._openings(side, row))
+        open_hand = gripper.opened(self._openings(side, row)[0])
         ready = with_values(before, gripper.positions, open_hand)
         solutions = performer.ik(side, palm, ready)
         if not solutions:
@@ -390,8 +390,8 @@ class Grasping:
             if blocked is not None:
                 failed.append((Gate.APPROACH, named(blocked)))
                 continue
-            shut = with_values(found, gripper.positions, closed_hand)
-            if performer.body.in_hand_m(shut, self.thing, side) > IN_HAND_M:
+            shut = self._shut(side, row, found)
+            if shut is None:
                 failed.append((Gate.FINGERS, None))
                 continue
             held = grip or replace(performer.grip(shut, self.thing, side), usual_m=self._touching(before))
@@ -407,10 +407,25 @@ class Grasping:
                 line=line,
                 rise=rise,
                 open_hand=open_hand,
-                closed_hand=closed_hand,
+                closed_hand=shut[gripper.positions],
                 hand_positions=gripper.positions,
                 grip=held,
             )
+
+    def _shut(self, side: str, row: int, found: Array) -> Array | None:
+        """All positions, (nq,), with the hand closed as far as its fingers are not in the thing; None if too open.
+
+        Fingers are collided as hulls: where these are thicker than pads, they stop earlier.
+        """
+        gripper, (most_m, width_m) = self.performer.gripper(side), self._openings(side, row)
+        opening_m = width_m
+        while opening_m <= min(most_m, width_m + IN_HAND_M):
+            shut = with_values(found, gripper.positions, gripper.opened(opening_m))
+            depth_m = self.performer.body.in_hand_m(shut, self.thing, side)
+            if depth_m <= TOLERANCE_M:
+                return shut
+            opening_m += max(depth_m - TOLERANCE_M / 2, TOLERANCE_M / 2)
+        return None
 
     def _line(self, side: str, palm: Pose, approach_in_palm: Array, found: Array) -> Array | None:
         """Joints of the chain along the approach, the grasp last, (n, k); None if the arm does not follow."""
