@@ -8,6 +8,7 @@ from functools import cache
 from itertools import groupby
 
 import numpy as np
+import pytest
 
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.language.performing import chosen, refused, steps
@@ -15,7 +16,7 @@ from taskgist.performing.execution import phase_frames
 from taskgist.performing.outputs import plan_document, robot_trajectory
 from taskgist.pipeline.performing import Outcome, perform
 from taskgist.planning.plan import Action
-from taskgist.planning.requests import Request
+from taskgist.planning.requests import Request, Spared
 from taskgist.world import Scene
 from taskgist_lab.generator.things import OpenBox
 from taskgist_lab.simulator.room import TABLE, Person, Room, Table, Thing
@@ -211,3 +212,33 @@ def test_why_nobody_helps() -> None:
         "R1 brings the tape to where R2 takes it, R2 brings the tape there: R1 cannot pick the tape up: "
     )
     assert "R2 brings the tape to where R1 takes it, R1 brings the tape there: R2 does not get hold of the tape" in told
+
+
+# --- Whose effort (Fig. 2): at a wide table one of them has to bend, or both.
+
+
+@cache
+def across(deep_m: float) -> Scene:
+    half_m = deep_m / 2
+    people = (
+        Person("P1", 1.75, (-half_m - 0.3, 0.0), 0.0),
+        Person("P2", 1.7, (half_m + 0.3, 0.0), math.pi),
+    )
+    cup = Thing("cup", (0.08, 0.10), (0.2 - half_m, 0.25, TOP))
+    return Room("room", people, (cup,), Table("table", (0.0, 0.0), (deep_m, 1.4, TOP))).scene()
+
+
+@pytest.mark.parametrize(
+    ("deep_m", "spare", "efforts"),
+    [
+        (1.3, "performer", {"P1": 1, "P2": 3}),  # b: the giver stretches an arm, the taker stands up and leans
+        (1.1, "target", {"P1": 2, "P2": 1}),  # c: the giver leans
+        (1.3, "both", {"P1": 2, "P2": 2}),  # d: both lean
+    ],
+)
+def test_who_bends_can_be_chosen(deep_m: float, spare: Spared, efforts: dict[str, int]) -> None:
+    request = Request(clause("make accessible"), "P1", "P2", "cup", allow=("table",), spare=spare)
+    (found,) = perform(across(deep_m), request).performances
+    assert dict(found.plan.cost.efforts) == efforts
+    assert found.plan.cost.total == pytest.approx(1 + sum(efforts.values()) / 5)
+    assert found.strict is True

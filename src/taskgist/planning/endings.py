@@ -14,6 +14,8 @@ import numpy as np
 
 from taskgist.facts import vocabulary as v
 from taskgist.facts.predicates import Predicate
+from taskgist.perspective.effort import NO_KNOWN_LEVEL
+from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.actions import WhyNot
 from taskgist.planning.aims import Aim, Judges
 from taskgist.planning.candidates import candidates, in_turn
@@ -185,6 +187,20 @@ class Endings:
             taken = [v.HOLDING_OBJECT in final.values() for final in hands.values if isinstance(final, Mapping)]
             found = [means for means in found if (means == "hand_over") in taken]
         return tuple(found)
+
+    # --- What it takes the target agents.
+
+    @property
+    def target_takes(self) -> bool:
+        """Whether the goal is that target agents get at the thing, so that their own effort is a cost."""
+        wanted = (self._goal.wants(f"{ability}.effort") for ability in ("reach", "grasp"))
+        return any(each is not None and NO_KNOWN_LEVEL not in each.levels for each in wanted)
+
+    def target_levels(self, candidate: Candidate) -> dict[str, int]:
+        """The least effort level with which each target agent reaches the thing at a place; none known: 5."""
+        efforts = SceneEfforts(Stage(self._scene, candidate.state.with_holding(None)), self._settings)
+        found = {name: efforts.effort(name, self._request.thing, "reach").level for name in self._request.targets}
+        return {name: NO_KNOWN_LEVEL if level is None else level for name, level in found.items()}
 
     # --- What is in the way.
 

@@ -16,6 +16,7 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import Raw
 from taskgist.learning.understanding import Literal
+from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.planning.actions import Actions
 from taskgist.planning.aims import Aim, aims_of, goal_of_all
 from taskgist.planning.endings import Endings
@@ -35,6 +36,8 @@ __all__ = ["Planner"]
 
 MOST_PLACES = 1000
 """Candidates that are judged at most."""
+SPARED_AMONG = 40
+"""Of those that satisfy the goal so many are ordered by effort, if somebody's is to be spared."""
 MOST_TRIED = 12
 """Of those that satisfy the goal, so many are tried with the robot (ours)."""
 
@@ -128,7 +131,7 @@ class Planner:
         self.search.out_of_hold = self._actions.out_of_hold(self._state, who, self.request.thing)
         if self.search.out_of_hold:
             return
-        for candidate in self._wanted(progress):
+        for candidate in self._in_order(self._wanted(progress)):
             if self.search.tried == MOST_TRIED:
                 return
             if self._actions.out_of_reach(who, candidate):
@@ -171,6 +174,24 @@ class Planner:
             if search.places % 20 == 0:
                 progress(f"{search.places} places judged", self._share())
 
+    def _in_order(self, wanted: Iterator[Candidate]) -> Iterator[Candidate]:
+        """Candidates in the order in which they are tried: by whose effort is to be spared, among the first of them."""
+        request = self.request
+        if request.spare == "nobody":
+            yield from wanted
+            return
+
+        def spent(candidate: Candidate) -> tuple[int, int]:
+            """What counts first, and then; the two efforts change places, or the greater one counts."""
+            mine = self._actions.effort(self._state, request.performer, candidate)
+            giver = NO_KNOWN_LEVEL if mine is None else mine
+            taker = max(self._endings.target_levels(candidate).values())
+            both = (max(giver, taker), giver + taker)
+            return {"performer": (giver, taker), "target": (taker, giver)}.get(request.spare, both)
+
+        yield from sorted(islice(wanted, SPARED_AMONG), key=spent)
+        yield from wanted
+
     def _note(self, goal: Goal, literal: Literal, values: Mapping[str, Raw], candidate: Candidate) -> None:
         """Keep the nearest miss of a literal."""
         for wanted in goal.wanted:
@@ -185,6 +206,8 @@ class Planner:
         request, efforts = self.request, dict[str, int]()
         for action in actions:
             efforts[action.performer] = efforts.get(action.performer, 0) + (action.effort or 0)
+        if self._endings.target_takes or actions[-1].taker in request.targets:
+            efforts |= self._endings.target_levels(actions[-1].candidate)
         return Plan(
             task=request.clause.task,
             performer=request.performer,

@@ -25,6 +25,7 @@ from taskgist.pipeline.shipped import TASKS
 from taskgist_lab.evaluation.experiments import demonstrations_needed, transfer
 from taskgist_lab.evaluation.learner import Coded
 from taskgist_lab.evaluation.noise import CONDITIONS
+from taskgist_lab.evaluation.performing.means_rooms import TASK_OF
 from taskgist_lab.evaluation.performing.trials import ROBOTS, TrialsFound, performed_trials
 from taskgist_lab.evaluation.performing.trials import sheets as trial_sheets
 from taskgist_lab.evaluation.pool import HELD_OUT_EVERY, SOURCES, Pool, Wanted, kept_pool
@@ -73,7 +74,8 @@ def evaluate(
         list[str] | None, typer.Option("--robot", help=f"perform: {', '.join(ROBOTS)}; both by default.")
     ] = None,
     tasks: Annotated[
-        list[str] | None, typer.Option("--task", help="perform: a task of the study; all six by default.")
+        list[str] | None,
+        typer.Option("--task", help=f"perform: a task of the study (all six by default), or {', '.join(TASK_OF)}."),
     ] = None,
     processes: Annotated[
         int | None, typer.Option("--processes", help="Processes; one for each core by default.")
@@ -95,7 +97,8 @@ def evaluate(
     installed is left out.
 
     perform: in how many random rooms that can be solved robots perform the tasks of the study, how cleanly for a second
-    auditor, and in what time of the processor. Half a minute for each room, task and robot.
+    auditor, and in what time of the processor. The tasks cover, clear and relay are hide and show by these means alone,
+    in rooms that are made for it. Half a minute for each room, task and robot.
 
     The demonstrations are generated. Every number is a mean over random orders, with its spread. The first run makes
     the demonstrations, which takes minutes; --pool keeps them.
@@ -107,7 +110,10 @@ def evaluate(
     performing = PERFORM in (experiments or ())
     chosen = _chosen([each for each in experiments or () if each != PERFORM], all_by_default=not performing)
     _check(demonstrations, runs, processes, rooms, out, replace=replace)
-    for given, kind, known in ((robots, "robot that is measured", ROBOTS), (tasks, "task of the study", TASKS)):
+    for given, kind, known in (
+        (robots, "robot that is measured", ROBOTS),
+        (tasks, "task of the study", (*TASKS, *TASK_OF)),
+    ):
         for name in given or ():
             if name not in known:
                 raise UnknownNameError(kind, name, known)
@@ -116,7 +122,7 @@ def evaluate(
             trials = performed_trials(
                 count=rooms,
                 seed=seed,
-                tasks=[task for task in TASKS if not tasks or task in tasks],
+                tasks=[task for task in (*TASKS, *TASK_OF) if (task in tasks if tasks else task in TASKS)],
                 robots=[robot for robot in ROBOTS if not robots or robot in robots],
                 processes=processes,
                 progress=progress,

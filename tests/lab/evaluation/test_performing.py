@@ -14,12 +14,20 @@ import pytest
 from taskgist.common.arrays import Array
 from taskgist.facts import vocabulary as v
 from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.values import NEGLIGIBLE
 from taskgist.learning.understanding import Clause, Literal
-from taskgist.world import Hold, Scene
+from taskgist.perspective.effort import NO_KNOWN_LEVEL
+from taskgist.perspective.image import visibility
+from taskgist.perspective.scene_efforts import SceneEfforts
+from taskgist.planning.covering import covers
+from taskgist.planning.plan import Purpose
+from taskgist.world import Hold, Scene, Stage
+from taskgist.world.contacts import overlaps
+from taskgist_lab.evaluation.performing.means_rooms import TASK_OF, room_for
 from taskgist_lab.evaluation.performing.rooms import ROBOT, TARGET, THING, room_to_perform_in
 from taskgist_lab.evaluation.performing.second_audit import Fault, second_audit
 from taskgist_lab.evaluation.performing.solvable import Solvable, solvable
-from taskgist_lab.evaluation.performing.trials import Share, Tally, Trial, TrialsFound, sheets, tried
+from taskgist_lab.evaluation.performing.trials import Share, Tally, Trial, TrialsFound, sheets, trial, tried
 from taskgist_lab.simulator.room import TABLE, Person, Room, on_table, right
 from tests.planning.rooms import box, cover, table
 from tools.performing_page import PAGE, parts
@@ -44,6 +52,33 @@ PUT_AWAY = Clause(
 PUT_DOWN = Clause("put down", (literal("placement.status.2", v.ON_SUPPORT),))
 
 # --- Rooms.
+
+
+@pytest.mark.parametrize("means", TASK_OF)
+@pytest.mark.parametrize("number", range(3))
+def test_rooms_for_means_are_made_for_them(means: Purpose, number: int) -> None:
+    of = room_for(means, "jido", DEVELOPED_ON, number)
+    stage = Stage(of)
+    assert not {pair for pair in overlaps(stage, deeper_than_m=0.002) if THING in pair}
+    if means == "cover":
+        assert next(covers(stage, THING, "dome", ROBOT, TARGET), None) is not None
+    elif means == "clear":
+        found = visibility(stage, TARGET, THING)
+        assert found is not None
+        assert "carton" in {name for name, _ in found.occluders}
+    else:
+        efforts = SceneEfforts(stage)
+        assert efforts.effort(ROBOT, THING, "grasp").level != NO_KNOWN_LEVEL
+        assert efforts.effort(ROBOT, "screen", "reach").level == NO_KNOWN_LEVEL
+        assert efforts.effort("R2", "screen", "reach").level != NO_KNOWN_LEVEL
+
+
+def test_a_means_is_measured_as_a_task_is() -> None:
+    hide = Clause("hide", (literal("visibility.score.2", NEGLIGIBLE), literal("placement.status.2", v.ON_SUPPORT)))
+    found = trial("cover", hide, "jido", seed=DEVELOPED_ON, number=0)
+    assert (found.task, found.robot, found.gate, found.means) == ("cover", "jido", "found", "put_over")
+    assert found.clean
+    assert found.controllable is True
 
 
 def test_a_room_follows_from_its_numbers() -> None:

@@ -8,6 +8,9 @@ first, and by the facts of the recording::
     found = performed_trials(count=10, seed=2000, tasks=TASKS, robots=ROBOTS)
     for sheet in sheets(found): ...
 
+``TASK_OF`` has three more "tasks": a thing is covered, the view to it cleared, or another robot helps; no other means
+is allowed then, and the rooms are made for it (``means_rooms``), which no sampling proves to be solvable.
+
 Tasks that take a thing away begin with it before the target agent. An arrangement of things with which the clause
 cannot come true from the start (nothing is easier to reach than what is at hand) is drawn anew, a few times.
 """
@@ -34,6 +37,8 @@ from taskgist.pipeline.performing import Outcome, perform
 from taskgist.pipeline.shipped import TASKS, shipped_study
 from taskgist.planning.requests import Request
 from taskgist.world.scene import Scene
+from taskgist_lab.evaluation.performing.means_rooms import TASK_OF
+from taskgist_lab.evaluation.performing.means_rooms import room_for as room_for_means
 from taskgist_lab.evaluation.performing.rooms import ROBOT, TARGET, THING, RoomToPerformIn, room_to_perform_in
 from taskgist_lab.evaluation.performing.second_audit import second_audit
 from taskgist_lab.evaluation.performing.solvable import Solvable, goal_of, solvable
@@ -114,7 +119,8 @@ def clauses() -> dict[str, Clause]:
     """What the shipped study teaches, by task."""
     paths = [path for paths in shipped_study().values() for path in paths]
     known = Knowledge().add(*explain_all(paths, processes=1))
-    return {task: clause_of(known.understand(task)) for task in TASKS}
+    found = {task: clause_of(known.understand(task)) for task in TASKS}
+    return found | {means: found[task] for means, task in TASK_OF.items()}
 
 
 def room_for(task: str, clause: Clause, robot: str, *, seed: int, number: int) -> tuple[RoomToPerformIn, Scene]:
@@ -129,12 +135,27 @@ def room_for(task: str, clause: Clause, robot: str, *, seed: int, number: int) -
 
 def trial(task: str, clause: Clause, robot: str, *, seed: int, number: int) -> Trial:
     """Have a robot perform a task in a room, and look at what comes of it."""
+    for means in TASK_OF:
+        if task == means:
+            scene = room_for_means(means, robot, seed, number)
+            possible = Solvable(True, "the room is made for it")
+            allow = ("shelf",) if means == "relay" else None  # the other side of the counter
+            request = Request(clause, ROBOT, TARGET, THING, means=(means,), allow=allow)
+            return tried(scene.name, scene, task, clause, robot, possible, request)
     room, scene = room_for(task, clause, robot, seed=seed, number=number)
     possible = solvable(scene, clause, ROBOT, TARGET, THING)
     return tried(room.name, scene, task, clause, robot, possible)
 
 
-def tried(name: str, scene: Scene, task: str, clause: Clause, robot: str, possible: Solvable) -> Trial:
+def tried(
+    name: str,
+    scene: Scene,
+    task: str,
+    clause: Clause,
+    robot: str,
+    possible: Solvable,
+    request: Request | None = None,
+) -> Trial:
     """Have a robot perform a task in a scene.
 
     Args:
@@ -144,11 +165,12 @@ def tried(name: str, scene: Scene, task: str, clause: Clause, robot: str, possib
         clause: What it means.
         robot: Profile of the robot.
         possible: What the dense sampling says.
+        request: What is asked for; None: the task, by any means.
     """
     about = partial(Trial, name, task, robot, possible.possible, possible.why)
     start_s = time.process_time()
     try:
-        outcome = perform(scene, Request(clause, ROBOT, TARGET, THING))
+        outcome = perform(scene, request or Request(clause, ROBOT, TARGET, THING))
     except TaskgistError as error:
         return about(gate="error", why=(str(error),), cpu_s=rounded(time.process_time() - start_s))
     cpu_s = rounded(time.process_time() - start_s)
@@ -157,7 +179,12 @@ def tried(name: str, scene: Scene, task: str, clause: Clause, robot: str, possib
         return about(gate=gate, why=why, spoiled=outcome.spoiled, cpu_s=cpu_s)
     found = outcome.performances[0]
     recording = found.execution.recording
-    faults = second_audit(scene, ROBOT, THING, recording.times_s, recording.qpos, found.execution.holds)
+    acted = dict.fromkeys([(action.performer, action.thing) for action in found.plan.actions])
+    faults = [
+        fault
+        for performer, thing in acted
+        for fault in second_audit(scene, performer, thing, recording.times_s, recording.qpos, found.execution.holds)
+    ]
     literals = [literal for wanted in outcome.goal.wanted for literal in wanted.literals]
     return about(
         gate=FOUND,
@@ -178,6 +205,8 @@ def refusal(outcome: Outcome) -> tuple[str, tuple[str, ...]]:
         return "start", tuple(each.why for each in outcome.goal.impossible)
     if outcome.spoiled:
         return "audit", outcome.spoiled[:3]
+    if search.others and not search.places:
+        return "performer", tuple(f"{each.what}: {each.why}" for each in search.others[:3])
     if search.tried or search.refusals:
         return "performer", tuple(f"{count} × {text}" for text, count in search.refusals.most_common(3))
     if search.out_of_hand and not search.missed:
