@@ -21,6 +21,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
+from itertools import count
 
 import numpy as np
 
@@ -31,7 +32,7 @@ from taskgist.perspective.effort import Blocking, Miss, Reason
 from taskgist.perspective.grasp_sampling import Grasps, grasps_in_object, hand_frames
 from taskgist.perspective.grasp_trials import GraspTrials
 from taskgist.perspective.target import Recorder
-from taskgist.planning.hand_ways import Among, Failures, Gate, HandWay, PickPose, PlacePose, Tally, farthest, named
+from taskgist.planning.hand_ways import Failures, Gate, HandWay, PickPose, PlacePose, Tally, farthest, named
 from taskgist.planning.performer import Grip, Performer, with_values
 from taskgist.planning.whole_body import IN_HAND_M, TOLERANCE_M, Pair, pose_of
 from taskgist.world.bodies.hands import Hand
@@ -45,8 +46,6 @@ RISE_M, LEAST_RISE_M = 0.08, 0.05
 """How far a thing is lifted straight up; and how far at least, where something is above."""
 AWAY_M = 1e4
 """Where a robot is put that is in nobody's way."""
-MOST_TRIED = 40
-"""Grasps that are solved from one stand, those that come from other sides first (ours)."""
 
 
 class Grasping:
@@ -84,8 +83,6 @@ class Grasping:
         self.grasps: Grasps = performer.outside(self._stage, thing, sampled)
         self.miss = None if len(self.grasps) else self._no_grasp()
         self._touches: dict[bytes, dict[Pair, float]] = {}
-        self._picked: dict[tuple[bytes, str, int], PickPose | None] = {}
-        self._unreached: set[tuple[bytes, int]] = set()
 
     def towards(self, goal: Array) -> Grasping:
         """The same grasps of the thing where it lies, with another place to put it down.
@@ -162,26 +159,25 @@ class Grasping:
         low, high = float(chain.low[chain.lifts].sum()), float(chain.high[chain.lifts].sum())
         return tuple(sorted({0.0, low - now, (low + high) / 2 - now, high - now}))
 
-    def picks(self, qpos: Array, *, among: Among | None = None, most_tried: int = MOST_TRIED) -> Iterator[PickPose]:
+    def picks(self, qpos: Array, *, most_tried: int | None = None) -> Iterator[PickPose]:
         """Ways to pick the thing up from where the robot stands.
 
         Args:
             qpos: Positions of the scene with the robot at its stand; only its own count, (nq,).
-            among: Whether a side's hand and a grasp are asked for: those that do where the thing is to lie; None: all.
-            most_tried: Grasps that are tried at most.
+            most_tried: Grasps that are tried at most; None: all.
         """
         before = self._at(self.start, qpos)
         order = self._within_reach(before, self.start)
         failures: Counter[tuple[str, bytes]] = Counter()
-        for _ in range(most_tried):
+        for number in count():
             # Where grasps of a kind failed, those of other kinds come first: alike ones mostly fail alike.
             kind = min(order, key=lambda kind: (failures[kind], order[kind][0][0]), default=None)
-            if kind is None:
+            if kind is None or number == most_tried:
                 return
             _, row = order[kind].popleft()
             if not order[kind]:
                 del order[kind]
-            way = self._pick_once(kind[0], row, before) if among is None or among(kind[0], row) else None
+            way = self._pick(kind[0], row, before)
             if way is None:
                 failures[kind] += 1
             else:
@@ -310,19 +306,11 @@ class Grasping:
         found: dict[tuple[str, bytes], deque[tuple[int, int]]] = {}
         for rank, row in enumerate(self.free.tolist()):
             able = [side for side in sides if row in reached[side]]
-            if not able and (key := (qpos.tobytes(), row)) not in self._unreached:
-                self._unreached.add(key)
+            if not able:
                 self.tally.add(Gate.REACH)
             for side in able:
                 found.setdefault((side, self._kind(row)), deque()).append((rank, row))
         return found
-
-    def _pick_once(self, side: str, row: int, before: Array) -> PickPose | None:
-        """The same for whoever asks again, with another goal."""
-        key = (before.tobytes(), side, row)
-        if key not in self._picked:
-            self._picked[key] = self._pick(side, row, before)
-        return self._picked[key]
 
     def _pick(self, side: str, row: int, before: Array) -> PickPose | None:
         """How a hand picks the thing up by a grasp; None if it does not, which is counted."""

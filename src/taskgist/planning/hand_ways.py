@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -30,8 +29,6 @@ class Gate(Enum):
     RISE = "ways up with the {thing} are blocked by {others}"
 
 
-Among = Callable[[str, int], bool]
-"""Whether the hand of a side and a grasp are asked for."""
 Failures = list[tuple[Gate, str | None]]
 """At which gates configurations failed, and what was in the way."""
 

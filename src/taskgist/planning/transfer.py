@@ -1,9 +1,8 @@
 """Picking a thing up and putting it down elsewhere: one grasp that does for both, one stand for each.
 
-A grasp with which a thing is easily taken may be of no use where it is to lie, so the far end is asked first: only
-grasps for which the robot has a free configuration at some stand around the goal are solved at the start, with their
-lines. Each pick is then tried at these stands of the goal, until both ends have all that they need. What picking up
-takes is found out once, whatever the goals that are asked for one after the other.
+Where many goals are asked for one after the other, what picking up takes is the same for all: it is found out once,
+stand by stand and grasp by grasp, as far as it is needed. Each pick is then tried at the stands of a goal, first the
+hand at the grasp alone, then with all its lines, until both ends have all that they need.
 """
 
 from __future__ import annotations
@@ -12,7 +11,8 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import islice
+from itertools import count, islice
+from typing import Generic, TypeVar
 
 from taskgist.common.arrays import Array
 from taskgist.planning.grasping import Grasping
@@ -21,8 +21,8 @@ from taskgist.planning.performer import Performer
 from taskgist.planning.stands import Stand, Stands, most
 from taskgist.world.state import State
 
-STANDS_AT_START, STANDS_AT_GOAL, MOST_STANDS = 8, 32, 24
-"""Stands that are looked at for a goal, at most, and for picking up whatever the goals (ours)."""
+MOST_STANDS, STANDS_AT_GOAL = 24, 32
+"""Stands that are looked at, at most, to pick the thing up, and for each goal."""
 PICKS_A_STAND, GOALS_A_GRASP, FITTING = 12, 6, 2
 """Picks that are solved from one stand, stands of the goal at which each grasp is tried, and enough that fit (ours)."""
 
@@ -44,6 +44,26 @@ class Transfer:
     place: PlacePose
 
 
+T = TypeVar("T")
+
+
+class Kept(Generic[T]):
+    """What an iterator gives, kept for whoever asks again; asked no farther than somebody has."""
+
+    def __init__(self, coming: Iterator[T]) -> None:
+        self._coming, self._found = coming, list[T]()
+
+    def __iter__(self) -> Iterator[T]:
+        """From the first one on."""
+        for number in count():
+            if number == len(self._found):
+                found = next(self._coming, None)
+                if found is None:
+                    return
+                self._found.append(found)
+            yield self._found[number]
+
+
 class Picking:
     """What a robot's picking a thing up takes, wherever it is to go: grasps, stands, and the picks that were solved.
 
@@ -62,20 +82,16 @@ class Picking:
     def __init__(self, performer: Performer, state: State, thing: str) -> None:
         self.grasping = Grasping(performer, state, thing)
         self._at_start = Stands(self.grasping, "start")
-        self._coming, self._stands = iter(self._at_start), list[Stand]()
+        self._stands = Kept(islice(self._at_start, MOST_STANDS))
+        self._picks: dict[int, Kept[PickPose]] = {}
         self.nowhere, self.in_the_way, self.cannot = 0, Counter[str](), Counter[str]()
 
-    def stands(self) -> Iterator[Stand]:
-        """Where the robot can stand to pick the thing up, found once."""
-        number = 0
-        while number < MOST_STANDS:
-            if number == len(self._stands):
-                found = next(self._coming, None)
-                if found is None:
-                    return
-                self._stands.append(found)
-            yield self._stands[number]
-            number += 1
+    def __iter__(self) -> Iterator[tuple[Stand, Kept[PickPose]]]:
+        """Where the robot can stand to pick the thing up, and how it picks it up from there."""
+        for number, stand in enumerate(self._stands):
+            if number not in self._picks:
+                self._picks[number] = Kept(self.grasping.picks(stand.qpos))
+            yield stand, self._picks[number]
 
     @cached_property
     def refusal(self) -> str | None:
@@ -83,10 +99,10 @@ class Picking:
         grasping, thing = self.grasping, self.grasping.thing
         if self._at_start.refusal is not None or not len(grasping.free):
             return self._at_start.refusal or grasping.tally.text(thing)
-        for stand in islice(self.stands(), STANDS_AT_START):
-            if next(grasping.picks(stand.qpos), None) is not None:
-                return None
-        return grasping.tally.text(thing) if self._stands else self._at_start.none_free(f"pick the {thing} up")
+        if any(True for _, picks in self for _ in picks):
+            return None
+        found = next(iter(self._stands), None)
+        return grasping.tally.text(thing) if found else self._at_start.none_free(f"pick the {thing} up")
 
     @property
     def text(self) -> tuple[str, ...]:
@@ -113,7 +129,7 @@ class Transfers:
 
     Attributes:
         goals: Stands for putting it down.
-        picked: How many picks were found.
+        picked: How many picks do there, the hand at the grasp alone.
     """
 
     def __init__(self, picking: Picking, goal: Array) -> None:
@@ -136,10 +152,9 @@ class Transfers:
             self._picking.in_the_way += self._at_goal.rejected
             return
         free = set(grasping.free.tolist())
-        good = (stand for stand in self._picking.stands() if any(row in free for _, row in stand.in_reach))
-        for start in islice(good, STANDS_AT_START):
-            picks = grasping.picks(start.qpos, among=lambda side, row: bool(self._fitting(side, row)))
-            for pick in islice(picks, PICKS_A_STAND):
+        for start, picks in self._picking:
+            fitting = (pick for pick in picks if pick.grasp in free and self._fitting(pick.side, pick.grasp))
+            for pick in islice(fitting, PICKS_A_STAND):
                 self.picked += 1
                 for goal in self._fitting(pick.side, pick.grasp):
                     place = next(grasping.places(goal.qpos, pick), None)
