@@ -121,6 +121,16 @@ def test_a_body_that_stays_has_the_stand_where_it_is() -> None:
     assert [stand.base for stand in found] == [pytest.approx((0.0, 0.0, 0.0))]
 
 
+def test_who_stands_on_legs_stays_where_it_is() -> None:
+    """Feet do not slide over the floor: what is two steps away is not got hold of, and walking is named."""
+    performer = Performer(room("hrp2", table("table", 1.7), box(1.4)), "R")
+    assert performer.agent.profile.moves
+    assert not performer.drives
+    stands = Stands(Grasping(performer, performer.start, "box"))
+    assert list(stands) == []
+    assert stands.refusal == "R would have to walk to grasp the box, which is not planned"
+
+
 def test_a_transfer_that_fails_says_why() -> None:
     """The goal is between two boards that leave no room for a hand."""
     slot = [Thing(f"board{z}", (0.35, 0.5, 0.01), (-1.2, 1.0, z), free=False) for z in (0.73, 0.83)]

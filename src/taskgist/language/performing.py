@@ -113,7 +113,10 @@ def refused(
     if goal.impossible:
         return tuple(each.why for each in goal.impossible)
     told = [search.out_of_hold] if search.out_of_hold else list(_places_refused(request, search, tree))
-    told += [f"{each.what}: {each.why}" for each in search.others]
+    alike: dict[str, list[str]] = {}
+    for each in search.others:
+        alike.setdefault(each.why, []).append(each.what)
+    told += [f"{'; or '.join(ways)}: {why}" for why, ways in alike.items()]
     told += [f"1 plan was thrown away: {reason}" for reason in spoiled]
     return tuple(told)
 

@@ -130,12 +130,11 @@ class Actions:
         if self.grasps(state, name, thing):
             return ""
         reason = self._efforts(name, state).effort(name, thing, "grasp", self._usable(name)).reason
-        torso = () if moves_itself(self._scene.agent(name)) else self._anywhere(name).torso_actions
-        if torso:
-            more = self._efforts(name, state).effort(name, thing, "grasp", (*self._usable(name), *torso))
+        for actions, what in () if moves_itself(self._scene.agent(name)) else self._anywhere(name).not_planned:
+            more = self._efforts(name, state).effort(name, thing, "grasp", (*self._usable(name), *actions))
             if more.level is not None and more.level < NO_KNOWN_LEVEL:
-                joints = " and ".join(self._anywhere(name).unused)
-                reason = f"it would have to move its torso ({joints}), which is not planned"
+                reason = f"it would have to {what}, which is not planned"
+                break
         return f"{name} cannot grasp the {thing}: {reason}"
 
     def out_of_reach(self, name: str, candidate: Candidate) -> str | None:

@@ -142,17 +142,28 @@ class Performer:
         return tuple(axis.joint for axis in axes if axis is not None)
 
     @property
+    def drives(self) -> bool:
+        """Whether its base goes over the floor as it is; what stands on legs would have to walk, which is not done."""
+        return self.agent.profile.moves and not self.agent.profile.legs.hips
+
+    @property
     def actions(self) -> tuple[str, ...]:
         """The virtual actions (Eq. 1-6) that it can carry out: arms stretched out, torso lifted, base moved."""
         arms = tuple(stretch(side) for side in self.sides)
         lifted = (LIFT_TORSO,) if self.agent.lifts else ()
-        return (*arms, *lifted, *((MOVE,) if self.agent.profile.moves else ()))
+        return (*arms, *lifted, *((MOVE,) if self.drives else ()))
 
     @property
-    def torso_actions(self) -> tuple[str, ...]:
-        """Those of its torso that it has and that nothing here carries out."""
+    def not_planned(self) -> tuple[tuple[tuple[str, ...], str], ...]:
+        """Virtual actions that its body has and that nothing here carries out, and what they are in words."""
         axes = ((TURN, self.agent.profile.turn), (LEAN, self.agent.profile.lean))
-        return tuple(name for name, axis in axes if axis is not None)
+        torso = tuple(name for name, axis in axes if axis is not None)
+        walking = (MOVE,) if self.agent.profile.moves and not self.drives else ()
+        ways = [(torso, f"move its torso ({' and '.join(self.unused)})"), (walking, "walk")]
+        found = [(actions, what) for actions, what in ways if actions]
+        return (
+            (*found, ((*torso, *walking), " and ".join(what for _, what in found))) if len(found) > 1 else tuple(found)
+        )
 
     # --- Where it stands.
 

@@ -97,17 +97,16 @@ class Stands:
         """Why the robot cannot grasp the thing there at all, by its own effort; None if it can."""
         if self._grasping.miss is not None:
             return self._grasping.miss.text
-        name, thing, torso = self._performer.agent.name, self._grasping.thing, self._performer.torso_actions
+        name, thing = self._performer.agent.name, self._grasping.thing
         there = self._place.replace(at=self._performer.agent.base, to=self._now[self._performer.agent.base])
         efforts = SceneEfforts(Stage(self._performer.scene, there), self._performer.settings)
         effort = efforts.effort(name, thing, "grasp", self._performer.actions)
         if effort.level is not None and effort.level < NO_KNOWN_LEVEL:
             return None
-        if torso:
-            more = efforts.effort(name, thing, "grasp", (*self._performer.actions, *torso))
+        for actions, what in self._performer.not_planned:
+            more = efforts.effort(name, thing, "grasp", (*self._performer.actions, *actions))
             if more.level is not None and more.level < NO_KNOWN_LEVEL:
-                joints = " and ".join(self._performer.unused)
-                return f"{name} would have to move its torso ({joints}) to grasp the {thing}, which is not planned"
+                return f"{name} would have to {what} to grasp the {thing}, which is not planned"
         return f"{name} cannot grasp the {thing}: {effort.reason}"
 
     def __iter__(self) -> Iterator[Stand]:
@@ -176,7 +175,7 @@ class Stands:
     def _candidates(self) -> list[Base]:
         """Where the robot stands now, and bases around the thing from where an arm may reach it."""
         here = self._performer.base(self._now)
-        if not self._performer.agent.profile.moves:
+        if not self._performer.drives:
             return [here]
         target = self._grasping.centers(self._place).mean(axis=0)
         found = [here]
@@ -200,7 +199,7 @@ class Stands:
         """Places of the floor that the base can get to, batch by batch; the robot's own first."""
         yield [Place((0.0, 0.0), 0.0)]
         agent, settings = self._performer.agent, self._performer.settings
-        if not agent.profile.moves:
+        if not self._performer.drives:
             return
         stage = Stage(self._performer.scene, State(self._now, untracked=self._place.untracked))
         collisions = Collisions(stage, agent, settings, (), Recorder())
