@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -34,6 +35,8 @@ from taskgist.world.stage import Stage
 
 CHOOSING_WIDTH_PX, PICTURE_WIDTH_PX, FILM_WIDTH_PX, EYE_WIDTH_PX = 200, 600, 480, 300
 """Widths of pictures: by which a camera is chosen, in a strip, in a film, and there through an eye."""
+TITLE_LETTERS = 120
+"""Letters of a line above a strip, which has room for no more."""
 
 
 # --- A strip of moments.
@@ -57,7 +60,7 @@ def performance_picture(plan: Plan, execution: Execution, path: Path, *, setting
     rows = -(-len(shown) // 3)
     eyes = len(plan.targets)
     figure = Figure(figsize=(13, 3.15 * rows + 5.0 * eyes), layout="constrained")
-    figure.suptitle(f"{_title(plan)}\n{chosen(plan)}", fontsize=13)
+    figure.suptitle("\n".join(fill(line, TITLE_LETTERS) for line in (_title(plan), chosen(plan))), fontsize=13)
     grid = figure.add_gridspec(rows + eyes, 6, height_ratios=[1.0] * rows + [1.5] * eyes)
     for number, (frame, text) in enumerate(shown):
         row, column = divmod(number, 3)
