@@ -134,7 +134,7 @@ def test_a_refusal_counts_every_place_once() -> None:
     outcome = perform(scene("jido"), Request(clause("hide"), "R", "P2", "cup", allow=("white_box",)))
     search = outcome.search
     assert not outcome.performances
-    assert search.places == sum(search.missed.values()) + search.out_of_hand + search.wanted
+    assert search.places == sum(search.missed.values()) + search.out_of_hand + search.unknown + search.wanted
     assert search.tried == sum(search.refusals.values()) + len(outcome.spoiled)
     told = refused(outcome.request, outcome.goal, search, outcome.spoiled, STANDARD_TREE)
     assert told[0] == f"{search.wanted} of {search.places} places would do"

@@ -40,6 +40,7 @@ from taskgist.common.text import one_or_list
 from taskgist.errors import InputError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.values import Unknown
 from taskgist.language.phrases import listed
 from taskgist.learning.explanation import Context
 from taskgist.learning.understanding import Clause, clause_of
@@ -224,7 +225,7 @@ def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> No
         for path in written[number].values():
             console.print(f"  saved {path}")
     if outcome.performances:
-        console.print(f"{assumed(request)}; {outcome.search.places} places were judged")
+        console.print(f"{assumed(request)}; {_counted(outcome.search.places, 'place')} judged")
         return
     console.print(Text(f"{request.performer} finds no way to {request.clause.task}:", style="bold"))
     for sentence in refused(request, outcome.goal, outcome.search, outcome.spoiled, tree):
@@ -260,14 +261,18 @@ def outcome_document(
         "attention": request.attention,
         "assumed": assumed(request),
         "notes": list(not_as_demonstrated(outcome.goal, tree)),
-        "given": [{"literal": str(each.literal), "holds": each.holds is True} for each in outcome.goal.given],
+        "given": [{"literal": str(each.literal), "holds": _known(each.holds)} for each in outcome.goal.given],
         "wanted": [str(literal) for literal in outcome.goal.controllable],
         "ways": [_way_document(found, files) for found, files in zip(outcome.performances, written, strict=True)],
         "search": {
             "places": search.places,
             "wanted": search.wanted,
             "tried": search.tried,
+            "unknown": search.unknown,
             "out_of_hand": search.out_of_hand,
+            "out_of_hold": search.out_of_hold or None,
+            "out_of_reach": search.out_of_reach,
+            "details": list(search.details),
             "failed": [{"literal": str(literal), "count": count} for literal, count in search.missed.most_common()],
             "refusals": [{"reason": reason, "count": count} for reason, count in search.refusals.most_common()],
             "thrown_away": list(outcome.spoiled),
@@ -277,6 +282,14 @@ def outcome_document(
         "why_not": [] if outcome.performances else list(refused(request, outcome.goal, search, outcome.spoiled, tree)),
         "would_help": list(would_help(outcome.helps)),
     }
+
+
+def _counted(count: int, what: str) -> str:
+    return f"1 {what} was" if count == 1 else f"{count} {what}s were"
+
+
+def _known(truth: bool | Unknown) -> bool | None:
+    return None if isinstance(truth, Unknown) else truth
 
 
 def _way_document(found: Performance, files: Mapping[str, Path]) -> dict[str, Any]:
@@ -291,7 +304,7 @@ def _way_document(found: Performance, files: Mapping[str, Path]) -> dict[str, An
         "cost": cost_document(plan.cost) | {"text": cost(plan)},
         "duration_s": round(plan.duration_s, 3),
         "audit": found.audit.to_json(),
-        "strict": found.strict is True,
+        "strict": _known(found.strict),
         "files": {name: str(path) for name, path in files.items()},
     }
 

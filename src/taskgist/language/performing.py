@@ -133,6 +133,8 @@ def _places_refused(request: Request, search: Search, tree: HypothesisTree) -> I
         nearest = search.nearest.get(literal)
         miss = f", the nearest with {_found(nearest.found)}" if nearest is not None else ""
         yield f"at {count} of them it fails that {_said(literal, tree)}{miss}"
+    if search.unknown:
+        yield f"at {search.unknown} of them it is not known, for not all that decides is tracked"
     if search.out_of_hand:
         yield f"at {search.out_of_hand} of them {listed(request.targets, 'or')} could not take it"
     if search.out_of_reach:

@@ -171,6 +171,8 @@ class Planner:
             elif verdict.holds is True:
                 search.wanted += 1
                 yield candidate
+            else:
+                search.unknown += 1
             if search.places % 20 == 0:
                 progress(f"{search.places} places judged", self._share())
 

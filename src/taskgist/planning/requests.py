@@ -102,6 +102,7 @@ class Search:
         missed: How many failed at each literal.
         out_of_hand: How many are where the target agent's hand does not get to take the thing.
         nearest: The nearest miss at each literal whose attribute is a number or a level.
+        unknown: Of how many it is not known whether they do: something that decides is not tracked.
         wanted: How many satisfy the goal.
         out_of_hold: Why the performer does not get hold of the thing where it lies; then no more places are looked for
             to which it could bring it. Empty if it does.
@@ -116,6 +117,7 @@ class Search:
     missed: Counter[Literal] = field(default_factory=Counter)
     nearest: dict[Literal, Missed] = field(default_factory=dict)
     out_of_hand: int = 0
+    unknown: int = 0
     wanted: int = 0
     out_of_hold: str = ""
     out_of_reach: int = 0
