@@ -83,6 +83,18 @@ def test_what_stands_in_a_carried_box_goes_with_it() -> None:
     assert finding.frame >= 120
 
 
+def test_what_is_elsewhere_does_not_ride_on_what_is_held() -> None:
+    """A cube that glides over the floor, slowly, while a hand holds something still."""
+    room = carry('<body name="cube" pos="2 2 0.02"><freejoint/><geom type="box" size="0.02 0.02 0.02"/></body>')
+    held = next(frame for frame in range(room.taken + 20, room.released))
+    qpos = np.repeat(room.qpos[held][None], 120, axis=0)
+    still = room.audited(qpos=qpos, holding=(frozenset({HOLD}),) * 120)
+    assert not [each for each in still.findings if each.what == "cube"]
+    qpos[:, room.scene.object_slice("cube").start] += np.linspace(0.0, 0.2, 120)
+    found = room.audited(qpos=qpos, holding=(frozenset({HOLD}),) * 120)
+    assert "cube" in {each.what for each in found.findings}
+
+
 # --- Penetrations.
 
 

@@ -237,6 +237,8 @@ def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> No
 def _strict(found: Performance) -> str:
     if found.strict is True:
         return "the whole clause holds"
+    if found.strict is not False:
+        return "whether the clause as a whole does is not known"
     return "the clause as a whole does not, for not all is here as it was when it was learned"
 
 

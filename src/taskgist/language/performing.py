@@ -126,7 +126,7 @@ def _places_refused(request: Request, search: Search, tree: HypothesisTree) -> I
     if "move" not in request.means:
         return
     if not search.places:
-        yield f"there is no place for the {request.thing} in {listed(request.allow or ()) or 'this room'}"
+        yield f"there is no place for the {search.thing} in {listed(request.allow or ()) or 'this room'}"
         return
     yield f"{search.wanted} of {search.places} places would do"
     for literal, count in search.missed.most_common():

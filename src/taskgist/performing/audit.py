@@ -338,17 +338,32 @@ def _angles(one: Array, other: Array) -> Array:
 def _carried(
     motion: Motion, name: str, frame: int, holding: Sequence[Collection[Hold]], tolerances: Tolerances
 ) -> bool:
-    """Whether a hand holds a thing from a frame to the next, or holds what the thing stays put on or in."""
-    kept = {hold.object for hold in holding[frame] if hold in holding[frame + 1]}
+    """Whether a hand holds a thing from a frame to the next, or holds what the thing rides on, or in.
+
+    What rides touches what is held, and stays where it was there: from frame to frame, and since the hand took hold.
+    """
+    kept = {hold.object: hold for hold in holding[frame] if hold in holding[frame + 1]}
     if name in kept:
         return True
-    frames, thing = [frame, frame + 1], motion.scene.object_body(name)
-    for other in kept:
+    thing = motion.scene.object_body(name)
+    for other, hold in kept.items():
+        first = frame
+        while first > 0 and hold in holding[first - 1]:
+            first -= 1
+        frames = [first, frame, frame + 1]
         carrier = motion.bodies[frames, motion.scene.object_body(other)]
         moved_m, turned_rad = _apart(carrier[:, :3], matrix_from_wxyz(carrier[:, 3:]), motion.bodies[frames, thing])
-        if moved_m[1] <= tolerances.drift_m and turned_rad[1] <= tolerances.drift_rad:
+        still = abs(moved_m[2] - moved_m[1]) <= tolerances.drift_m
+        stays = moved_m[2] <= tolerances.settling_m and turned_rad[2] <= tolerances.settling_rad
+        if still and stays and _touch(motion, name, other, frame, tolerances.riding_m):
             return True
     return False
+
+
+def _touch(motion: Motion, name: str, other: str, frame: int, within_m: float) -> bool:
+    stage, scene = Stage(motion.scene, State(motion.qpos[frame])), motion.scene
+    own, others = scene.solid_geoms_of(name), scene.solid_geoms_of(other)
+    return bool(stage.closest(own, others, limit_m=within_m)[0] < within_m)
 
 
 def _unrest(

@@ -57,6 +57,8 @@ class Tolerances:
     """How far aside a free thing may settle, and how far from its planned place it may be in the end."""
     settling_rad: float = np.deg2rad(5.0)
     """How far it may turn as it settles, and be turned from its planned orientation in the end."""
+    riding_m: float = 0.005
+    """What rides on a held thing, or in it, is no farther from it."""
     resting_m_s: float = 0.02
     """What is slower than this at the end rests."""
     hanging_s: float = 0.2

@@ -13,6 +13,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import islice, pairwise
 
+from taskgist.errors import SceneError
 from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.grasping import Grasping
@@ -163,9 +164,9 @@ class Actions:
     def effort(self, state: State, name: str, candidate: Candidate) -> int | None:
         """The least effort level with which an agent grasps a thing where it is and reaches it where it is to be."""
         efforts = SceneEfforts(Stage(self._scene, state.with_holding(None)), self._settings)
-        before = efforts.effort(name, candidate.thing, "grasp").level
+        before = efforts.effort(name, candidate.thing, "grasp", self._usable(name)).level
         efforts.update(candidate.state.with_holding(None))
-        after = efforts.effort(name, candidate.thing, "reach").level
+        after = efforts.effort(name, candidate.thing, "reach", self._usable(name)).level
         return None if before is None or after is None else max(before, after)
 
     def level(self, state: State, name: str, thing: str) -> int:
@@ -175,7 +176,10 @@ class Actions:
         """
         key = (state.qpos.tobytes(), name, thing)
         if key not in self._levels:
-            level = self._efforts(name, state).effort(name, thing, "grasp", self._usable(name)).level
+            try:
+                level = self._efforts(name, state).effort(name, thing, "grasp", self._usable(name)).level
+            except SceneError:  # it has no hand, or stands in something: it does nothing
+                level = None
             self._levels[key] = NO_KNOWN_LEVEL if level is None else level
         return self._levels[key]
 
@@ -186,7 +190,7 @@ class Actions:
     def _anywhere(self, name: str) -> Performer:
         """A robot wherever it stands: what it can do is the same everywhere."""
         known = next((robot for (who, _), robot in self._robots.items() if who == name), None)
-        return known or Performer(self._scene, name, self._settings)
+        return known or Performer(self._scene, name, self._settings, start=self._start)
 
     def _blockers(self, grasping: Grasping) -> list[str]:
         """Things that are in the way of a hand that would pick a thing up, those that block most first."""
@@ -264,4 +268,5 @@ def after(scene: Scene, state: State, action: Action) -> State | str:
                 for name in end.motions:
                     column = scene.object_slice(name)
                     qpos[column] = end.state.qpos[column]
-    return state.replace(at=slice(None), to=qpos).with_holding(action.phases[-1].holds or None)
+    others = {hold for hold in state.holding or () if hold.object != action.thing}
+    return state.replace(at=slice(None), to=qpos).with_holding((others | action.phases[-1].holds) or None)

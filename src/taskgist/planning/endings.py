@@ -40,6 +40,7 @@ ENDS: Mapping[Means, str] = {
 HANDED: tuple[Means, ...] = ("hand_over",)
 IN_AIR: frozenset[Means] = frozenset({"hold_up", "hand_over"})
 """Ways that are of one target agent."""
+NOT_KNOWN = "it is not known whether that would do"
 AWAY_M = 1e3
 """Where a thing is put that is thought away."""
 
@@ -111,7 +112,10 @@ class Endings:
 
         def asked(end: State) -> str | None:
             verdict = judge.verdict(end)
-            return None if verdict.holds is True else f"with {agent} where it is in the end, {verdict.failed} fails"
+            if verdict.holds is True:
+                return None
+            wrong = NOT_KNOWN if verdict.failed is None else f"{verdict.failed} fails"
+            return f"with {agent} where it is in the end, {wrong}"
 
         return asked
 

@@ -92,7 +92,7 @@ class Grasping:
         Args:
             goal: Where the thing's body is to be: position in metres and wxyz, (7,).
         """
-        assert len(self._free_at_start) >= 0, "found once for all goals"
+        _ = self._free_at_start  # found once, before it is copied
         other = copy(self)
         for found_for_a_goal in ("free", "_palms"):
             other.__dict__.pop(found_for_a_goal, None)

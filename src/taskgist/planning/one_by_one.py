@@ -26,7 +26,7 @@ from taskgist.planning.goal import Goal
 from taskgist.planning.helping import Help
 from taskgist.planning.pddl import Pddl
 from taskgist.planning.performer import Performer
-from taskgist.planning.plan import Action, Cost, Plan
+from taskgist.planning.plan import Action, Cost, Plan, efforts_of
 from taskgist.planning.planner import Planner
 from taskgist.planning.requests import Request, Search
 from taskgist.settings import DEFAULT, Settings
@@ -171,10 +171,7 @@ class OneByOne:
         return end.with_holding(holds) if holds else end
 
     def _whole(self, last: Plan, actions: tuple[Action, ...]) -> Plan:
-        efforts = dict[str, int]()
-        for action in actions:
-            efforts[action.performer] = efforts.get(action.performer, 0) + (action.effort or 0)
-        cost = last.cost if len(self.request.things) == 1 else Cost(len(actions), efforts)
+        cost = last.cost if len(self.request.things) == 1 else Cost(len(actions), efforts_of(actions))
         return replace(last, thing=self.request.thing, also_with=self.request.also_with, actions=actions, cost=cost)
 
 

@@ -27,7 +27,7 @@ from taskgist.perspective.effort import EFFORT_NAMES, NO_KNOWN_LEVEL
 from taskgist.planning.actions import Actions
 from taskgist.planning.endings import Endings, Judged
 from taskgist.planning.placing import Candidate
-from taskgist.planning.plan import Plan
+from taskgist.planning.plan import Action, Plan
 from taskgist.planning.requests import Request
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
@@ -140,7 +140,7 @@ class _Export:
         used = sorted(set(levels.values()))
         return Pddl(
             _domain(used),
-            self._problem(places, levels, used),
+            self._problem(places, levels, used, plans),
             {place.name: self._told(place) for place in places},
             tuple(self._plan(plan, places, levels) for plan in plans),
         )
@@ -160,7 +160,7 @@ class _Export:
         for plan in plans:
             for action in plan.actions:
                 if action.thing == thing:
-                    yield action.candidate, action is plan.actions[-1]
+                    yield action.candidate, len(plan.actions) == 1
 
     def _enough(self, thing: str) -> Iterator[tuple[Candidate, bool]]:
         """Places where the goal holds, and a few others that somebody gets at."""
@@ -208,7 +208,13 @@ class _Export:
         kept = self._endings.blockers(self._state, lambda state: self._gets(who, thing, state))
         return tuple(dict.fromkeys((*upon, *(name for name in kept if name != thing))))
 
-    def _problem(self, places: Sequence[_Place], levels: dict[tuple[str, _Place], int], used: Sequence[int]) -> str:
+    def _problem(
+        self,
+        places: Sequence[_Place],
+        levels: dict[tuple[str, _Place], int],
+        used: Sequence[int],
+        plans: Sequence[Plan],
+    ) -> str:
         names, here = self._names.of, {place.thing: place for place in places if place.candidate is None}
         init = ["(= (total-cost) 0)"]
         init += [f"(at {names('thing', thing)} {here[thing].name})" for thing in self._things]
@@ -225,6 +231,11 @@ class _Export:
                 at = f"(at {names('thing', place.thing)} {place.name})"
                 stays = f"(at {names('thing', thing)} {here[thing].name})"
                 ends.append(at if place.thing == thing else f"(and {at} {stays})")
+        for plan in plans:
+            if len(plan.actions) > 1:  # it will do where all that was moved is in the end
+                last = {action.thing: self._of(places, action) for action in plan.actions}
+                where = " ".join(f"(at {names('thing', each)} {place.name})" for each, place in last.items())
+                ends.append(f"(and {where})")
         goal = ["  (:goal (or", *(f"    {end}" for end in ends), "  ))"]
         if not ends:  # none of the places will do
             never = names("thing", thing)
@@ -260,13 +271,19 @@ class _Export:
             "wxyz": [round(float(value), 6) for value in pose[3:]],
         }
 
+    @staticmethod
+    def _of(places: Sequence[_Place], action: Action) -> _Place:
+        """The place to which an action brings its thing."""
+        return next(each for each in places if each.thing == action.thing and _at(each, action.candidate))
+
     def _plan(self, plan: Plan, places: Sequence[_Place], levels: dict[tuple[str, _Place], int]) -> str:
         """A plan as a sequence of actions."""
         at = {place.thing: place for place in places if place.candidate is None}
         lines = []
         for action in plan.actions:
-            to = next(each for each in places if each.thing == action.thing and _at(each, action.candidate))
-            known = [levels.get((action.performer, place), action.effort or 0) for place in (at[action.thing], to)]
+            to = self._of(places, action)
+            level = NO_KNOWN_LEVEL if action.effort is None else action.effort
+            known = [levels.get((action.performer, place), level) for place in (at[action.thing], to)]
             who, what = self._names.of("agent", action.performer), self._names.of("thing", action.thing)
             kind = KINDS[min(max(known), len(KINDS) - 1)]
             lines.append(f"(carry-{kind} {who} {what} {at[action.thing].name} {to.name})")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,7 +15,7 @@ from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.planning.placing import Candidate
 from taskgist.world.state import Hold
 
-__all__ = ["RATE_HZ", "Action", "Cost", "Phase", "PhaseName", "Plan", "Purpose"]
+__all__ = ["RATE_HZ", "Action", "Cost", "Phase", "PhaseName", "Plan", "Purpose", "efforts_of"]
 
 PhaseName = Literal[
     "drive",
@@ -126,6 +126,15 @@ class Cost:
     def total(self) -> float:
         """In actions."""
         return self.actions + EFFORT_COST * sum(self.efforts.values())
+
+
+def efforts_of(actions: Sequence[Action]) -> dict[str, int]:
+    """Effort levels of those who act, each summed over its actions; what is not known counts as none known."""
+    found = dict[str, int]()
+    for action in actions:
+        level = NO_KNOWN_LEVEL if action.effort is None else action.effort
+        found[action.performer] = found.get(action.performer, 0) + level
+    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ from taskgist.planning.helping import Help, helps
 from taskgist.planning.pddl import Pddl, exported
 from taskgist.planning.performer import Performer, refuse_held
 from taskgist.planning.placing import Candidate
-from taskgist.planning.plan import Action, Cost, Plan
+from taskgist.planning.plan import Action, Cost, Plan, efforts_of
 from taskgist.planning.requests import Missed, Request, Search
 from taskgist.planning.sequences import Sequences
 from taskgist.settings import DEFAULT, Settings
@@ -91,7 +91,7 @@ class Planner:
         self.aims = aims_of(scene, begin, request.clause, who, what, tree, settings, predicates)
         self.goal = goal_of_all(self.aims)
         self._endings = Endings(scene, state, request, (*self.aims, *kept), settings, predicates, lets_go=lets_go)
-        self.search = Search()
+        self.search = Search(thing=request.thing)
         self._sequences = Sequences(scene, state, request, self._endings, self._actions, self.search)
 
     def robot(self, name: str) -> Performer | None:
@@ -205,9 +205,7 @@ class Planner:
                     self.search.nearest[literal] = Missed(off, found, candidate)
 
     def _plan(self, actions: tuple[Action, ...]) -> Plan:
-        request, efforts = self.request, dict[str, int]()
-        for action in actions:
-            efforts[action.performer] = efforts.get(action.performer, 0) + (action.effort or 0)
+        request, efforts = self.request, efforts_of(actions)
         if self._endings.target_takes or actions[-1].taker in request.targets:
             efforts |= self._endings.target_levels(actions[-1].candidate)
         return Plan(

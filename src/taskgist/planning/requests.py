@@ -69,9 +69,10 @@ class Request:
     def __post_init__(self) -> None:
         _check("means", self.means, MEANS)
         _check("spare", (self.spare,), SPARED)
-        for field_, names in (("also_for", (self.performer, *self.targets)), ("also_with", self.things)):
+        who, what = ("also_for" if self.also_for else "target"), "also_with"
+        for field_, names in ((who, (self.performer, *self.targets)), (what, self.things)):
             twice = next((name for name in names if names.count(name) > 1), None)
-            if twice is not None and len(getattr(self, field_)):
+            if twice is not None:
                 hint = "name each once; a task is performed for others"
                 raise InputError("stands twice", where="Request", field=field_, value=twice, hint=hint)
 
@@ -98,6 +99,7 @@ class Search:
     of all other means is told by them.
 
     Attributes:
+        thing: The thing that was to be brought somewhere.
         places: How many were judged.
         missed: How many failed at each literal.
         out_of_hand: How many are where the target agent's hand does not get to take the thing.
@@ -113,6 +115,7 @@ class Search:
         others: Of every other way that was tried why it does not do, in the order in which they were.
     """
 
+    thing: str = ""
     places: int = 0
     missed: Counter[Literal] = field(default_factory=Counter)
     nearest: dict[Literal, Missed] = field(default_factory=dict)

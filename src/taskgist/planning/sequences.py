@@ -27,9 +27,10 @@ from itertools import islice
 import numpy as np
 
 from taskgist.common.workers import Progress
+from taskgist.errors import SceneError
 from taskgist.perspective.effort import NO_KNOWN_LEVEL
-from taskgist.planning.actions import Actions, after
-from taskgist.planning.endings import Endings, Judged
+from taskgist.planning.actions import Actions, WhyNot, after
+from taskgist.planning.endings import NOT_KNOWN, Endings, Judged
 from taskgist.planning.persons import moves_itself
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import EFFORT_COST, Action, Purpose
@@ -231,15 +232,8 @@ class Sequences:
                 return None if able else f"{then.agent} does not get hold of the {then.thing} then"
 
         for candidate in islice(self._places(state, step, rest, trial), MOST_TRIED[step.purpose]):
-            action = self._actions.out_of_reach(step.agent, candidate) or self._actions.plan(
-                state,
-                step.agent,
-                step.purpose,
-                candidate,
-                why_not,
-                leaves=bool(rest) and rest[0].agent != step.agent,
-                blockers=blockers,
-            )
+            leaves = bool(rest) and rest[0].agent != step.agent
+            action = self._action(state, step, candidate, why_not, leaves=leaves, blockers=blockers)
             if isinstance(action, str):
                 trial.why = action
                 if not self._begins(state, step, len(done), trial):
@@ -255,6 +249,27 @@ class Sequences:
                 yield from self._carried_out(end, rest, (*done, action), trial)
         if blockers:
             trial.blocked = (len(done), tuple(blockers))
+
+    def _action(
+        self,
+        state: State,
+        step: Step,
+        candidate: Candidate,
+        why_not: WhyNot,
+        *,
+        leaves: bool,
+        blockers: dict[str, None],
+    ) -> Action | str:
+        """A step carried out; or why not: whoever stands in something by then, say, carries out nothing."""
+        out = self._actions.out_of_reach(step.agent, candidate)
+        if out is not None:
+            return out
+        try:
+            return self._actions.plan(
+                state, step.agent, step.purpose, candidate, why_not, leaves=leaves, blockers=blockers
+            )
+        except SceneError as error:
+            return str(error)
 
     def _begins(self, state: State, step: Step, number: int, trial: _Trial) -> bool:
         """Whether a step can be begun in a state, as far as is known; if not, the trial is told why not."""
@@ -308,6 +323,8 @@ class Sequences:
                 yield found.candidate
             elif found.verdict.failed is not None:
                 trial.why = trial.why or f"{found.verdict.failed} fails"
+            else:
+                trial.why = trial.why or NOT_KNOWN
 
     def _detour_m(self, state: State, step: Step, then: Step, candidate: Candidate) -> float:
         """How far a place in between is from where the thing is, and from whoever acts next, metres."""

@@ -4,7 +4,7 @@ Who checks a way step by step knows nothing of what lies between the steps, and 
 which there is nothing. A gap tells more: two shapes that are 20 cm apart stay apart until one has moved by 20 cm
 ("conservative advancement" [Mirtich 1996]). So each look at a configuration says how far around it all is free::
 
-    sweep = Sweep(body, qpos, ArmMoves(positions), ends=(start, goal))
+    sweep = Sweep(body, qpos, JointMoves(positions), ends=(start, goal))
     sweep.look(middle, half)             # -1: something is hit; 0.4: free within 0.4 × half of the middle; 1: all of it
     line_is_free(sweep.look, start, goal)
 
