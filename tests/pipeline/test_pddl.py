@@ -27,6 +27,12 @@ def cleared() -> Outcome:
     return perform(beneath_a_laden_dome(0.05), request)
 
 
+def _carried(plan: list[str]) -> list[list[str]]:
+    """Who carries what; which of two covers that cost the same is up to the planner, to whom motions are unknown."""
+    covers = {"dome": "a cover", "bin": "a cover"}
+    return [[covers.get(word, word) for word in line.split()[1:3]] for line in plan]
+
+
 @pytest.mark.parametrize("performed", [relayed, covered, cleared])
 def test_another_planner_solves_the_same_problem(performed: Callable[[], Outcome], tmp_path: Path) -> None:
     outcome = performed()
@@ -41,7 +47,7 @@ def test_another_planner_solves_the_same_problem(performed: Callable[[], Outcome
     ours = pddl.plans[0].splitlines()
     assert ours_is == "VALID", "our plan, by their validator"
     assert len(theirs) == len(ours) == len(outcome.performances[0].plan.actions)
-    assert [line.split()[1:3] for line in theirs] == [line.split()[1:3] for line in ours], "who carries what"
+    assert _carried(theirs) == _carried(ours), "who carries what"
 
 
 def test_its_places_are_those_of_the_plan() -> None:
