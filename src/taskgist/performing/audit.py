@@ -69,13 +69,14 @@ def audit(
     motion = Motion(scene, _as_written(scene, qpos))
     grips = tuple(_grips(motion, holding, tolerances))
     by_plan = [grip for grip in grips if grip.hold.agent in performers]
+    carried = {name: _carried(motion, name, grips, tolerances) for name in motion.moved_objects()}
     search = Penetrations(motion, performers, grips, tolerance_m=tolerances.depth_m, in_hand_m=tolerances.in_hand_m)
     findings = [
         *_penetrations(motion, search, times_s),
         *_joints(motion, _steps(motion.model, qpos), times_s, performers, tolerances),
         *_held(motion, times_s, by_plan, tolerances, contact),
-        *_jumps(motion, times_s, holding, tolerances),
-        *_unrest(motion, times_s, holding, tolerances, contact),
+        *_jumps(motion, times_s, carried, tolerances),
+        *_unrest(motion, times_s, holding, carried, tolerances, contact),
         *(() if planned is None else _elsewhere(motion, times_s, np.asarray(planned, dtype=float), tolerances)),
     ]
     duration_s = float(times_s[-1] - times_s[0])
@@ -288,7 +289,7 @@ def _beyond(
 
 
 def _jumps(
-    motion: Motion, times_s: Array, holding: Sequence[Collection[Hold]], tolerances: Tolerances
+    motion: Motion, times_s: Array, carried: Mapping[str, Sequence[bool]], tolerances: Tolerances
 ) -> Iterator[Finding]:
     """Things that move although no hand holds them, nor what they are in or on.
 
@@ -303,7 +304,7 @@ def _jumps(
         left, before = bodies[0], (0.0, 0.0)  # its pose when it was let go, and its speeds in the frame before
         for frame, duration_s in enumerate(durations):
             speeds = moved_m[frame] / duration_s, turned_rad[frame] / duration_s
-            if _carried(motion, name, frame, holding, tolerances):
+            if carried[name][frame]:
                 left = bodies[frame + 1]
             else:
                 gains = GRAVITY_M_S2 * duration_s + tolerances.resting_m_s, tolerances.falling_rad_s2 * duration_s
@@ -335,41 +336,34 @@ def _angles(one: Array, other: Array) -> Array:
     return np.asarray(2 * np.arccos(np.clip(np.abs((one * other).sum(axis=-1)), 0.0, 1.0)))
 
 
-def _carried(
-    motion: Motion, name: str, frame: int, holding: Sequence[Collection[Hold]], tolerances: Tolerances
-) -> bool:
-    """Whether a hand holds a thing from a frame to the next, or holds what the thing rides on, or in.
+def _carried(motion: Motion, name: str, grips: Sequence[Grip], tolerances: Tolerances) -> list[bool]:
+    """From each frame to the next, whether a hand holds a thing, or holds what the thing rides on, or in.
 
     What rides touches what is held, and stays where it was there: from frame to frame, and since the hand took hold.
     """
-    kept = {hold.object: hold for hold in holding[frame] if hold in holding[frame + 1]}
-    if name in kept:
-        return True
-    thing = motion.scene.object_body(name)
-    for other, hold in kept.items():
-        first = frame
-        while first > 0 and hold in holding[first - 1]:
-            first -= 1
-        frames = [first, frame, frame + 1]
+    carried = [False] * (len(motion.qpos) - 1)
+    own, thing = motion.scene.solid_geoms_of(name), motion.scene.object_body(name)
+    for first, last, other in ((grip.first, grip.last, grip.hold.object) for grip in grips):
+        if other == name:
+            carried[first:last] = [True] * (last - first)
+            continue
+        frames = np.arange(first, last + 1)
         carrier = motion.bodies[frames, motion.scene.object_body(other)]
         moved_m, turned_rad = _apart(carrier[:, :3], matrix_from_wxyz(carrier[:, 3:]), motion.bodies[frames, thing])
-        still = abs(moved_m[2] - moved_m[1]) <= tolerances.drift_m
-        stays = moved_m[2] <= tolerances.settling_m and turned_rad[2] <= tolerances.settling_rad
-        if still and stays and _touch(motion, name, other, frame, tolerances.riding_m):
-            return True
-    return False
-
-
-def _touch(motion: Motion, name: str, other: str, frame: int, within_m: float) -> bool:
-    stage, scene = Stage(motion.scene, State(motion.qpos[frame])), motion.scene
-    own, others = scene.solid_geoms_of(name), scene.solid_geoms_of(other)
-    return bool(stage.closest(own, others, limit_m=within_m)[0] < within_m)
+        rides = np.abs(np.diff(moved_m)) <= tolerances.drift_m
+        rides &= (moved_m[1:] <= tolerances.settling_m) & (turned_rad[1:] <= tolerances.settling_rad)
+        others, within_m = motion.scene.solid_geoms_of(other), tolerances.riding_m
+        for frame in frames[:-1][rides].tolist():
+            stage = Stage(motion.scene, State(motion.qpos[frame]))
+            carried[frame] = carried[frame] or stage.closest(own, others, limit_m=within_m)[0] < within_m
+    return carried
 
 
 def _unrest(
     motion: Motion,
     times_s: Array,
     holding: Sequence[Collection[Hold]],
+    carried: Mapping[str, Sequence[bool]],
     tolerances: Tolerances,
     contact: Contact,
 ) -> Iterator[Finding]:
@@ -382,7 +376,7 @@ def _unrest(
         if speeds_m_s[-1] > tolerances.resting_m_s:
             speed, allowed = float(speeds_m_s[-1]), tolerances.resting_m_s
             yield Finding("rest", name, None, last, float(times_s[last]), speed, allowed, "m/s")
-        free = [not _carried(motion, name, frame, holding, tolerances) for frame in range(last)]
+        free = [not each for each in carried[name]]
         whiles = [*_whiles(np.array(free) & (speeds_m_s <= tolerances.resting_m_s)), (last, last)]
         for begin, end in whiles:
             if begin > 0 and end < last and times_s[end] - times_s[begin] < tolerances.hanging_s:

@@ -469,6 +469,11 @@ class Effort:
         return self.evidence.reason
 
     @property
+    def is_known_to_do(self) -> bool:
+        """Whether it is known that some effort does: not unknown, and not level 5."""
+        return self.level is not None and self.level < NO_KNOWN_LEVEL
+
+    @property
     def name(self) -> str | None:
         """Type of the effort, by its name in Fig. 6; None if unknown."""
         return None if self.level is None else EFFORT_NAMES[self.ability][self.level]

@@ -130,18 +130,18 @@ class Actions:
         """Why an agent does not get hold of a thing where it is, by its own effort; nothing if it does."""
         if self.grasps(state, name, thing):
             return ""
-        reason = self._efforts(name, state).effort(name, thing, "grasp", self._usable(name)).reason
-        for actions, what in () if moves_itself(self._scene.agent(name)) else self._anywhere(name).not_planned:
-            more = self._efforts(name, state).effort(name, thing, "grasp", (*self._usable(name), *actions))
-            if more.level is not None and more.level < NO_KNOWN_LEVEL:
-                reason = f"it would have to {what}, which is not planned"
-                break
+        efforts, person = self._efforts(name, state), moves_itself(self._scene.agent(name))
+        what = None if person else self._anywhere(name).would_have_to(efforts, thing)
+        if what is None:
+            reason = efforts.effort(name, thing, "grasp", self._usable(name)).reason
+        else:
+            reason = f"it would have to {what}, which is not planned"
         return f"{name} cannot grasp the {thing}: {reason}"
 
     def out_of_reach(self, name: str, candidate: Candidate) -> str | None:
         """Why an agent does not get at a place, by its own effort; None if it does."""
         effort = self._efforts(name, candidate.state).effort(name, candidate.thing, "reach", self._usable(name))
-        if effort.level is not None and effort.level < NO_KNOWN_LEVEL:
+        if effort.is_known_to_do:
             return None
         stays = "from where it is, " if moves_itself(self._scene.agent(name)) else ""
         return f"{stays}{name} does not reach so far"

@@ -168,7 +168,7 @@ class OneByOne:
         if isinstance(end, str):
             planner.search.refusals[end] += 1
             return None
-        return end.with_holding(holds) if holds else end
+        return end
 
     def _whole(self, last: Plan, actions: tuple[Action, ...]) -> Plan:
         cost = last.cost if len(self.request.things) == 1 else Cost(len(actions), efforts_of(actions))

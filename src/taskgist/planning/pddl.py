@@ -20,6 +20,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import islice
 from typing import Any
 
@@ -192,14 +193,18 @@ class _Export:
         for place in places:
             state = self._state if place.candidate is None else place.candidate.state
             if place.candidate is None:
-                for name in self._blocking(place.thing):
+                for name in self._blocking[place.thing]:
                     state = self._endings.without(state, name)
             for agent in self._agents:
                 level = self._actions.level(state, agent, place.thing)
                 if level < NO_KNOWN_LEVEL:
                     yield (agent, place), level
 
-    def _blocking(self, thing: str) -> tuple[str, ...]:
+    @cached_property
+    def _blocking(self) -> dict[str, tuple[str, ...]]:
+        return {thing: self._blocking_of(thing) for thing in self._things}
+
+    def _blocking_of(self, thing: str) -> tuple[str, ...]:
         """What must be moved before a thing is taken from where it is: what lies on it, what keeps hands off."""
         upon = tuple(name for name in self._endings.upon(self._state, thing) if name != self._request.thing)
         if any(self._gets(agent, thing, self._state) for agent in self._agents):
@@ -219,7 +224,7 @@ class _Export:
         init = ["(= (total-cost) 0)"]
         init += [f"(at {names('thing', thing)} {here[thing].name})" for thing in self._things]
         for thing in self._things:
-            blocking = [names("thing", name) for name in self._blocking(thing)]
+            blocking = [names("thing", name) for name in self._blocking[thing]]
             init += [f"(blocks {name} {names('thing', thing)} {here[thing].name})" for name in blocking]
         for (agent, place), level in levels.items():
             what = f"{names('agent', agent)} {names('thing', place.thing)} {place.name}"
@@ -282,8 +287,7 @@ class _Export:
         lines = []
         for action in plan.actions:
             to = self._of(places, action)
-            level = NO_KNOWN_LEVEL if action.effort is None else action.effort
-            known = [levels.get((action.performer, place), level) for place in (at[action.thing], to)]
+            known = [levels.get((action.performer, place), action.level) for place in (at[action.thing], to)]
             who, what = self._names.of("agent", action.performer), self._names.of("thing", action.thing)
             kind = KINDS[min(max(known), len(KINDS) - 1)]
             lines.append(f"(carry-{kind} {who} {what} {at[action.thing].name} {to.name})")

@@ -24,6 +24,7 @@ from taskgist.errors import SceneError
 from taskgist.perspective.effort import LEAN, MOVE, TURN, Blocking, stretch
 from taskgist.perspective.effort import LIFT as LIFT_TORSO
 from taskgist.perspective.grasp_sampling import Grasps, on_outside
+from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.gripper import Gripper
 from taskgist.planning.inverse_kinematics import ArmKinematics, Chain, Pointing, ahead_in_palm, chain_of_arm
 from taskgist.planning.sweeps import BaseMoves, JointMoves, Sweep
@@ -164,6 +165,13 @@ class Performer:
         return (
             (*found, ((*torso, *walking), " and ".join(what for _, what in found))) if len(found) > 1 else tuple(found)
         )
+
+    def would_have_to(self, efforts: SceneEfforts, thing: str) -> str | None:
+        """What it would have to do to grasp a thing, and nothing here carries out; None if that would not do either."""
+        for actions, what in self.not_planned:
+            if efforts.effort(self.agent.name, thing, "grasp", (*self.actions, *actions)).is_known_to_do:
+                return what
+        return None
 
     # --- Where it stands.
 

@@ -97,6 +97,11 @@ class Action:
         return self.candidate.carrier if self.candidate.means == "hand_over" else None
 
     @property
+    def level(self) -> int:
+        """The effort as it is counted: what is not known as none known."""
+        return NO_KNOWN_LEVEL if self.effort is None else self.effort
+
+    @property
     def duration_s(self) -> float:
         """How long it takes."""
         return sum(phase.duration_s for phase in self.phases)
@@ -129,11 +134,10 @@ class Cost:
 
 
 def efforts_of(actions: Sequence[Action]) -> dict[str, int]:
-    """Effort levels of those who act, each summed over its actions; what is not known counts as none known."""
+    """Effort levels of those who act, each summed over its actions."""
     found = dict[str, int]()
     for action in actions:
-        level = NO_KNOWN_LEVEL if action.effort is None else action.effort
-        found[action.performer] = found.get(action.performer, 0) + level
+        found[action.performer] = found.get(action.performer, 0) + action.level
     return found
 
 

@@ -28,7 +28,6 @@ import numpy as np
 
 from taskgist.common.workers import Progress
 from taskgist.errors import SceneError
-from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.planning.actions import Actions, WhyNot, after
 from taskgist.planning.endings import NOT_KNOWN, Endings, Judged
 from taskgist.planning.persons import moves_itself
@@ -201,8 +200,7 @@ class Sequences:
     def _cost(self, sketch: Sketch) -> float:
         """What a sketch costs at least: its actions, and the effort that is known before anything is moved."""
         first = sketch[0]
-        level = min(self._actions.level(self._state, first.agent, first.thing), NO_KNOWN_LEVEL)
-        return len(sketch) + EFFORT_COST * level
+        return len(sketch) + EFFORT_COST * self._actions.level(self._state, first.agent, first.thing)
 
     def _in_the_way(self, state: State, step: Step) -> tuple[str, ...]:
         """What must be cleared so that a step's agent grasps its thing at all; nothing if it does already."""
@@ -231,8 +229,8 @@ class Sequences:
                 able = self._actions.grasps(end, then.agent, then.thing)
                 return None if able else f"{then.agent} does not get hold of the {then.thing} then"
 
+        leaves = bool(rest) and rest[0].agent != step.agent
         for candidate in islice(self._places(state, step, rest, trial), MOST_TRIED[step.purpose]):
-            leaves = bool(rest) and rest[0].agent != step.agent
             action = self._action(state, step, candidate, why_not, leaves=leaves, blockers=blockers)
             if isinstance(action, str):
                 trial.why = action

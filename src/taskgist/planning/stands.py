@@ -21,7 +21,6 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.perspective.constraints import Collisions
-from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.perspective.floor import Floor, Place
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.perspective.target import Recorder
@@ -101,12 +100,11 @@ class Stands:
         there = self._place.replace(at=self._performer.agent.base, to=self._now[self._performer.agent.base])
         efforts = SceneEfforts(Stage(self._performer.scene, there), self._performer.settings)
         effort = efforts.effort(name, thing, "grasp", self._performer.actions)
-        if effort.level is not None and effort.level < NO_KNOWN_LEVEL:
+        if effort.is_known_to_do:
             return None
-        for actions, what in self._performer.not_planned:
-            more = efforts.effort(name, thing, "grasp", (*self._performer.actions, *actions))
-            if more.level is not None and more.level < NO_KNOWN_LEVEL:
-                return f"{name} would have to {what} to grasp the {thing}, which is not planned"
+        what = self._performer.would_have_to(efforts, thing)
+        if what is not None:
+            return f"{name} would have to {what} to grasp the {thing}, which is not planned"
         return f"{name} cannot grasp the {thing}: {effort.reason}"
 
     def __iter__(self) -> Iterator[Stand]:
