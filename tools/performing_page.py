@@ -1,7 +1,7 @@
 """Measure performing, or read what was measured; figures for docs/research/performing.md.
 
 python -m tools.performing_page --rooms 6
-taskgist evaluate perform --rooms 6 --json > found.json; python -m tools.performing_page found.json
+taskgist evaluate perform --rooms 6 --kept found.json; python -m tools.performing_page found.json
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ NAMES = ("shares", "times", "gates", "faults")
 def main() -> None:
     """Measure or read, and rewrite the page."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("found", nargs="?", type=Path, help="what taskgist evaluate perform --json printed")
+    parser.add_argument(
+        "found", nargs="?", type=Path, help="what taskgist evaluate perform --kept wrote, or --json printed"
+    )
     parser.add_argument("--rooms", type=int, default=6)
     parser.add_argument("--seed", type=int, default=HELD_OUT_SEED)
     chosen = parser.parse_args()

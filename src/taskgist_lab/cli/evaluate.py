@@ -77,6 +77,10 @@ def evaluate(
         list[str] | None,
         typer.Option("--task", help=f"perform: a task of the study (all six by default), or {', '.join(TASK_OF)}."),
     ] = None,
+    kept: Annotated[
+        Path | None,
+        typer.Option("--kept", help="perform: file of trials: reused, extended, made if missing."),
+    ] = None,
     processes: Annotated[
         int | None, typer.Option("--processes", help="Processes; one for each core by default.")
     ] = None,
@@ -117,6 +121,8 @@ def evaluate(
         for name in given or ():
             if name not in known:
                 raise UnknownNameError(kind, name, known)
+    if kept is not None:
+        check_target(kept, "--kept", replace=True)
     if performing:
         with progress_bar(quiet=as_json) as progress:
             trials = performed_trials(
@@ -125,6 +131,7 @@ def evaluate(
                 tasks=[task for task in (*TASKS, *TASK_OF) if (task in tasks if tasks else task in TASKS)],
                 robots=[robot for robot in ROBOTS if not robots or robot in robots],
                 processes=processes,
+                kept=kept,
                 progress=progress,
             )
         if not chosen:

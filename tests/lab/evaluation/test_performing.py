@@ -6,12 +6,14 @@ import json
 import re
 from dataclasses import replace
 from functools import cache, partial
+from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
 
 from taskgist.common.arrays import Array
+from taskgist.errors import InputError
 from taskgist.facts import vocabulary as v
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import NEGLIGIBLE
@@ -27,7 +29,16 @@ from taskgist_lab.evaluation.performing.means_rooms import TASK_OF, room_for
 from taskgist_lab.evaluation.performing.rooms import ROBOT, TARGET, THING, room_to_perform_in
 from taskgist_lab.evaluation.performing.second_audit import Fault, second_audit
 from taskgist_lab.evaluation.performing.solvable import Solvable, solvable
-from taskgist_lab.evaluation.performing.trials import Share, Tally, Trial, TrialsFound, sheets, trial, tried
+from taskgist_lab.evaluation.performing.trials import (
+    Share,
+    Tally,
+    Trial,
+    TrialsFound,
+    performed_trials,
+    sheets,
+    trial,
+    tried,
+)
 from taskgist_lab.simulator.room import TABLE, Person, Room, on_table, right
 from tests.planning.rooms import box, cover, table
 from tools.performing_page import PAGE, parts
@@ -182,7 +193,7 @@ def test_a_room_is_solved_from_end_to_end() -> None:
     possible = solvable(scene(), PUT_AWAY, ROBOT, TARGET, THING)
     assert possible.possible
     assert possible.wanted >= 1
-    found = tried("room", scene(), "put away", PUT_AWAY, "jido", possible)
+    found = tried(0, "room", scene(), "put away", PUT_AWAY, "jido", possible)
     assert (found.gate, found.faults, found.controllable) == ("found", (), True)
     assert found.cpu_s > 0.0
 
@@ -197,7 +208,7 @@ def test_an_interval_is_wilsons() -> None:
 
 
 def test_trials_are_tallied_by_what_can_be_solved() -> None:
-    of = partial(Trial, "perform-1-0000-0", "hide", "jido")
+    of = partial(Trial, 0, "perform-1-0000-0", "hide", "jido")
     trials = (
         of(True, "", "found", controllable=True, strict=True, cpu_s=2.0),
         of(True, "", "found", controllable=True, faults=("jump of it: 1",), cpu_s=4.0),
@@ -218,3 +229,16 @@ def test_trials_are_tallied_by_what_can_be_solved() -> None:
     assert "2 of 3, 67%" in shown.rows[0][3]
     assert gates.rows[0][gates.header.index("performer")] == "1"
     assert faults.rows == (("jido: jump of it", "1"),)
+
+
+def test_trials_that_are_kept_are_not_made_anew(tmp_path: Path) -> None:
+    made = Trial(0, "perform-5-0000-0", "hide", "jido", True, "", "performer", why=("3 × blocked",))
+    kept = tmp_path / "trials.json"
+    kept.write_text(json.dumps({"perform": TrialsFound(5, (made,)).to_json()}))
+    found = performed_trials(count=1, seed=5, tasks=("hide",), robots=("jido",), kept=kept)
+    assert found.trials == (made,)
+    with pytest.raises(InputError, match="another seed"):
+        performed_trials(count=1, seed=6, tasks=("hide",), robots=("jido",), kept=kept)
+    kept.write_text("[]")
+    with pytest.raises(InputError, match="holds no trials"):
+        performed_trials(count=1, seed=5, tasks=("hide",), robots=("jido",), kept=kept)

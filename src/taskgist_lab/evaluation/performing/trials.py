@@ -17,18 +17,21 @@ cannot come true from the start (nothing is easier to reach than what is at hand
 
 from __future__ import annotations
 
+import json
 import math
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from taskgist.common.files import read_whole, writing
 from taskgist.common.workers import Progress, in_order, silent
-from taskgist.errors import TaskgistError
+from taskgist.errors import InputError, TaskgistError
 from taskgist.facts.values import Unknown
 from taskgist.learning import Knowledge, clause_of
 from taskgist.learning.understanding import Clause
@@ -36,6 +39,7 @@ from taskgist.pipeline.explain import explain_all
 from taskgist.pipeline.performing import Outcome, perform
 from taskgist.pipeline.shipped import TASKS, shipped_study
 from taskgist.planning.requests import Request
+from taskgist.settings import DEFAULT
 from taskgist.world.scene import Scene
 from taskgist_lab.evaluation.performing.means_rooms import TASK_OF
 from taskgist_lab.evaluation.performing.means_rooms import room_for as room_for_means
@@ -73,7 +77,8 @@ class Trial:
     """A room, a task, a robot, and what came of it.
 
     Attributes:
-        room: Name of the room; seed, number and attempt are in it.
+        number: Number of the room among those of its seed.
+        room: Its name; seed, number and attempt are in it.
         task: The task.
         robot: Profile of the robot.
         solvable: Whether the dense sampling finds it possible.
@@ -89,6 +94,7 @@ class Trial:
         cpu_s: The processor's time that it took.
     """
 
+    number: int
     room: str
     task: str
     robot: str
@@ -141,13 +147,14 @@ def trial(task: str, clause: Clause, robot: str, *, seed: int, number: int) -> T
             possible = Solvable(True, "the room is made for it")
             allow = ("shelf",) if means == "relay" else None  # the other side of the counter
             request = Request(clause, ROBOT, TARGET, THING, means=(means,), allow=allow)
-            return tried(scene.name, scene, task, clause, robot, possible, request)
+            return tried(number, scene.name, scene, task, clause, robot, possible, request)
     room, scene = room_for(task, clause, robot, seed=seed, number=number)
     possible = solvable(scene, clause, ROBOT, TARGET, THING)
-    return tried(room.name, scene, task, clause, robot, possible)
+    return tried(number, room.name, scene, task, clause, robot, possible)
 
 
 def tried(
+    number: int,
     name: str,
     scene: Scene,
     task: str,
@@ -159,7 +166,8 @@ def tried(
     """Have a robot perform a task in a scene.
 
     Args:
-        name: Name of the room.
+        number: Number of the room.
+        name: Its name.
         scene: The room, with the robot.
         task: The task.
         clause: What it means.
@@ -167,7 +175,7 @@ def tried(
         possible: What the dense sampling says.
         request: What is asked for; None: the task, by any means.
     """
-    about = partial(Trial, name, task, robot, possible.possible, possible.why)
+    about = partial(Trial, number, name, task, robot, possible.possible, possible.why)
     start_s = time.process_time()
     try:
         outcome = perform(scene, request or Request(clause, ROBOT, TARGET, THING))
@@ -346,6 +354,7 @@ def performed_trials(
     tasks: Sequence[str] = TASKS,
     robots: Sequence[str] = ROBOTS,
     processes: int | None = None,
+    kept: Path | None = None,
     progress: Progress = silent,
 ) -> TrialsFound:
     """Trials in some rooms, room after room.
@@ -356,22 +365,49 @@ def performed_trials(
         tasks: Which tasks.
         robots: Profiles of the robots.
         processes: Processes; None: one for each core.
+        kept: A file that need not exist: its trials are not made anew, and each new one is written to it as it comes.
         progress: Told how far it is.
 
     Raises:
-        InputError: The number of processes is less than one.
+        InputError: The number of processes is less than one; the file holds something else, or trials of another seed.
     """
     jobs = [(number, task, robot) for number in range(count) for task in tasks for robot in robots]
-    found = list[Trial]()
+    known = {(each.number, each.task, each.robot): each for each in (_kept(kept, seed).trials if kept else ())}
+    missing = [job for job in jobs if job not in known]
     progress("learns the tasks from the study", 0.0)
-    for each in each_trial(jobs, seed, processes):
-        found.append(each)
-        progress(f"{each.task}, {each.robot}: {len(found)} of {len(jobs)}", len(found) / len(jobs))
-    return TrialsFound(seed, tuple(found))
+    for each in each_trial(missing, seed, processes):
+        known[each.number, each.task, each.robot] = each
+        done = sum(job in known for job in jobs)
+        progress(f"{each.task}, {each.robot}: {done} of {len(jobs)}", done / len(jobs))
+        if kept:
+            _keep(TrialsFound(seed, tuple(known.values())), kept)
+    return TrialsFound(seed, tuple(known[job] for job in jobs))
+
+
+def _kept(path: Path, seed: int) -> TrialsFound:
+    """The trials of a file; none if there is no such file."""
+    if not path.exists():
+        return TrialsFound(seed, ())
+    try:
+        found = TrialsFound.of_json(json.loads(read_whole(path, most_bytes=DEFAULT.limits.document_bytes))["perform"])
+    except (ValueError, KeyError, TypeError) as problem:
+        hint = "give a file that an earlier run with --kept wrote, or a new name"
+        raise InputError("holds no trials", where=str(path), field="kept", hint=hint) from problem
+    if found.seed != seed:
+        hint = f"give --seed {found.seed}, or another file"
+        raise InputError("holds trials of another seed", where=str(path), field="seed", value=seed, hint=hint)
+    return found
+
+
+def _keep(found: TrialsFound, path: Path) -> None:
+    with writing(path, replace=True) as stream:
+        stream.write(json.dumps({"perform": found.to_json()}).encode())
 
 
 def each_trial(jobs: Sequence[tuple[int, str, str]], seed: int, processes: int | None = None) -> Iterator[Trial]:
     """Trials as they come, for each number of a room, task and robot."""
+    if not jobs:
+        return iter(())
     meanings = clauses()
     _warm_up(meanings, jobs, seed)
     return in_order(partial(_trial_of, meanings, jobs, seed), len(jobs), processes)
@@ -384,8 +420,8 @@ def _trial_of(meanings: Mapping[str, Clause], jobs: Sequence[tuple[int, str, str
 
 def _warm_up(meanings: Mapping[str, Clause], jobs: Sequence[tuple[int, str, str]], seed: int) -> None:
     """Have compiled what is compiled once, and made what is kept of a robot, in a room that is not among the jobs."""
-    number = 1 + max((job[0] for job in jobs), default=0)
-    task, robot = jobs[0][1:] if jobs else (TASKS[0], ROBOTS[0])
+    number = 1 + max(job[0] for job in jobs)
+    task, robot = jobs[0][1:]
     scene = room_to_perform_in(seed, number).scene(robot)
     perform(scene, Request(meanings[task], ROBOT, TARGET, THING))
 
