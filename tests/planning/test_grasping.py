@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from taskgist.errors import SceneError, UnknownNameError
 from taskgist.planning.grasping import Grasping
 from taskgist.planning.hand_ways import Gate, HandWay, PickPose
 from taskgist.planning.performer import Performer
-from taskgist.planning.transfer import Picking, Transfer, Transfers
+from taskgist.planning.transfer import Picking, Picks, Transfer, Transfers
 from taskgist.world import Stage, State, holding_of
 from tests.bodies import needs
 from tests.planning.rooms import Judge, box, cover, mug, room, table, tape, two_tables
@@ -66,7 +67,7 @@ def test_hands_close_on_the_outside_and_not_through_walls(robot: str, name: str)
     near = performer.at(performer.start.qpos, (0.75, 0.0, 0.0))
     stage = Stage(performer.scene)
     shapes, body = performer.scene.solid_geoms_of(name), stage.body(performer.scene.object_body(name))
-    picks = list(grasping.picks(near, most_tried=30))
+    picks = list(islice(Picks(grasping, near).by(), 15))
     assert picks
     for pick in picks:
         grasps = grasping.grasps.only(np.array([pick.grasp]))
@@ -178,7 +179,7 @@ def test_each_grasp_that_fails_before_the_arm_is_counted_once() -> None:
 def test_from_too_far_away_all_is_out_of_reach() -> None:
     performer = Performer(two_tables("jido", THINGS["box"]), "R")
     grasping = Grasping(performer, performer.start, "box")
-    assert list(grasping.picks(performer.at(performer.start.qpos, (-0.5, 0.0, 0.0)))) == []
+    assert list(Picks(grasping, performer.at(performer.start.qpos, (-0.5, 0.0, 0.0))).by()) == []
     assert grasping.tally.counts[Gate.REACH] == len(grasping.free)
     assert "out of the arm's reach" in grasping.tally.text("box")
 
@@ -189,7 +190,7 @@ def test_a_lid_above_leaves_no_way_up() -> None:
     performer = Performer(two_tables("jido", box(1.4), board), "R")
     grasping = Grasping(performer, performer.start, "box")
     stand = performer.at(performer.start.qpos, (0.65, 0.0, 0.0))
-    assert list(grasping.picks(stand)) == []
+    assert list(Picks(grasping, stand).by()) == []
     assert "the board" in grasping.tally.text("box")
 
 
@@ -197,7 +198,7 @@ def test_a_hand_whose_fingers_stay_is_told() -> None:
     """HRP-2's fingers are 6 cm apart in its model, for good; its profile says 8."""
     performer = Performer(room("hrp2", table("table", 0.75), Thing("box", (0.035,) * 3, (0.5, -0.2, 0.755))), "R")
     grasping = Grasping(performer, performer.start, "box")
-    assert list(grasping.picks(performer.start.qpos)) == []
+    assert list(Picks(grasping, performer.start.qpos).by()) == []
     assert grasping.tally.counts[Gate.OPENING] > 0
     assert "no joint of it opens it" in grasping.tally.text("box")
 
@@ -214,6 +215,6 @@ def test_an_unknown_thing_is_refused() -> None:
 def test_a_thing_without_a_goal_is_put_down_nowhere() -> None:
     performer = Performer(two_tables("jido", THINGS["box"]), "R")
     grasping = Grasping(performer, performer.start, "box")
-    pick = next(grasping.picks(performer.at(performer.start.qpos, (0.75, 0.0, 0.0))))
+    pick = next(Picks(grasping, performer.at(performer.start.qpos, (0.75, 0.0, 0.0))).by())
     with pytest.raises(SceneError, match="box is to be put down nowhere"):
         next(grasping.places(performer.start.qpos, pick))

@@ -16,12 +16,10 @@ Putting down is the same way backwards: down with the thing, then back with the 
 
 from __future__ import annotations
 
-from collections import Counter, deque
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from itertools import count
 
 import numpy as np
 
@@ -44,6 +42,8 @@ BACK_M, STEP_M = 0.10, 0.005
 """Length of the approach, and how far apart the configurations along a line are."""
 RISE_M, LEAST_RISE_M = 0.08, 0.05
 """How far a thing is lifted straight up; and how far at least, where something is above."""
+Kind = tuple[str, bytes]
+"""A side of the robot, and what grasps of a kind share; see ``Grasping.within_reach``."""
 AWAY_M = 1e4
 """Where a robot is put that is in nobody's way."""
 
@@ -159,29 +159,54 @@ class Grasping:
         low, high = float(chain.low[chain.lifts].sum()), float(chain.high[chain.lifts].sum())
         return tuple(sorted({0.0, low - now, (low + high) / 2 - now, high - now}))
 
-    def picks(self, qpos: Array, *, most_tried: int | None = None) -> Iterator[PickPose]:
-        """Ways to pick the thing up from where the robot stands.
+    def within_reach(self, qpos: Array) -> Mapping[Kind, Sequence[int]]:
+        """Grasps within reach from where the robot stands, by the side that reaches them and their kind.
+
+        Kinds whose first grasp comes first in the order of the free ones come first; grasps out of reach are counted.
 
         Args:
             qpos: Positions of the scene with the robot at its stand; only its own count, (nq,).
-            most_tried: Grasps that are tried at most; None: all.
         """
-        before = self._at(self.start, qpos)
-        order = self._within_reach(before, self.start)
-        failures: Counter[tuple[str, bytes]] = Counter()
-        for number in count():
-            # Where grasps of a kind failed, those of other kinds come first: alike ones mostly fail alike.
-            kind = min(order, key=lambda kind: (failures[kind], order[kind][0][0]), default=None)
-            if kind is None or number == most_tried:
-                return
-            _, row = order[kind].popleft()
-            if not order[kind]:
-                del order[kind]
-            way = self._pick(kind[0], row, before)
-            if way is None:
-                failures[kind] += 1
-            else:
-                yield way
+        sides, before = self.performer.sides, self._at(self.start, qpos)
+        reached = {side: set(self.in_reach(side, before, self.start, self.lifts(before, side))) for side in sides}
+        found: dict[Kind, list[int]] = {}
+        for row in self.free.tolist():
+            able = [side for side in sides if row in reached[side]]
+            if not able:
+                self.tally.add(Gate.REACH)
+            for side in able:
+                found.setdefault((side, self._kind(row)), []).append(row)
+        return found
+
+    def comes(self, qpos: Array, side: str, row: int) -> bool:
+        """Whether a hand comes to a grasp where the thing lies, its lines left aside; counted if it does not.
+
+        Args:
+            qpos: Positions of the scene with the robot at its stand, (nq,).
+            side: The hand.
+            row: The grasp.
+        """
+        too_narrow = self.performer.gripper(side).too_narrow(float(self.grasps.widths_m[row]))
+        failed: Failures = [] if too_narrow is None else [(Gate.OPENING, too_narrow)]
+        if not failed and self._comes(self.start, qpos, side, row, failed):
+            return True
+        self.tally.add(*farthest(failed))
+        return False
+
+    def pick(self, qpos: Array, side: str, row: int) -> PickPose | None:
+        """How a hand that comes to a grasp picks the thing up by it; None if it does not, which is counted.
+
+        Args:
+            qpos: Positions of the scene with the robot at its stand; only its own count, (nq,).
+            side: The hand.
+            row: The grasp.
+        """
+        before, failed = self._at(self.start, qpos), list[tuple[Gate, str | None]]()
+        for palm in self._palms_in(side, row, self.start):
+            for way in self._ways(side, row, before, palm, None, failed):
+                return PickPose(**vars(way))
+        self.tally.add(*farthest(failed))
+        return None
 
     def places(self, qpos: Array, pick: PickPose) -> Iterator[PlacePose]:
         """Ways to put the thing down where it is to lie, as it was picked up.
@@ -216,17 +241,19 @@ class Grasping:
             failed: Filled with where its configurations failed.
         """
         assert self.goal is not None
-        gripper, before = self.performer.gripper(side), self._at(self.goal, qpos)
+        return self._comes(self.goal, qpos, side, row, failed)
+
+    def _comes(self, place: State, qpos: Array, side: str, row: int, failed: Failures) -> bool:
+        gripper, before = self.performer.gripper(side), self._at(place, qpos)
         ready = with_values(before, gripper.positions, gripper.opened(self._openings(side, row)[0]))
-        for palm in self._palms_in(side, row, self.goal):
-            solutions = self.performer.ik(side, palm, ready)
-            if not solutions:
-                failed.append((Gate.KINEMATICS, None))
-            for found in solutions:
+        for palm in self._palms_in(side, row, place):
+            for found in self.performer.comes(side, palm, ready):
                 blocked = self.performer.blocking(found)
                 if blocked is None:
                     return True
                 failed.append((Gate.BODY, named(blocked)))
+        if not failed:
+            failed.append((Gate.KINEMATICS, None))
         return False
 
     def _at(self, place: State, qpos: Array) -> Array:
@@ -298,33 +325,6 @@ class Grasping:
         return (np.round(1.5 * directions) + 0.0).tobytes()
 
     # --- One grasp after the other.
-
-    def _within_reach(self, qpos: Array, place: State) -> dict[tuple[str, bytes], deque[tuple[int, int]]]:
-        """Grasps within reach, by the side that reaches them and their kind, with their rank; others are counted."""
-        sides = self.performer.sides
-        reached = {side: set(self.in_reach(side, qpos, place, self.lifts(qpos, side)).tolist()) for side in sides}
-        found: dict[tuple[str, bytes], deque[tuple[int, int]]] = {}
-        for rank, row in enumerate(self.free.tolist()):
-            able = [side for side in sides if row in reached[side]]
-            if not able:
-                self.tally.add(Gate.REACH)
-            for side in able:
-                found.setdefault((side, self._kind(row)), deque()).append((rank, row))
-        return found
-
-    def _pick(self, side: str, row: int, before: Array) -> PickPose | None:
-        """How a hand picks the thing up by a grasp; None if it does not, which is counted."""
-        gripper = self.performer.gripper(side)
-        too_narrow = gripper.too_narrow(float(self.grasps.widths_m[row]))
-        if too_narrow is not None:
-            self.tally.add(Gate.OPENING, too_narrow)
-            return None
-        failed: Failures = []
-        for palm in self._palms_in(side, row, self.start):
-            for way in self._ways(side, row, before, palm, None, failed):
-                return PickPose(**vars(way))
-        self.tally.add(*farthest(failed))
-        return None
 
     def _palms_in(self, side: str, row: int, place: State) -> Iterator[Pose]:
         """Where the palm is in a grasp, in the world; with fingers and thumb changed over, too, if that is the same."""

@@ -15,6 +15,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import islice
 
 import mink
 import mujoco
@@ -163,9 +164,16 @@ class ArmKinematics:
             most: Enough of them.
             seed: Of what is drawn.
         """
+        found = islice(self.solutions(target, now, lift=lift, starts=starts, seed=seed), most)
+        return sorted(found, key=lambda values: float(np.abs(values - now) @ self.chain.weights))
+
+    def solutions(
+        self, target: Pose, now: Array, *, lift: bool = True, starts: int = 2, seed: int = 0
+    ) -> Iterator[Array]:
+        """The same as they are found, that from the present configuration first; arguments as above."""
         from_map = self._starts(target, now, lift=lift, count=starts)
         if not from_map:
-            return []
+            return
         found: list[Array] = []
         for start in (now, *from_map, *self._random(now, lift, starts // 2, seed)):
             values = self._descend(target, start, lift=lift)
@@ -174,9 +182,7 @@ class ArmKinematics:
             values = self.chain.nearest_turn(values, now)
             if all(np.abs(values - known).max() > SAME_RAD for known in found):
                 found.append(values)
-            if len(found) >= most:
-                break
-        return sorted(found, key=lambda values: float(np.abs(values - now) @ self.chain.weights))
+                yield values
 
     def follow(self, targets: Sequence[Pose], start: Array, *, lift: bool = False) -> Array | None:
         """Configurations, (n, k), for one pose after the other, from one for a pose near to the first; None if stuck.

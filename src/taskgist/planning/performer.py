@@ -14,7 +14,7 @@ and judged as it is.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -263,6 +263,12 @@ class Performer:
         target, now = self._in_root(palm, qpos), qpos[chain.positions]
         found = arm.solve(target, now, lift=lift, starts=starts, most=most, seed=seed)
         return [with_values(qpos, chain.positions, values) for values in found]
+
+    def comes(self, side: str, palm: Pose, qpos: Array) -> Iterator[Array]:
+        """The same as they are found, in no order: for who asks whether one will do; arguments as above."""
+        chain = self.chain(side)
+        for values in self._arm(side, qpos).solutions(self._in_root(palm, qpos), qpos[chain.positions]):
+            yield with_values(qpos, chain.positions, values)
 
     def follow(self, side: str, palms: Sequence[Pose], qpos: Array, *, lift: bool = False) -> Array | None:
         """Joints of a chain, (n, k), that bring a palm to one pose after the other without a jump; None if none do.

@@ -1,21 +1,20 @@
 """Picking a thing up and putting it down elsewhere: one grasp that does for both, one stand for each.
 
 Where many goals are asked for one after the other, what picking up takes is the same for all: it is found out once,
-stand by stand and grasp by grasp, as far as it is needed. Each pick is then tried at the stands of a goal, first the
-hand at the grasp alone, then with all its lines, until both ends have all that they need.
+stand by stand and grasp by grasp, as far as it is needed. For each grasp the hand comes to it first where the thing
+lies, then at stands of a goal; only if both are so, its lines are followed, until both ends have all that they need.
 """
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator
+from collections import Counter, deque
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count, islice
-from typing import Generic, TypeVar
 
 from taskgist.common.arrays import Array
-from taskgist.planning.grasping import Grasping
+from taskgist.planning.grasping import Grasping, Kind
 from taskgist.planning.hand_ways import Failures, Gate, PickPose, PlacePose, farthest
 from taskgist.planning.performer import Performer
 from taskgist.planning.stands import Stand, Stands, most
@@ -44,24 +43,64 @@ class Transfer:
     place: PlacePose
 
 
-T = TypeVar("T")
+def _any(_side: str, _grasp: int) -> bool:
+    return True
 
 
-class Kept(Generic[T]):
-    """What an iterator gives, kept for whoever asks again; asked no farther than somebody has."""
+def _none(_side: str, _grasp: int) -> bool:
+    return False
 
-    def __init__(self, coming: Iterator[T]) -> None:
-        self._coming, self._found = coming, list[T]()
 
-    def __iter__(self) -> Iterator[T]:
-        """From the first one on."""
-        for number in count():
-            if number == len(self._found):
-                found = next(self._coming, None)
-                if found is None:
-                    return
-                self._found.append(found)
-            yield self._found[number]
+class Picks:
+    """Ways to pick the thing up from one stand: each grasp is solved once, and when somebody wants it.
+
+    Args:
+        grasping: The robot's grasps of the thing.
+        qpos: Positions of the scene with the robot at the stand, (nq,).
+    """
+
+    def __init__(self, grasping: Grasping, qpos: Array) -> None:
+        self._grasping, self._qpos = grasping, qpos
+        self._within_reach = grasping.within_reach(qpos)
+        self._come: dict[tuple[str, int], bool] = {}
+        self._solved: dict[tuple[str, int], PickPose | None] = {}
+
+    def by(
+        self, wanted: Callable[[str, int], bool] = _any, *, hopeless: Callable[[str, int], bool] = _none
+    ) -> Iterator[PickPose]:
+        """Picks by grasps that somebody wants.
+
+        Where grasps of a kind failed, those of other kinds come first: alike ones mostly fail alike.
+
+        Args:
+            wanted: Whether a pick by a side and a grasp will do; asked where the hand is known to come there.
+            hopeless: Whether it is known already that it will not; asked before.
+        """
+        waiting = {kind: deque(rows) for kind, rows in self._within_reach.items()}
+        failures: Counter[Kind] = Counter()
+        rank = {row: number for number, row in enumerate(self._grasping.free.tolist())}
+        while waiting:
+            kind = min(waiting, key=lambda kind: (failures[kind], rank[waiting[kind][0]]))
+            side, row = kind[0], waiting[kind].popleft()
+            if not waiting[kind]:
+                del waiting[kind]
+            if hopeless(side, row):
+                continue
+            pick = self._pick(side, row) if self._comes(side, row) and wanted(side, row) else None
+            if pick is None:
+                failures[kind] += 1
+            else:
+                yield pick
+
+    def _comes(self, side: str, row: int) -> bool:
+        if (side, row) not in self._come:
+            self._come[side, row] = self._grasping.comes(self._qpos, side, row)
+        return self._come[side, row]
+
+    def _pick(self, side: str, row: int) -> PickPose | None:
+        if (side, row) not in self._solved:
+            self._solved[side, row] = self._grasping.pick(self._qpos, side, row)
+        return self._solved[side, row]
 
 
 class Picking:
@@ -82,16 +121,19 @@ class Picking:
     def __init__(self, performer: Performer, state: State, thing: str) -> None:
         self.grasping = Grasping(performer, state, thing)
         self._at_start = Stands(self.grasping, "start")
-        self._stands = Kept(islice(self._at_start, MOST_STANDS))
-        self._picks: dict[int, Kept[PickPose]] = {}
+        self._coming = islice(self._at_start, MOST_STANDS)
+        self._found: list[tuple[Stand, Picks]] = []
         self.nowhere, self.in_the_way, self.cannot = 0, Counter[str](), Counter[str]()
 
-    def __iter__(self) -> Iterator[tuple[Stand, Kept[PickPose]]]:
+    def __iter__(self) -> Iterator[tuple[Stand, Picks]]:
         """Where the robot can stand to pick the thing up, and how it picks it up from there."""
-        for number, stand in enumerate(self._stands):
-            if number not in self._picks:
-                self._picks[number] = Kept(self.grasping.picks(stand.qpos))
-            yield stand, self._picks[number]
+        for number in count():
+            if number == len(self._found):
+                stand = next(self._coming, None)
+                if stand is None:
+                    return
+                self._found.append((stand, Picks(self.grasping, stand.qpos)))
+            yield self._found[number]
 
     @cached_property
     def refusal(self) -> str | None:
@@ -99,10 +141,9 @@ class Picking:
         grasping, thing = self.grasping, self.grasping.thing
         if self._at_start.refusal is not None or not len(grasping.free):
             return self._at_start.refusal or grasping.tally.text(thing)
-        if any(True for _, picks in self for _ in picks):
+        if any(True for _, picks in self for _ in picks.by()):
             return None
-        found = next(iter(self._stands), None)
-        return grasping.tally.text(thing) if found else self._at_start.none_free(f"pick the {thing} up")
+        return grasping.tally.text(thing) if self._found else self._at_start.none_free(f"pick the {thing} up")
 
     @property
     def text(self) -> tuple[str, ...]:
@@ -153,17 +194,25 @@ class Transfers:
             return
         free = set(grasping.free.tolist())
         for start, picks in self._picking:
-            fitting = (pick for pick in picks if pick.grasp in free and self._fitting(pick.side, pick.grasp))
+            fitting = picks.by(
+                lambda side, row: bool(self._fitting(side, row)),
+                hopeless=lambda side, row: row not in free or self._known.get((side, row)) == [],
+            )
             for pick in islice(fitting, PICKS_A_STAND):
                 self.picked += 1
-                for goal in self._fitting(pick.side, pick.grasp):
-                    place = next(grasping.places(goal.qpos, pick), None)
+                stands = self._fitting(pick.side, pick.grasp)
+                while stands:
+                    place = next(grasping.places(stands[0].qpos, pick), None)
                     if place is not None:
-                        yield Transfer(start, pick, goal, place)
+                        yield Transfer(start, pick, stands[0], place)
                         break
+                    stands.pop(0)  # as it was picked up from here, so it is from elsewhere
 
     def _fitting(self, side: str, row: int) -> list[Stand]:
-        """Stands of the goal at which a hand comes to a grasp; the first of those that have it within reach."""
+        """Stands of the goal at which a hand comes to a grasp and has not failed to put the thing down by it.
+
+        They are the first of those that have it within reach.
+        """
         if (side, row) not in self._known:
             grasping = self._grasping
             failed: Failures = []
