@@ -91,6 +91,14 @@ def test_beneath_a_cover_the_effort_refuses_first(robot: str) -> None:
     assert list(stands) == []
 
 
+def test_what_lies_too_flat_to_be_grasped_would_have_to_be_moved_first() -> None:
+    """No finger gets beneath a plate on a table: people tilt it, or slide it over the edge."""
+    plate = Thing("plate", (0.06, 0.06, 0.01), (1.5, 0.0, 0.73))
+    performer = Performer(two_tables("jido", plate), "R")
+    refusal = Stands(Grasping(performer, performer.start, "plate")).refusal
+    assert refusal == "the plate would have to be slid over the edge before it is grasped, which is not planned"
+
+
 def test_behind_a_wall_nothing_is_got_to() -> None:
     """A closed room within the room: the way over the floor ends at the wall."""
     around = [

@@ -22,7 +22,6 @@ from taskgist.perspective.effort import (
     TURN,
     Amount,
     Effort,
-    Grasped,
     Held,
     Occlusion,
     Reason,
@@ -101,8 +100,8 @@ def _number(pixels: float) -> str:
 
 def _prepared(effort: Effort) -> str:
     """What is done to the object before a hand grasps it."""
-    found = effort.evidence.attained
-    return f", once it is {found.prepared}" if isinstance(found, Grasped) and found.prepared else ""
+    prepared = effort.evidence.prepared
+    return f", once it is {prepared}" if prepared else ""
 
 
 def _with_less(effort: Effort) -> str:

@@ -391,6 +391,11 @@ class Evidence:
     attained: Attained | None
     untried: str | None = None
 
+    @property
+    def prepared(self) -> Prepared:
+        """What is done to the object before a hand grasps it."""
+        return self.attained.prepared if isinstance(self.attained, Grasped) else ""
+
 
 def evidence_document(evidence: Attained | Hindrance | None) -> dict[str, object]:
     """What shows that an ability holds or not, as plain data, fit for JSON."""

@@ -34,8 +34,8 @@ from taskgist.world.state import State
 
 __all__ = ["Planner"]
 
-MOST_PLACES = 1000
-"""Candidates that are judged at most."""
+MOST_PLACES = 1400
+"""Candidates that are judged at most: so many that some on seats and floors are among them."""
 SPARED_AMONG = 40
 """Of those that satisfy the goal so many are ordered by effort, if somebody's is to be spared."""
 MOST_TRIED = 12

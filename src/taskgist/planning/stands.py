@@ -21,6 +21,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.perspective.constraints import Collisions
+from taskgist.perspective.effort import Effort, GraspedByBoth
 from taskgist.perspective.floor import Floor, Place
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.perspective.target import Recorder
@@ -83,7 +84,8 @@ class Stands:
         qpos: Array | None = None,
     ) -> None:
         self._grasping, self._performer = grasping, grasping.performer
-        place = grasping.start if where == "start" else grasping.goal
+        self._at_start = where == "start"
+        place = grasping.start if self._at_start else grasping.goal
         assert place is not None, "a thing that is not to be put down has no such stands"
         self._place: State = place
         self._now = self._performer.at_rest(self._performer.start.qpos if qpos is None else qpos)
@@ -101,11 +103,22 @@ class Stands:
         efforts = SceneEfforts(Stage(self._performer.scene, there), self._performer.settings)
         effort = efforts.effort(name, thing, "grasp", self._performer.actions)
         if effort.is_known_to_do:
-            return None
+            return self._refused_as_it_lies(effort)
         what = self._performer.would_have_to(efforts, thing)
         if what is not None:
             return f"{name} would have to {what} to grasp the {thing}, which is not planned"
         return f"{name} cannot grasp the {thing}: {effort.reason}"
+
+    def _refused_as_it_lies(self, effort: Effort) -> str | None:
+        """What would have to be done first, where no hand closes on the thing as it is; None if one does."""
+        if not self._at_start or len(self._grasping.free):
+            return None
+        thing, evidence = self._grasping.thing, effort.evidence
+        if evidence.prepared:
+            return f"the {thing} would have to be {evidence.prepared} before it is grasped, which is not planned"
+        if isinstance(evidence.attained, GraspedByBoth):
+            return f"the {thing} would have to be taken between both hands, which is not planned"
+        return None
 
     def __iter__(self) -> Iterator[Stand]:
         """Stands, near ones first; looked for as they are asked for."""

@@ -91,8 +91,10 @@ def solvable(
     if goal.impossible:
         return Solvable(False, f"from the start: {goal.impossible[0].why}")
     efforts = SceneEfforts(Stage(scene, state))
-    if efforts.effort(performer, thing, "grasp").level == NO_KNOWN_LEVEL:
+    now = efforts.effort(performer, thing, "grasp")
+    if now.level == NO_KNOWN_LEVEL:
         return Solvable(False, "the performer cannot grasp the thing where it is")
+    first = f", once it is {now.evidence.prepared}" if now.evidence.prepared else ""
     judge = Judge(scene, state, target, thing, goal, attention=attention, performer=performer)
     sampler = _Sampler(scene, performer, target, thing)
     places, wanted = 0, 0
@@ -103,7 +105,7 @@ def solvable(
         wanted += 1
         efforts.update(there.with_holding(()))
         if efforts.effort(performer, thing, "grasp").level != NO_KNOWN_LEVEL:
-            return Solvable(True, what, places, wanted)
+            return Solvable(True, what + first, places, wanted)
     why = "nowhere does it hold" if not wanted else f"the performer does not get at any of {wanted} places"
     return Solvable(False, why, places, wanted)
 
