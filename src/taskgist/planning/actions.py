@@ -20,7 +20,7 @@ from taskgist.planning.grasping import Grasping
 from taskgist.planning.hand_ways import Gate
 from taskgist.planning.handing import Taker, sides_by_distance
 from taskgist.planning.judging import EXACT
-from taskgist.planning.motions import Motions, NoMotionError
+from taskgist.planning.motions import Motions, NoMotionError, NoPickError
 from taskgist.planning.performer import Performer
 from taskgist.planning.persons import moves_itself, phases_of, usable
 from taskgist.planning.placing import Candidate
@@ -55,6 +55,7 @@ class Actions:
         self._scene, self._start, self._settings, self._target, self._seed = scene, start, settings, target, seed
         self._robots: dict[tuple[str, bytes], Performer] = {}
         self._pickings: dict[tuple[str, bytes, str], Picking] = {}
+        self._motions: dict[Performer, Motions] = {}
         self._followed: dict[str, SceneEfforts] = {}
         self._levels: dict[tuple[bytes, str, str], int] = {}
 
@@ -106,6 +107,8 @@ class Actions:
                 phases = self._ending_well(robot, state, name, phases, why_not, leaves)
             except NoMotionError as error:
                 failed = str(error)
+                if picking is not None and isinstance(error, NoPickError):
+                    picking.give_up(error.transfer)
                 continue
             return Action(name, side, purpose, candidate, self.effort(state, name, candidate), phases)
         if picking is not None and blockers is not None:
@@ -118,6 +121,11 @@ class Actions:
         if key not in self._pickings:
             self._pickings[key] = Picking(robot, state, thing)
         return self._pickings[key]
+
+    def _motions_of(self, robot: Performer) -> Motions:
+        if robot not in self._motions:
+            self._motions[robot] = Motions(robot, self._settings.planning, seed=self._seed)
+        return self._motions[robot]
 
     def cannot_pick(self, state: State, name: str, thing: str) -> str | None:
         """Why a robot cannot pick a thing up, wherever it is to go; None if it can, or has not been asked to yet."""
@@ -212,7 +220,7 @@ class Actions:
             for side in holding or sides_by_distance(self._scene, state.qpos, candidate.thing, name):
                 yield side, partial(phases_of, self._scene, state, name, taker, candidate, side, rest=rest, seed=seed)
             return
-        motions = Motions(robot, self._settings.planning, seed=self._seed)
+        motions = self._motions_of(robot)
         takes = Taker(self._scene, taker, state)
         for transfer in islice(transfers, TRANSFERS_A_PLACE):
             yield transfer.pick.side, partial(motions.of, transfer, candidate.means, takes)
@@ -233,7 +241,7 @@ class Actions:
         """
         wrong, holds = why_not(_seen(state, phases)), phases[-1].holds
         if robot is not None and (leaves or wrong is not None) and all(hold.agent != name for hold in holds):
-            motions = Motions(robot, self._settings.planning, seed=self._seed)
+            motions = self._motions_of(robot)
             try:
                 phases += motions.back(phases[-1].qpos[-1], holds, robot.base(state.qpos))
             except NoMotionError:

@@ -175,7 +175,7 @@ class Grasping:
             if not able:
                 self.tally.add(Gate.REACH)
             for side in able:
-                found.setdefault((side, self._kind(row)), []).append(row)
+                found.setdefault((side, self.kind(row)), []).append(row)
         return found
 
     def comes(self, qpos: Array, side: str, row: int) -> bool:
@@ -314,12 +314,12 @@ class Grasping:
         turns: dict[bytes, int] = {}
         keys = []
         for row in np.lexsort((rows, away_m)).tolist():
-            side = self._kind(int(rows[row]))
+            side = self.kind(int(rows[row]))
             turns[side] = turns.get(side, -1) + 1
             keys.append((turns[side], float(away_m[row]), int(rows[row])))
         return np.array([row for _, _, row in sorted(keys)], dtype=np.intp)
 
-    def _kind(self, row: int) -> bytes:
+    def kind(self, row: int) -> bytes:
         """What grasps of a kind share: roughly from where they come, and along which line they close."""
         directions = np.concatenate((self.grasps.approaches[row], np.abs(self.grasps.closings[row])))
         return (np.round(1.5 * directions) + 0.0).tobytes()

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,12 +18,13 @@ import numpy as np
 from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
 from taskgist.moving.steps import CLOSING_S
-from taskgist.planning.hand_ways import HandWay
+from taskgist.planning.hand_ways import HandWay, PickPose
 from taskgist.planning.handing import Taker
 from taskgist.planning.paths import base_path, joint_path
 from taskgist.planning.performer import TOLERANCE_M, Base, Grip, Performer, near_bases, with_values
 from taskgist.planning.placing import Means
 from taskgist.planning.plan import RATE_HZ, Phase, PhaseName
+from taskgist.planning.stands import Stand
 from taskgist.planning.sweeps import Sweep, points_are_free
 from taskgist.planning.timing import timed
 from taskgist.planning.transfer import Transfer
@@ -48,6 +49,18 @@ SAME_M, SAME_RAD = 0.005, 0.01
 
 class NoMotionError(Exception):
     """No motion was found for a phase; the text says for which."""
+
+
+class NoPickError(NoMotionError):
+    """The robot does not get hold of the thing as was thought, wherever it is to go.
+
+    Attributes:
+        transfer: In which.
+    """
+
+    def __init__(self, text: str, transfer: Transfer) -> None:
+        super().__init__(text)
+        self.transfer = transfer
 
 
 class Held(NamedTuple):
@@ -77,6 +90,7 @@ class Motions:
 
     def __init__(self, performer: Performer, settings: Planning, *, seed: int = 0) -> None:
         self._performer, self._settings, self._seed = performer, settings, seed
+        self._picked: dict[PickPose, tuple[tuple[Phase, ...], _At] | NoMotionError] = {}
 
     def of(self, transfer: Transfer, means: Means, taker: Taker) -> tuple[Phase, ...]:
         """The phases of a transfer, from the robot's start.
@@ -87,7 +101,8 @@ class Motions:
             taker: To whom it is handed over.
 
         Raises:
-            NoMotionError: One of them was not found.
+            NoPickError: Until the thing is lifted one of them was not found.
+            NoMotionError: One of the others was not found.
         """
         return tuple(self._phases(transfer, means, taker))
 
@@ -107,17 +122,11 @@ class Motions:
     def _phases(self, transfer: Transfer, means: Means, taker: Taker) -> Iterator[Phase]:
         performer, pick, place = self._performer, transfer.pick, transfer.place
         thing, side = pick.thing, pick.side
-        at = _At(np.array(performer.start.qpos))
-        self._foresee(transfer, means)
-        yield from self._fold(at)
-        yield from self._drive(at, "drive", transfer.start.base)
-        yield from self._fingers(at, "open", pick, pick.open_hand)
-        yield self._arm(at, "reach", pick, pick.approach[0])
-        yield self._line(at, "approach", pick, pick.approach)
-        yield from self._fingers(at, "close", pick, pick.closed_hand, pick.grip)
         hold = Hold(performer.agent.name, side, thing)
-        at.held, at.holds = Held(pick.grip, hold), frozenset({hold})
-        yield self._line(at, "lift", pick, pick.lift)
+        self._foresee(transfer, means)
+        picked, end = self._until_lifted(transfer)
+        yield from picked
+        at = replace(end, qpos=np.array(end.qpos))
         if not near_bases(transfer.start.base, transfer.goal.base, SAME_M, SAME_RAD):
             yield from self._transport(at, pick, transfer)
         at.held = Held(place.grip, hold)
@@ -136,6 +145,35 @@ class Motions:
         yield from self._fingers(at, "open", place, place.open_hand, place.grip)
         yield self._line(at, "retreat", place, place.retreat)
         yield from self._fold(at)
+
+    def _until_lifted(self, transfer: Transfer) -> tuple[tuple[Phase, ...], _At]:
+        """The phases until the thing is lifted, and how all is then: the same for all goals, so found once.
+
+        Raises:
+            NoPickError: One of them was not found.
+        """
+        pick = transfer.pick
+        if pick not in self._picked:
+            at = _At(np.array(self._performer.start.qpos))
+            try:
+                self._picked[pick] = tuple(self._pick(at, transfer.start, pick)), at
+            except NoMotionError as error:
+                self._picked[pick] = error
+        found = self._picked[pick]
+        if isinstance(found, NoMotionError):
+            raise NoPickError(str(found), transfer)
+        return found
+
+    def _pick(self, at: _At, stand: Stand, pick: PickPose) -> Iterator[Phase]:
+        yield from self._fold(at)
+        yield from self._drive(at, "drive", stand.base)
+        yield from self._fingers(at, "open", pick, pick.open_hand)
+        yield self._arm(at, "reach", pick, pick.approach[0])
+        yield self._line(at, "approach", pick, pick.approach)
+        yield from self._fingers(at, "close", pick, pick.closed_hand, pick.grip)
+        hold = Hold(self._performer.agent.name, pick.side, pick.thing)
+        at.held, at.holds = Held(pick.grip, hold), frozenset({hold})
+        yield self._line(at, "lift", pick, pick.lift)
 
     def _foresee(self, transfer: Transfer, means: Means) -> None:
         """See that the robot is free where its ways are to end, before any of them is looked for.

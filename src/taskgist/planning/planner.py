@@ -38,7 +38,7 @@ MOST_PLACES = 1400
 """Candidates that are judged at most: so many that some on seats and floors are among them."""
 SPARED_AMONG = 40
 """Of those that satisfy the goal so many are ordered by effort, if somebody's is to be spared."""
-MOST_TRIED = 12
+MOST_TRIED = 8
 """Of those that satisfy the goal, so many are tried with the robot (ours)."""
 
 

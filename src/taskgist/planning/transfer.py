@@ -123,6 +123,7 @@ class Picking:
         self._at_start = Stands(self.grasping, "start")
         self._coming = islice(self._at_start, MOST_STANDS)
         self._found: list[tuple[Stand, Picks]] = []
+        self._in_vain: set[tuple[Stand, Kind]] = set()
         self.nowhere, self.in_the_way, self.cannot = 0, Counter[str](), Counter[str]()
 
     def __iter__(self) -> Iterator[tuple[Stand, Picks]]:
@@ -134,6 +135,15 @@ class Picking:
                     return
                 self._found.append((stand, Picks(self.grasping, stand.qpos)))
             yield self._found[number]
+
+    def give_up(self, transfer: Transfer) -> None:
+        """Ask no more for picks as alike to one as mostly fail alike: its hand does not get there from its stand."""
+        kind = (transfer.pick.side, self.grasping.kind(transfer.pick.grasp))
+        self._in_vain.add((transfer.start, kind))
+
+    def has_given_up(self, stand: Stand, side: str, grasp: int) -> bool:
+        """Whether that is so of a grasp."""
+        return (stand, (side, self.grasping.kind(grasp))) in self._in_vain
 
     @cached_property
     def refusal(self) -> str | None:
@@ -194,10 +204,12 @@ class Transfers:
             return
         free = set(grasping.free.tolist())
         for start, picks in self._picking:
-            fitting = picks.by(
-                lambda side, row: bool(self._fitting(side, row)),
-                hopeless=lambda side, row: row not in free or self._known.get((side, row)) == [],
-            )
+
+            def hopeless(side: str, row: int, start: Stand = start) -> bool:
+                given_up = self._picking.has_given_up(start, side, row)
+                return row not in free or given_up or self._known.get((side, row)) == []
+
+            fitting = picks.by(lambda side, row: bool(self._fitting(side, row)), hopeless=hopeless)
             for pick in islice(fitting, PICKS_A_STAND):
                 self.picked += 1
                 stands = self._fitting(pick.side, pick.grasp)
