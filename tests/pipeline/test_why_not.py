@@ -53,9 +53,9 @@ def told(outcome: Outcome) -> tuple[str, ...]:
 def test_nothing_hides_it() -> None:
     outcome = asked(room(TABLE, box(1.7)), "hide", allow=("table",))
     first, second = told(outcome)
-    assert first == "0 of 1000 places would do"
+    assert first == "0 of 1400 places would do"
     assert second.startswith(
-        "at 1000 of them it fails that it sees next to nothing of the object afterwards, the nearest"
+        "at 1400 of them it fails that it sees next to nothing of the object afterwards, the nearest"
     )
     assert not outcome.helps
 

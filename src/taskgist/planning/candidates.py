@@ -190,6 +190,8 @@ class _Places:
         asking, face = self._asking, self._face
         numbers = np.arange(self._next, min(self._next + BATCH, self._spots * len(self._turns)))
         self._next += len(numbers)
+        if not len(numbers):
+            return []
         spots = numbers % self._spots
         points = face.points((asking.shift[:2] + np.outer(spots, R2)) % 1.0)
         turns = [self._turns[k] for k in (spots + numbers // self._spots) % len(self._turns)]
