@@ -246,3 +246,8 @@ class Endings:
         for upon in (*self.upon(state, name), name):
             state = self.without(state, upon)
         return state
+
+
+def laden(thing: str, upon: Sequence[str]) -> str:
+    """Why a thing is not carried: what stands or lies on it, or in it, would be left in the air."""
+    return f"on the {thing}, or in it, there is the {' and the '.join(upon)}"

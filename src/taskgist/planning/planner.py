@@ -19,7 +19,7 @@ from taskgist.learning.understanding import Literal
 from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.planning.actions import Actions
 from taskgist.planning.aims import Aim, aims_of, goal_of_all
-from taskgist.planning.endings import Endings
+from taskgist.planning.endings import Endings, laden
 from taskgist.planning.goal import Goal
 from taskgist.planning.helping import Help, helps
 from taskgist.planning.pddl import Pddl, exported
@@ -129,6 +129,10 @@ class Planner:
         """The thing moved by the performer alone; what is in the way of its hand is noted."""
         who, why_not = self.request.performer, self._endings.why_not(self._state, self.request.performer)
         self.search.out_of_hold = self._actions.out_of_hold(self._state, who, self.request.thing)
+        upon = self._endings.upon(self._state, self.request.thing)
+        if upon and not self.search.out_of_hold:
+            blocked |= dict.fromkeys(upon)
+            self.search.out_of_hold = laden(self.request.thing, upon)
         if self.search.out_of_hold:
             return
         for candidate in self._in_order(self._wanted(progress)):
