@@ -5,18 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
-from itertools import groupby
+from itertools import groupby, islice
 
 import numpy as np
 import pytest
 
+from taskgist.errors import UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.language.performing import chosen, refused, steps
 from taskgist.performing.execution import phase_frames
 from taskgist.performing.outputs import plan_document, robot_trajectory
 from taskgist.pipeline.performing import Outcome, perform
+from taskgist.planning.aims import aims_of
+from taskgist.planning.endings import Endings
 from taskgist.planning.plan import Action
 from taskgist.planning.requests import Request, Spared
+from taskgist.settings import DEFAULT
 from taskgist.world import Scene
 from taskgist_lab.generator.things import OpenBox
 from taskgist_lab.simulator.room import TABLE, Person, Room, Table, Thing
@@ -86,6 +90,26 @@ def test_what_hides_a_thing_is_cleared_to_show_it() -> None:
     assert found.strict is True
     assert found.explanation.nodes["visibility.class"].value == "Increased"
     assert chosen(found.plan).endswith(" m, out of the way")
+
+
+def test_what_is_cleared_goes_where_things_may_go() -> None:
+    """What is preferred comes first; what is not allowed never, though a thing may stay on what it is on already."""
+    shelf, bench = Table("shelf", (-2.2, 1.2), (0.4, 1.0, TOP)), Table("bench", (-2.2, -1.2), (0.4, 1.0, TOP))
+    scene = Room("room", (robot("R", -1.6), P2), (IT, screen(0.04)), TABLE, (shelf, bench)).scene()
+    request = Request(clause("show"), "R", "P2", "tape", means=("clear",), prefer=("shelf",))
+    (found,) = perform(scene, request).performances
+    assert (found.plan.actions[0].thing, found.plan.candidate.carrier) == ("screen", "shelf")
+
+    def carriers(asked: Request) -> set[str]:
+        aims = aims_of(scene, scene.initial, asked.clause, ["P2"], "tape", STANDARD_TREE, DEFAULT)
+        put = Endings(scene, scene.initial, asked, aims, DEFAULT, ()).put(scene.initial, "R", "screen")
+        return {candidate.carrier for candidate in islice(put, 60)}
+
+    anywhere = replace(request, prefer=())
+    assert carriers(anywhere) >= {"table", "shelf", "bench"}
+    assert carriers(replace(anywhere, allow=("shelf",))) == {"table", "shelf"}
+    with pytest.raises(UnknownNameError, match="no support 'shelve'; did you mean 'shelf'"):
+        perform(scene, replace(request, allow=("shelve",)))
 
 
 def test_why_what_hides_a_thing_is_not_cleared() -> None:

@@ -18,12 +18,13 @@ from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.actions import WhyNot
 from taskgist.planning.aims import Aim, Judges
-from taskgist.planning.candidates import candidates, in_turn
+from taskgist.planning.candidates import candidates, check_supports, in_turn
 from taskgist.planning.covering import covers
 from taskgist.planning.handing import Taker
 from taskgist.planning.judging import Judge, Verdict
 from taskgist.planning.placing import Candidate, Means
 from taskgist.planning.requests import Request
+from taskgist.planning.resting import level_faces
 from taskgist.settings import Settings
 from taskgist.world.contacts import rest_of
 from taskgist.world.scene import Scene
@@ -80,7 +81,9 @@ class Endings:
         self._aims, self._goal, self._lets_go = tuple(aims), aims[0].goal, lets_go
         self._predicates = tuple(predicates)
         self._judges: dict[bytes, Judges] = {}
-        self.judge(state)  # names that nobody knows are told before any long work
+        # Names that nobody knows are told before any long work.
+        self.judge(state)
+        check_supports((*(request.allow or ()), *request.prefer), level_faces(Stage(scene, state), request.thing))
 
     def judge(self, state: State) -> Judges:
         """The judges of states that differ little from one."""
@@ -158,9 +161,23 @@ class Endings:
         return self._judged(state, self.put(state, agent, other))
 
     def put(self, state: State, agent: str, other: str) -> Iterator[Candidate]:
-        """Where something else than the thing may be put down."""
-        request = self._request
-        return candidates(Stage(self._scene, state), other, agent, request.target, self._settings, seed=request.seed)
+        """Where something may be put down on the way: on what may be used, or what it is on already."""
+        request, stage = self._request, Stage(self._scene, state)
+        able = {face.owner for face in level_faces(stage, other)}
+        rest = rest_of(stage, other, self._settings.contact)
+        allow = None
+        if request.allow is not None:
+            allow = tuple(name for name in able if name in (*request.allow, rest.support, rest.container))
+        return candidates(
+            stage,
+            other,
+            agent,
+            request.target,
+            self._settings,
+            allow=allow,
+            prefer=tuple(name for name in request.prefer if name in able),
+            seed=request.seed,
+        )
 
     def handed(self, state: State, agent: str, helper: str) -> Iterator[Candidate]:
         """Where the thing may be handed over to a person who helps."""

@@ -32,7 +32,7 @@ class Request:
         target: For whom.
         thing: With what.
         attention: What the target agent is assumed to look at in the end.
-        allow: Supports that may be used; None for all.
+        allow: Supports that may be used; None for all. What is moved on the way may stay on what it is on already.
         prefer: Supports that come first.
         seed: The same request with the same seed has the same plans.
         means: By what means it may be performed; moving the thing alone is tried first.
