@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from taskgist.language.performing import chosen
+from taskgist.language.performing import acted, chosen
+from taskgist.performing.outputs import plan_document
 from taskgist.pipeline.performing import Outcome, Performance, perform
 from taskgist.planning.requests import Request
 from taskgist.world import Hold, Scene
 from taskgist_lab.simulator.room import TABLE, Person, Room, on_table
 from tests.pipeline.test_performing import clause
+from tests.schemas import hold_to_schema
 
 
 @cache
@@ -82,3 +85,18 @@ def test_hands_are_empty_before_the_next_thing_is_taken() -> None:
     assert first.candidate.means in {"put_on", "put_in"}
     assert not {hold.object for hold in second.phases[0].holds}
     assert Hold("R", first.side, "cup") not in second.phases[-1].holds
+
+
+def test_sentences_and_documents_tell_of_each_thing() -> None:
+    found = performed("hide", "cup", "wooden_cube")
+    first, second = found.plan.actions
+    assert (first.about, second.about) == ("cup", "wooden_cube")
+    box = replace(second.candidate, thing="white_box", means="put_over")
+    covered = replace(second, candidate=box, purpose="cover")
+    told = acted(replace(found.plan, actions=(first, covered)), covered)
+    assert told.startswith("R puts the white_box over the wooden_cube, ")
+    document = plan_document(found.plan, found.execution)
+    hold_to_schema("perform_plan", document)
+    last = np.array(found.execution.recording.qpos)[-1]
+    for name, attained in zip(document["object"], document["attained"], strict=True):
+        assert np.allclose(attained["position_m"], last[scene().object_slice(name)][:3], atol=1e-6)

@@ -101,7 +101,9 @@ def test_what_is_said_to_bring_it_within_reach_does() -> None:
     assert said == f"the box could be grasped if it stood {100 * found.shift_m:.0f} cm nearer to R"
     for shift_m, able in ((0.0, False), (found.shift_m - 0.02, False), (found.shift_m, True)):
         scene = room(WIDE_TABLE, box(1.85 - shift_m), target_at=3.3)
-        assert Actions(scene, scene.initial, DEFAULT, target="P2").grasps(scene.initial, "R", "box") is able
+        assert (
+            Actions(scene, scene.initial, DEFAULT, thing="box", target="P2").grasps(scene.initial, "R", "box") is able
+        )
 
 
 def test_what_is_said_to_hide_it_does() -> None:

@@ -77,6 +77,7 @@ class Action:
         effort: The least effort level with which the performer grasps it where it lies, and gets at it there; None if
             one of them is unknown.
         phases: One motion after the other.
+        about: For the sake of which of the task's things it is done: that which is covered, say.
     """
 
     performer: str
@@ -85,6 +86,7 @@ class Action:
     candidate: Candidate
     effort: int | None
     phases: tuple[Phase, ...]
+    about: str
 
     @property
     def thing(self) -> str:

@@ -85,7 +85,7 @@ class Planner:
     ) -> None:
         self.scene, self._state, self.request, self._settings = scene, state, request, settings
         refuse_held(scene, state, request.performer, request.thing, settings)
-        self._actions = Actions(scene, state, settings, target=request.target, seed=request.seed)
+        self._actions = Actions(scene, state, settings, thing=request.thing, target=request.target, seed=request.seed)
         self.performer = self._actions.robot(request.performer, state)
         begin, who, what = state if start is None else start, request.targets, request.thing
         self.aims = aims_of(scene, begin, request.clause, who, what, tree, settings, predicates)
