@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ from taskgist.facts import vocabulary as v
 from taskgist.learning import Clause, Literal, clause_of, understand
 from taskgist.perspective.effort import NO_KNOWN_ACTION
 from taskgist.planning import Goal, Span, Wanted
+from taskgist.planning.aims import Aim, goal_of_all
 from taskgist.settings import DEFAULT
 from tests.learning.learning_samples import STUDY, study
 
@@ -368,3 +370,27 @@ def test_hide_as_it_was_learned() -> None:
     assert goal.given_hold is True
     assert not goal.impossible
     assert not goal.unjudged
+
+
+# --- Several.
+
+
+def test_what_is_wanted_of_any_is_wanted_of_all() -> None:
+    """What the first sees at the start is not known, and so not judged; of the other it is wanted."""
+    harder = ("see.class", v.BECOMES_DIFFICULT)
+    first, second = goal_of(harder, see__effort=UNKNOWN), goal_of(harder)
+    assert (kinds(first), kinds(second)) == ((0, 0, 0, 1), (0, 1, 0, 0))
+    both = goal_of_all([Aim("P2", "cup", first), Aim("P3", "cup", second)])
+    assert kinds(both) == (0, 1, 0, 1)
+    assert both == replace(second, unjudged=first.unjudged)
+    same = goal_of_all([Aim("P2", "cup", second), Aim("P2", "pen", second)])
+    assert same == second
+    impossible = goal_of(harder, see__effort=SEE_EFFORTS[5])
+    assert goal_of_all([Aim("P2", "cup", second), Aim("P2", "pen", impossible)]).impossible == impossible.impossible
+
+
+def test_a_thing_is_in_one_hand_and_two_things_in_two() -> None:
+    taken = goal_of(("hands.class", v.MANIP_GAINED))
+    one = goal_of_all([Aim("P2", "cup", taken), Aim("P3", "cup", taken)])
+    assert [each.why for each in one.impossible] == ["the cup cannot be in the hands of P2 and of P3 at once"]
+    assert not goal_of_all([Aim("P2", "cup", taken), Aim("P2", "pen", taken)]).impossible

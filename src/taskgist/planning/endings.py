@@ -7,7 +7,6 @@ go elsewhere. All of these are candidates of one kind, and one judge says of eac
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +19,7 @@ from taskgist.planning.actions import WhyNot
 from taskgist.planning.aims import Aim, Judges
 from taskgist.planning.candidates import candidates, check_supports, in_turn
 from taskgist.planning.covering import covers
+from taskgist.planning.goal import Goal
 from taskgist.planning.handing import Taker
 from taskgist.planning.judging import Judge, Verdict
 from taskgist.planning.placing import Candidate, Means
@@ -78,7 +78,8 @@ class Endings:
         lets_go: bool = False,
     ) -> None:
         self._scene, self._state, self._request, self._settings = scene, state, request, settings
-        self._aims, self._goal, self._lets_go = tuple(aims), aims[0].goal, lets_go
+        self._aims, self._lets_go = tuple(aims), lets_go
+        self._own = tuple(aim for aim in aims if aim.thing == request.thing)
         self._predicates = tuple(predicates)
         self._judges: dict[bytes, Judges] = {}
         # Names that nobody knows are told before any long work.
@@ -127,8 +128,9 @@ class Endings:
         request, judge = self._request, self.judge(state)
         takers = {name: Taker(self._scene, name, state) for name in request.targets}
         # Places on supports are the same for all; those before a face, or in a hand, are of one of them.
-        means = {name: tuple(each for each in self._means if each in IN_AIR) for name in request.also_for}
-        means[request.target] = self._means
+        means = {name: self._means(name) for name in request.targets}
+        for name in request.also_for:
+            means[name] = tuple(each for each in means[name] if each in IN_AIR)
         asked = (
             candidates(
                 Stage(self._scene, state),
@@ -197,24 +199,26 @@ class Endings:
         judge = self.judge(state)
         return (Judged(candidate, judge.verdict(candidate.state)) for candidate in found)
 
-    @cached_property
-    def _means(self) -> tuple[Means, ...]:
-        """How the thing may get where it shall be: what brings about the placement, and the target's hands."""
-        placement, hands = self._goal.wants("placement"), self._goal.wants("hands")
-        found = [means for means, end in ENDS.items() if placement is None or end in (placement.values or ())]
-        if self._lets_go:
-            found = [means for means in found if means != "hold_up"]
-        if hands is not None and hands.values is not None:
-            taken = [v.HOLDING_OBJECT in final.values() for final in hands.values if isinstance(final, Mapping)]
-            found = [means for means in found if (means == "hand_over") in taken]
-        return tuple(found)
+    def _means(self, name: str) -> tuple[Means, ...]:
+        """How the thing may get where it shall be for all, before a target agent's face or into its hand if in any's.
+
+        What brings about the placement that is wanted, and that hands hold it, or do not.
+        """
+        return tuple(
+            means
+            for means in ENDS
+            if not (self._lets_go and means == "hold_up")
+            and all(
+                _brings_about(aim.goal, means, taken=means == "hand_over" and aim.agent == name) for aim in self._own
+            )
+        )
 
     # --- What it takes the target agents.
 
     @property
     def target_takes(self) -> bool:
         """Whether the goal is that target agents get at the thing, so that their own effort is a cost."""
-        wanted = (self._goal.wants(f"{ability}.effort") for ability in ("reach", "grasp"))
+        wanted = (aim.goal.wants(f"{ability}.effort") for ability in ("reach", "grasp") for aim in self._own)
         return any(each is not None and NO_KNOWN_LEVEL not in each.levels for each in wanted)
 
     def target_levels(self, candidate: Candidate) -> dict[str, int]:
@@ -263,6 +267,16 @@ class Endings:
         for upon in (*self.upon(state, name), name):
             state = self.without(state, upon)
         return state
+
+
+def _brings_about(goal: Goal, means: Means, *, taken: bool) -> bool:
+    """Whether a goal's placement can come of a means, and its hands of whether the target agent takes the thing."""
+    placement, hands = goal.wants("placement"), goal.wants("hands")
+    if placement is not None and ENDS[means] not in (placement.values or ()):
+        return False
+    if hands is None or hands.values is None:
+        return True
+    return taken in [v.HOLDING_OBJECT in final.values() for final in hands.values if isinstance(final, Mapping)]
 
 
 def laden(thing: str, upon: Sequence[str]) -> str:

@@ -320,8 +320,8 @@ class Goal:
 
     @property
     def controllable(self) -> tuple[Literal, ...]:
-        """All literals that the performer is to make true, in the order of ``wanted``."""
-        return tuple(literal for wanted in self.wanted for literal in wanted.literals)
+        """All literals that the performer is to make true, each once, in the order of ``wanted``."""
+        return tuple(dict.fromkeys(literal for wanted in self.wanted for literal in wanted.literals))
 
     @property
     def given_hold(self) -> Truth:

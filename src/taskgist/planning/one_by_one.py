@@ -54,7 +54,7 @@ class OneByOne:
         scene: As given.
         request: As given.
         performer: The performing robot; None for a person.
-        goal: What is wanted for the first target agent with the first thing, and what is impossible for any.
+        goal: What is wanted, given, or impossible, for any target agent with any thing.
         aims: What is wanted of each target agent with each thing.
         search: What became of the candidates of the thing that was looked at last.
 
@@ -81,11 +81,8 @@ class OneByOne:
             aims_of(scene, state, request.clause, request.targets, thing, tree, settings, predicates)
             for thing in request.also_with
         )
-        of_things = (self._planner.aims, *further)
-        self.aims: tuple[Aim, ...] = tuple(chain.from_iterable(of_things))
-        goals = [goal_of_all(aims) for aims in of_things]
-        impossible = {each.why: each for goal in goals for each in goal.impossible}
-        self.goal: Goal = replace(goals[0], impossible=tuple(impossible.values()))
+        self.aims: tuple[Aim, ...] = (*self._planner.aims, *chain.from_iterable(further))
+        self.goal: Goal = goal_of_all(self.aims)
 
     @property
     def search(self) -> Search:

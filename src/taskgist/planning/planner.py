@@ -60,7 +60,7 @@ class Planner:
         scene: As given.
         request: As given.
         performer: The performing robot; None for a person.
-        goal: What is wanted, given, impossible; of several target agents wanted for the first, and the rest for any.
+        goal: What is wanted, given, or impossible for any target agent.
         aims: What is wanted of each target agent.
         search: What became of the candidates until now.
 
