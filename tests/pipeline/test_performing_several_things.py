@@ -100,3 +100,13 @@ def test_sentences_and_documents_tell_of_each_thing() -> None:
     last = np.array(found.execution.recording.qpos)[-1]
     for name, attained in zip(document["object"], document["attained"], strict=True):
         assert np.allclose(attained["position_m"], last[scene().object_slice(name)][:3], atol=1e-6)
+
+
+def test_efforts_of_whoever_takes_each_thing_are_counted() -> None:
+    found = performed("give", "cup", "wooden_cube")
+    alone = [performed("give", name).plan.cost for name in ("cup", "wooden_cube")]
+    efforts = found.plan.cost.efforts
+    assert set(efforts) == {"R", "P2"}
+    assert efforts["R"] == sum(action.level for action in found.plan.actions)
+    assert efforts["P2"] == sum(each.efforts["P2"] for each in alone)
+    assert found.plan.cost.actions == len(found.plan.actions) == 2

@@ -26,7 +26,7 @@ from taskgist.planning.goal import Goal
 from taskgist.planning.helping import Help
 from taskgist.planning.pddl import Pddl
 from taskgist.planning.performer import Performer
-from taskgist.planning.plan import Action, Cost, Plan, efforts_of
+from taskgist.planning.plan import Action, Cost, Plan, total_cost
 from taskgist.planning.planner import Planner
 from taskgist.planning.requests import Request, Search
 from taskgist.settings import DEFAULT, Settings
@@ -115,19 +115,30 @@ class OneByOne:
             progress: Told how far it is.
         """
         if not self.goal.impossible:
-            yield from self._plans(self._planner, (), (), progress)
+            yield from self._plans(self._planner, (), (), (), progress)
 
     def _plans(
-        self, planner: Planner, done: tuple[Action, ...], kept: tuple[Aim, ...], progress: Progress
+        self,
+        planner: Planner,
+        done: tuple[Action, ...],
+        spent: tuple[Cost, ...],
+        kept: tuple[Aim, ...],
+        progress: Progress,
     ) -> Iterator[Plan]:
-        """Plans that go on with a planner's thing."""
+        """Plans that go on with a planner's thing, after actions that cost something for the things before."""
         things, thing = self.request.things, planner.request.thing
         rest = things[things.index(thing) + 1 :]
         holds = done[-1].phases[-1].holds if done else frozenset[Hold]()
         for plan in islice(planner.plans(progress), PLANS_OF_A_THING if rest or done else None):
             actions = tuple(_with_held(self.scene, action, holds) for action in plan.actions)
             if not rest:
-                yield self._whole(plan, (*done, *actions))
+                yield replace(
+                    plan,
+                    thing=things[0],
+                    also_with=self.request.also_with,
+                    actions=(*done, *actions),
+                    cost=total_cost((*spent, plan.cost)),
+                )
                 continue
             end = self._end(planner, actions)
             if end is None:
@@ -138,7 +149,8 @@ class OneByOne:
                 planner.search.refusals[f"from there it goes on with nothing: {error}"] += 1
                 continue
             self._planner = following
-            yield from self._plans(following, (*done, *actions), (*kept, *planner.aims), progress)
+            costs = (*spent, plan.cost)
+            yield from self._plans(following, (*done, *actions), costs, (*kept, *planner.aims), progress)
 
     def _planner_for(self, thing: str, state: State, kept: tuple[Aim, ...]) -> Planner:
         return Planner(
@@ -166,10 +178,6 @@ class OneByOne:
             planner.search.refusals[end] += 1
             return None
         return end
-
-    def _whole(self, last: Plan, actions: tuple[Action, ...]) -> Plan:
-        cost = last.cost if len(self.request.things) == 1 else Cost(len(actions), efforts_of(actions))
-        return replace(last, thing=self.request.thing, also_with=self.request.also_with, actions=actions, cost=cost)
 
 
 def _with_held(scene: Scene, action: Action, holds: Iterable[Hold]) -> Action:

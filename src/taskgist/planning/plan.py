@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -15,7 +16,7 @@ from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.planning.placing import Candidate
 from taskgist.world.state import Hold
 
-__all__ = ["RATE_HZ", "Action", "Cost", "Phase", "PhaseName", "Plan", "Purpose", "efforts_of"]
+__all__ = ["RATE_HZ", "Action", "Cost", "Phase", "PhaseName", "Plan", "Purpose", "efforts_of", "total_cost"]
 
 PhaseName = Literal[
     "drive",
@@ -120,7 +121,7 @@ class Cost:
     Attributes:
         actions: How many actions.
         efforts: Effort levels by agent: of each that acts the sum over its actions, of whoever the thing is for what it
-            takes it in the end to get at it.
+            takes it in the end to get at it; of several things the sum.
     """
 
     actions: int
@@ -133,6 +134,14 @@ class Cost:
     def total(self) -> float:
         """In actions."""
         return self.actions + EFFORT_COST * sum(self.efforts.values())
+
+
+def total_cost(costs: Sequence[Cost]) -> Cost:
+    """What several plans cost, one after the other."""
+    efforts = Counter[str]()
+    for cost in costs:
+        efforts.update(cost.efforts)
+    return Cost(sum(cost.actions for cost in costs), efforts)
 
 
 def efforts_of(actions: Sequence[Action]) -> dict[str, int]:
