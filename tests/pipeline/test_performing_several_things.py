@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from taskgist.errors import InputError
 from taskgist.language.performing import acted, chosen
 from taskgist.performing.outputs import plan_document
 from taskgist.pipeline.performing import Outcome, Performance, perform
@@ -110,3 +111,8 @@ def test_efforts_of_whoever_takes_each_thing_are_counted() -> None:
     assert efforts["R"] == sum(action.level for action in found.plan.actions)
     assert efforts["P2"] == sum(each.efforts["P2"] for each in alone)
     assert found.plan.cost.actions == len(found.plan.actions) == 2
+
+
+def test_several_things_are_no_one_problem_for_other_planners() -> None:
+    with pytest.raises(InputError, match=r"pddl: several things are no one problem \(got 'cup wooden_cube'\)"):
+        outcome("hide", "cup", "wooden_cube").pddl()

@@ -33,6 +33,7 @@ from taskgist.planning.helping import Help
 from taskgist.planning.one_by_one import OneByOne
 from taskgist.planning.pddl import Pddl
 from taskgist.planning.performer import Performer
+from taskgist.planning.persons import moves_itself
 from taskgist.planning.plan import Plan
 from taskgist.planning.requests import Request, Search
 from taskgist.settings import DEFAULT, Planning, Settings
@@ -112,11 +113,11 @@ def perform(
     Raises:
         UnknownNameError: There is no such agent, thing or support.
         SceneError: The performer has no arm or no hand that grasps.
-        InputError: OMPL or toppra, the extra ``planning``, is not installed.
+        InputError: OMPL or toppra, the extra ``planning``, is not installed, and robots perform or may help.
     """
     state = scene.initial if state is None else state
     planner = OneByOne(scene, state, request, tree=tree, settings=settings, predicates=predicates)
-    if planner.performer is not None:
+    if not all(moves_itself(scene.agent(name)) for name in planner.may_act):
         planners()  # before any long work
     found, spoiled = list[Performance](), list[str]()
     for plan in planner.plans(progress):

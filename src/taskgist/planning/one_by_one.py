@@ -16,7 +16,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.common.workers import Progress, silent
-from taskgist.errors import InputError, SceneError
+from taskgist.errors import SceneError
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
@@ -28,7 +28,7 @@ from taskgist.planning.pddl import Pddl
 from taskgist.planning.performer import Performer
 from taskgist.planning.plan import Action, Cost, Plan, total_cost
 from taskgist.planning.planner import Planner
-from taskgist.planning.requests import Request, Search
+from taskgist.planning.requests import Request, Search, check_one_problem
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.geometry.transforms import matrix_from_wxyz, wxyz_from_matrix
 from taskgist.world.scene import Scene
@@ -53,7 +53,6 @@ class OneByOne:
     Attributes:
         scene: As given.
         request: As given.
-        performer: The performing robot; None for a person.
         goal: What is wanted, given, or impossible, for any target agent with any thing.
         aims: What is wanted of each target agent with each thing.
         search: What became of the candidates of the thing that was looked at last.
@@ -76,7 +75,6 @@ class OneByOne:
         self.scene, self._state, self.request = scene, state, request
         self._tree, self._settings, self._predicates = tree, settings, tuple(predicates)
         self._planner = self._planner_for(request.thing, state, ())
-        self.performer = self._planner.performer
         further = (
             aims_of(scene, state, request.clause, request.targets, thing, tree, settings, predicates)
             for thing in request.also_with
@@ -88,6 +86,11 @@ class OneByOne:
     def search(self) -> Search:
         """What became of the candidates of the thing that was looked at last."""
         return self._planner.search
+
+    @property
+    def may_act(self) -> tuple[str, ...]:
+        """The performer, and who may help it."""
+        return self._planner.may_act
 
     def robot(self, name: str) -> Performer | None:
         """One of those who act, as it starts; None for a person."""
@@ -103,9 +106,7 @@ class OneByOne:
         Raises:
             InputError: There are several things, whose order and judges PDDL does not have.
         """
-        if len(self.request.things) > 1:
-            value = " ".join(self.request.things)
-            raise InputError("several things are no one problem", field="--pddl", value=value, hint="ask for each")
+        check_one_problem(self.request)
         return self._planner.pddl(plans)
 
     def plans(self, progress: Progress = silent) -> Iterator[Plan]:

@@ -94,14 +94,19 @@ class Planner:
         self.search = Search(thing=request.thing)
         self._sequences = Sequences(scene, state, request, self._endings, self._actions, self.search)
 
+    @property
+    def may_act(self) -> tuple[str, ...]:
+        """The performer, and who may help it."""
+        helpers = self._sequences.helpers if "relay" in self.request.means else ()
+        return (self.request.performer, *helpers)
+
     def robot(self, name: str) -> Performer | None:
         """One of those who act, as it starts; None for a person."""
         return self._actions.robot(name, self._state)
 
     def pddl(self, plans: Sequence[Plan] = ()) -> Pddl:
         """The same problem for other planners, the places of some plans among its places."""
-        helpers = self._sequences.helpers
-        return exported(self.scene, self._state, self.request, self._endings, self._actions, helpers, plans)
+        return exported(self.scene, self._state, self.request, self._endings, self._actions, self.may_act, plans)
 
     def plans(self, progress: Progress = silent) -> Iterator[Plan]:
         """Plans, the nearest to the candidates' order first, each for another place; then those by other means.

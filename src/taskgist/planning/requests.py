@@ -77,6 +77,17 @@ class Request:
                 raise InputError("stands twice", where="Request", field=field_, value=twice, hint=hint)
 
 
+def check_one_problem(request: Request) -> None:
+    """See that a request is one problem for other planners.
+
+    Raises:
+        InputError: There are several things, whose order and judges PDDL does not have.
+    """
+    if len(request.things) > 1:
+        value, hint = " ".join(request.things), "ask for each alone"
+        raise InputError("several things are no one problem", field="pddl", value=value, hint=hint)
+
+
 def _check(what: str, given: Iterable[str], known: tuple[str, ...]) -> None:
     for each in given:
         if each not in known:
