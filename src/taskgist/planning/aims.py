@@ -7,16 +7,15 @@ goal and a judge of its own, and a state will do if all of them say so.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from taskgist.facts import vocabulary as v
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import UNKNOWN, Observation, Raw
 from taskgist.learning.understanding import Clause, Literal
 from taskgist.observe.attributes import resting_snapshot
-from taskgist.planning.goal import Goal, Impossible, Wanted
+from taskgist.planning.goal import Goal, Impossible, Wanted, is_taken
 from taskgist.planning.judging import Judge, Verdict
 from taskgist.settings import Settings
 from taskgist.world.scene import Scene
@@ -88,7 +87,7 @@ def goal_of_all(aims: Sequence[Aim]) -> Goal:
     unjudged = dict.fromkeys(each for aim in aims for each in aim.goal.unjudged)
     impossible = {each.why: each for aim in aims for each in aim.goal.impossible}
     for thing in dict.fromkeys(aim.thing for aim in aims):
-        taken = [aim for aim in aims if aim.thing == thing and _is_taken(aim.goal)]
+        taken = [aim for aim in aims if aim.thing == thing and is_taken(aim.goal.wanted)]
         if len(taken) > 1:
             hands = taken[0].goal.wants("hands")
             assert hands is not None
@@ -102,14 +101,6 @@ def goal_of_all(aims: Sequence[Aim]) -> Goal:
         impossible=tuple(impossible.values()),
         unjudged=tuple(unjudged),
     )
-
-
-def _is_taken(goal: Goal) -> bool:
-    """Whether the target agent must hold the thing in the end."""
-    hands = goal.wants("hands")
-    if hands is None or not hands.values:
-        return False
-    return all(isinstance(final, Mapping) and v.HOLDING_OBJECT in final.values() for final in hands.values)
 
 
 class Judges:

@@ -16,7 +16,7 @@ from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.planning.placing import Candidate
 from taskgist.world.state import Hold
 
-__all__ = ["RATE_HZ", "Action", "Cost", "Phase", "PhaseName", "Plan", "Purpose", "efforts_of", "total_cost"]
+__all__ = ["RATE_HZ", "About", "Action", "Cost", "Phase", "PhaseName", "Plan", "Purpose", "efforts_of", "total_cost"]
 
 PhaseName = Literal[
     "drive",
@@ -152,8 +152,27 @@ def efforts_of(actions: Sequence[Action]) -> dict[str, int]:
     return found
 
 
+class About:
+    """Target agents and things of a task, of which the first ones stand by themselves."""
+
+    target: str
+    thing: str
+    also_for: tuple[str, ...]
+    also_with: tuple[str, ...]
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """All target agents."""
+        return (self.target, *self.also_for)
+
+    @property
+    def things(self) -> tuple[str, ...]:
+        """All that the task is about, in the order in which it is brought."""
+        return (self.thing, *self.also_with)
+
+
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(About):
     """What is done to perform a task, by a robot or a person, and by those who help.
 
     Attributes:
@@ -177,16 +196,6 @@ class Plan:
     notes: tuple[str, ...] = ()
     also_for: tuple[str, ...] = ()
     also_with: tuple[str, ...] = ()
-
-    @property
-    def targets(self) -> tuple[str, ...]:
-        """All target agents."""
-        return (self.target, *self.also_for)
-
-    @property
-    def things(self) -> tuple[str, ...]:
-        """All that the task is about, in the order in which it is brought."""
-        return (self.thing, *self.also_with)
 
     @property
     def phases(self) -> tuple[Phase, ...]:

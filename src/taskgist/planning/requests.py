@@ -13,7 +13,7 @@ from taskgist.facts.values import Raw
 from taskgist.learning.understanding import Clause, Literal
 from taskgist.planning.judging import Attention
 from taskgist.planning.placing import Candidate
-from taskgist.planning.plan import Purpose
+from taskgist.planning.plan import About, Purpose
 
 MEANS: tuple[Purpose, ...] = get_args(Purpose)
 """All means, in the order in which they are tried at equal cost."""
@@ -23,7 +23,7 @@ SPARED: tuple[Spared, ...] = get_args(Spared)
 
 
 @dataclass(frozen=True)
-class Request:
+class Request(About):
     """What is to be performed.
 
     Attributes:
@@ -55,16 +55,6 @@ class Request:
     spare: Spared = "nobody"
     also_for: tuple[str, ...] = ()
     also_with: tuple[str, ...] = ()
-
-    @property
-    def targets(self) -> tuple[str, ...]:
-        """All target agents."""
-        return (self.target, *self.also_for)
-
-    @property
-    def things(self) -> tuple[str, ...]:
-        """All things, in the order in which they are brought."""
-        return (self.thing, *self.also_with)
 
     def __post_init__(self) -> None:
         _check("means", self.means, MEANS)
