@@ -164,7 +164,6 @@ def test_postures_are_given(node: Node, before: str) -> None:
         assert kinds(goal) == (1, 0, 0, 0)
         assert goal.given[0].holds is (value in (before, "Maintained"))
         assert goal.given[0].found == ("Maintained" if node.name == "posture.class" else before)
-        assert goal.given_hold is goal.given[0].holds
 
 
 def test_initial_literals_are_given_with_their_truth() -> None:
@@ -313,7 +312,7 @@ def test_what_was_unknown_at_the_start_is_told() -> None:
     assert [each.literal.node for each in classes.unjudged] == ["see.class"]
     assert "not known" in classes.unjudged[0].why
     assert only(goal_of(("see.effort.2", SEE_EFFORTS[0]), see__effort=UNKNOWN)).levels == (0,)
-    assert goal_of(("posture.class", "Maintained"), posture=UNKNOWN).given_hold is UNKNOWN
+    assert goal_of(("posture.class", "Maintained"), posture=UNKNOWN).given[0].holds is UNKNOWN
     hands = goal_of(("hands.class", v.MANIP_GAINED), hands={"left": None, "right": FREE})
     assert kinds(hands) == (0, 0, 0, 1)
     lost = goal_of(("hands.class", v.MANIP_GAINED), ("hands.status.2", HOLDS), hands=UNKNOWN)
@@ -367,7 +366,7 @@ def test_hide_as_it_was_learned() -> None:
     assert wanted["placement"].values == ("On_Support",)
     assert wanted["see.effort"].levels == (2, 3, 4, 5)
     assert wanted["visibility.score"].spans[0].low == 0.0
-    assert goal.given_hold is True
+    assert all(each.holds is True for each in goal.given)
     assert not goal.impossible
     assert not goal.unjudged
 

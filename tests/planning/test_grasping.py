@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from itertools import islice
 
 import numpy as np
 import pytest
 
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.planning.grasping import Grasping
-from taskgist.planning.hand_ways import Gate, HandWay, PickPose
+from taskgist.planning.hand_ways import Gate, HandWay
 from taskgist.planning.performer import Performer
 from taskgist.planning.transfer import Picking, Transfer, Transfers
 from taskgist.world import Stage, State, holding_of
@@ -66,7 +67,7 @@ def test_hands_close_on_the_outside_and_not_through_walls(robot: str, name: str)
     near = performer.at(performer.start.qpos, (0.75, 0.0, 0.0))
     stage = Stage(performer.scene)
     shapes, body = performer.scene.solid_geoms_of(name), stage.body(performer.scene.object_body(name))
-    picks = list(grasping.picks(near, most_tried=30))
+    picks = list(islice(grasping.picks(near), 10))
     assert picks
     for pick in picks:
         grasps = grasping.grasps.only(np.array([pick.grasp]))
@@ -93,7 +94,7 @@ def test_the_hand_comes_straight_and_rises_straight(found: tuple[Performer, Gras
         line, rise = palms(performer, way, way.line), palms(performer, way, way.rise)
         assert np.linalg.norm(line[-1] - line[0]) == pytest.approx(0.10, abs=0.003)
         along = (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
-        approach = performer.palm(way.grasped if isinstance(way, PickPose) else way.opened(way.line[-1]), way.side)
+        approach = performer.palm(way.opened(way.line[-1]), way.side)
         assert approach.matrix[:, 0] @ along > 0.999
         strays = (line - line[0]) - np.outer((line - line[0]) @ along, along)
         assert np.abs(strays).max() < 0.001
@@ -129,7 +130,7 @@ def test_the_thing_is_between_the_fingers(found: tuple[Performer, Grasping, Tran
 def test_nothing_but_the_arm_and_the_hand_differs_from_the_stand(found: tuple[Performer, Grasping, Transfer]) -> None:
     performer, _, transfer = found
     pick, chain = transfer.pick, performer.chain(transfer.pick.side)
-    moved = np.flatnonzero(pick.pre_grasp != transfer.start.qpos)
+    moved = np.flatnonzero(pick.opened(pick.line[0]) != transfer.start.qpos)
     assert set(moved) <= {*chain.positions.tolist(), *pick.hand_positions.tolist()}
 
 

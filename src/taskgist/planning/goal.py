@@ -35,7 +35,7 @@ from dataclasses import dataclass
 from taskgist.common.frozen import FrozenMap
 from taskgist.facts import vocabulary as v
 from taskgist.facts.tree import HypothesisTree, Nodes, Snapshot, Subtree
-from taskgist.learning.understanding import Clause, Literal, conjunction
+from taskgist.learning.understanding import Clause, Literal
 from taskgist.planning.inversion import inverted
 from taskgist.planning.wanted import (
     HANDS,
@@ -131,11 +131,6 @@ class Goal:
     def controllable(self) -> tuple[Literal, ...]:
         """All literals that the performer is to make true, each once, in the order of ``wanted``."""
         return tuple(dict.fromkeys(literal for wanted in self.wanted for literal in wanted.literals))
-
-    @property
-    def given_hold(self) -> Truth:
-        """Whether what is given is as the clause has it."""
-        return conjunction(each.holds for each in self.given)
 
     def wants(self, attribute: str) -> Wanted | None:
         """What is wanted of an attribute; None if nothing is."""

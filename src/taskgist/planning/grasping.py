@@ -21,7 +21,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from itertools import count
 
 import numpy as np
 
@@ -159,21 +158,18 @@ class Grasping:
         low, high = float(chain.low[chain.lifts].sum()), float(chain.high[chain.lifts].sum())
         return tuple(sorted({0.0, low - now, (low + high) / 2 - now, high - now}))
 
-    def picks(self, qpos: Array, *, most_tried: int | None = None) -> Iterator[PickPose]:
+    def picks(self, qpos: Array) -> Iterator[PickPose]:
         """Ways to pick the thing up from where the robot stands.
 
         Args:
             qpos: Positions of the scene with the robot at its stand; only its own count, (nq,).
-            most_tried: Grasps that are tried at most; None: all.
         """
         before = self._at(self.start, qpos)
         order = self._within_reach(before, self.start)
         failures: Counter[tuple[str, bytes]] = Counter()
-        for number in count():
+        while order:
             # Where grasps of a kind failed, those of other kinds come first: alike ones mostly fail alike.
-            kind = min(order, key=lambda kind: (failures[kind], order[kind][0][0]), default=None)
-            if kind is None or number == most_tried:
-                return
+            kind = min(order, key=lambda kind: (failures[kind], order[kind][0][0]))
             _, row = order[kind].popleft()
             if not order[kind]:
                 del order[kind]
