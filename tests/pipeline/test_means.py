@@ -139,6 +139,21 @@ def beneath_a_laden_dome(wide_m: float) -> Scene:
     return Room("room", (robot("R", -1.6), P2), (IT, dome, on_top), TABLE).scene()
 
 
+def test_what_stands_on_the_thing_is_cleared_before_it_is_moved() -> None:
+    """A thin plate with a small block on it, which would be left in the air: it is told before any place is judged."""
+    plate, block = (
+        Thing("tape", (0.06, 0.05, 0.03), (-0.1, 0.3, TOP)),
+        Thing("block", (0.04, 0.04, 0.04), (-0.1, 0.3, TOP + 0.03)),
+    )
+    scene = Room("room", (robot("R", -1.6), P2), (plate, block), TABLE).scene()
+    request = Request(clause("give"), "R", "P2", "tape", means=("move",))
+    alone = perform(scene, request)
+    assert why_not(alone) == "on the tape, or in it, there is the block"
+    assert alone.search.places == 0
+    (found,) = perform(scene, replace(request, means=("move", "clear"))).performances
+    assert [(each.purpose, each.thing) for each in found.plan.actions] == [("clear", "block"), ("move", "tape")]
+
+
 def test_what_lies_on_what_is_in_the_way_is_cleared_before_that() -> None:
     request = Request(clause("make accessible"), "R", "P2", "tape", means=("clear",))
     (found,) = perform(beneath_a_laden_dome(0.05), request).performances
