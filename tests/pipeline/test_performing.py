@@ -16,6 +16,9 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import NEGLIGIBLE
 from taskgist.language.performing import chosen, refused, steps
 from taskgist.learning.understanding import Clause, Literal
+from taskgist.performing.audit import audit
+from taskgist.performing.findings import Audit
+from taskgist.pipeline import performing
 from taskgist.pipeline.performing import Outcome, perform
 from taskgist.planning.requests import Request
 from taskgist.world import Scene, Stage
@@ -155,6 +158,22 @@ def test_so_does_a_person(task: str) -> None:
     (found,) = perform(table_for_two(), Request(clause(task), "P1", "P2", "cup")).performances
     assert found.audit.clean
     assert found.strict is True
+
+
+@pytest.mark.parametrize("performer", ["P1", "R"])
+def test_things_slip_softly_in_the_hands_of_people_who_perform(performer: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not in those of a robot, nor of whoever takes something from them."""
+    asked = dict[str, object]()
+
+    def watched(*args: object, **given: object) -> Audit:
+        asked.update(given, moving=args[4])
+        return audit(*args, **given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(performing, "audit", watched)
+    room = table_for_two() if performer == "P1" else scene("jido")
+    assert perform(room, Request(clause("give"), performer, "P2", "cup")).performances
+    assert asked["soft"] == [name for name in ("P1",) if name == performer]
+    assert list(asked["moving"]) == [performer, "P2"]  # type: ignore[call-overload]
 
 
 def test_without_planners_it_says_so_before_robots_are_asked(monkeypatch: pytest.MonkeyPatch) -> None:
