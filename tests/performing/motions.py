@@ -64,11 +64,12 @@ class Performance:
         return int(self.scene.agent("J").joints[name])
 
 
-def scene(*bodies: str) -> Scene:
+def scene(*bodies: str, profile: str = "jido", more: str = "") -> Scene:
+    """A floor, bodies on it, and an agent J; and what more a scene file says, of other agents, say."""
     text = "".join(bodies)
     room = f'<mujoco><worldbody><geom name="floor" type="plane" size="5 5 0.1"/>{text}</worldbody></mujoco>'
-    agents = parse_scene_file('[scene]\nmodel = "room.xml"\n[agents.J]\nprofile = "jido"\n', where="a test").agents
-    return Scene.from_spec(mujoco.MjSpec.from_string(room), agents)
+    file = f'[scene]\nmodel = "room.xml"\n[agents.J]\nprofile = "{profile}"\n{more}'
+    return Scene.from_spec(mujoco.MjSpec.from_string(room), parse_scene_file(file, where="a test").agents)
 
 
 def with_arm(of: Scene, angles: tuple[float, ...]) -> State:
@@ -81,8 +82,12 @@ def carry(
     half: tuple[float, float, float] = HALF,
     deeper_m: float = 0.0,
     higher_m: tuple[float, float] = (0.0, 0.0),
+    more: str = "",
 ) -> Performance:
-    """The whole performance, among more bodies, with another box, one that reaches farther down, or other posts."""
+    """The whole performance, among more bodies, with another box, one that reaches farther down, or other posts.
+
+    What more the scene file says, of other agents, say, stands in ``more``.
+    """
     alone = scene()
     palm = Stage(alone, with_arm(alone, GRASP)).site(alone.agent("J").arms[0].palm_site)
     x, y, z = palm.position
@@ -95,7 +100,7 @@ def carry(
     size = f"{half[0]} {half[1]} {half[2] + deeper_m / 2}"
     shape = f'<geom type="box" size="{size}" pos="0 0 {-deeper_m / 2}"/>'
     box = f'<body name="box" pos="{x} {y} {z}"><freejoint/>{shape}</body>'
-    room = scene(*posts, box, *bodies)
+    room = scene(*posts, box, *bodies, more=more)
     rows, held = _frames(room)
     return Performance(room, rows, held)
 

@@ -166,7 +166,7 @@ def test_a_robot_that_begins_in_something_is_found_there(moving: bool) -> None:
     assert finding.allowed == 0.0
 
 
-@pytest.mark.parametrize(("sunk_m", "clean"), [(0.0015, True), (0.006, False)])
+@pytest.mark.parametrize(("sunk_m", "clean"), [(0.0015, True), (0.003, False), (0.006, False)])
 def test_a_thing_rests_on_what_carries_it_and_not_in_it(sunk_m: float, clean: bool) -> None:
     """The posts reach a little into the box that stands on them."""
     found = carry(higher_m=(sunk_m, sunk_m)).audited()

@@ -5,18 +5,22 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
-from itertools import groupby
+from itertools import groupby, islice
 
 import numpy as np
 import pytest
 
+from taskgist.errors import UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.language.performing import chosen, refused, steps
 from taskgist.performing.execution import phase_frames
 from taskgist.performing.outputs import plan_document, robot_trajectory
 from taskgist.pipeline.performing import Outcome, perform
+from taskgist.planning.aims import aims_of
+from taskgist.planning.endings import Endings
 from taskgist.planning.plan import Action
 from taskgist.planning.requests import Request, Spared
+from taskgist.settings import DEFAULT
 from taskgist.world import Scene
 from taskgist_lab.generator.things import OpenBox
 from taskgist_lab.simulator.room import TABLE, Person, Room, Table, Thing
@@ -88,6 +92,26 @@ def test_what_hides_a_thing_is_cleared_to_show_it() -> None:
     assert chosen(found.plan).endswith(" m, out of the way")
 
 
+def test_what_is_cleared_goes_where_things_may_go() -> None:
+    """What is preferred comes first; what is not allowed never, though a thing may stay on what it is on already."""
+    shelf, bench = Table("shelf", (-2.2, 1.2), (0.4, 1.0, TOP)), Table("bench", (-2.2, -1.2), (0.4, 1.0, TOP))
+    scene = Room("room", (robot("R", -1.6), P2), (IT, screen(0.04)), TABLE, (shelf, bench)).scene()
+    request = Request(clause("show"), "R", "P2", "tape", means=("clear",), prefer=("shelf",))
+    (found,) = perform(scene, request).performances
+    assert (found.plan.actions[0].thing, found.plan.candidate.carrier) == ("screen", "shelf")
+
+    def carriers(asked: Request) -> set[str]:
+        aims = aims_of(scene, scene.initial, asked.clause, ["P2"], "tape", STANDARD_TREE, DEFAULT)
+        put = Endings(scene, scene.initial, asked, aims, DEFAULT, ()).put(scene.initial, "R", "screen")
+        return {candidate.carrier for candidate in islice(put, 60)}
+
+    anywhere = replace(request, prefer=())
+    assert carriers(anywhere) >= {"table", "shelf", "bench"}
+    assert carriers(replace(anywhere, allow=("shelf",))) == {"table", "shelf"}
+    with pytest.raises(UnknownNameError, match="no support 'shelve'; did you mean 'shelf'"):
+        perform(scene, replace(request, allow=("shelve",)))
+
+
 def test_why_what_hides_a_thing_is_not_cleared() -> None:
     scene = Room("room", (robot("R", -1.6), P2), (IT, screen(0.10)), TABLE).scene()
     outcome = perform(scene, Request(clause("show"), "R", "P2", "tape", means=("clear",)))
@@ -113,6 +137,21 @@ def beneath_a_laden_dome(wide_m: float) -> Scene:
     dome = OpenBox("dome", (0.075, 0.075, 0.09), (-0.1, 0.3, TOP), upside_down=True)
     on_top = Thing("book", (wide_m, wide_m, 0.09), (-0.1, 0.3, TOP + 0.09))
     return Room("room", (robot("R", -1.6), P2), (IT, dome, on_top), TABLE).scene()
+
+
+def test_what_stands_on_the_thing_is_cleared_before_it_is_moved() -> None:
+    """A thin plate with a small block on it, which would be left in the air: it is told before any place is judged."""
+    plate, block = (
+        Thing("tape", (0.06, 0.05, 0.03), (-0.1, 0.3, TOP)),
+        Thing("block", (0.04, 0.04, 0.04), (-0.1, 0.3, TOP + 0.03)),
+    )
+    scene = Room("room", (robot("R", -1.6), P2), (plate, block), TABLE).scene()
+    request = Request(clause("give"), "R", "P2", "tape", means=("move",))
+    alone = perform(scene, request)
+    assert why_not(alone) == "on the tape, or in it, there is the block"
+    assert alone.search.places == 0
+    (found,) = perform(scene, replace(request, means=("move", "clear"))).performances
+    assert [(each.purpose, each.thing) for each in found.plan.actions] == [("clear", "block"), ("move", "tape")]
 
 
 def test_what_lies_on_what_is_in_the_way_is_cleared_before_that() -> None:

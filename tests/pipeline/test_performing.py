@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
+from taskgist.common import extras
+from taskgist.errors import InputError
 from taskgist.facts import vocabulary as v
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import NEGLIGIBLE
 from taskgist.language.performing import chosen, refused, steps
 from taskgist.learning.understanding import Clause, Literal
+from taskgist.performing.audit import audit
+from taskgist.performing.findings import Audit
+from taskgist.pipeline import performing
 from taskgist.pipeline.performing import Outcome, perform
 from taskgist.planning.requests import Request
 from taskgist.world import Scene, Stage
@@ -152,6 +158,41 @@ def test_so_does_a_person(task: str) -> None:
     (found,) = perform(table_for_two(), Request(clause(task), "P1", "P2", "cup")).performances
     assert found.audit.clean
     assert found.strict is True
+
+
+@pytest.mark.parametrize("performer", ["P1", "R"])
+def test_things_slip_softly_in_the_hands_of_people_who_perform(performer: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not in those of a robot, nor of whoever takes something from them."""
+    asked = dict[str, object]()
+
+    def watched(*args: object, **given: object) -> Audit:
+        asked.update(given, moving=args[4])
+        return audit(*args, **given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(performing, "audit", watched)
+    room = table_for_two() if performer == "P1" else scene("jido")
+    assert perform(room, Request(clause("give"), performer, "P2", "cup")).performances
+    assert asked["soft"] == [name for name in ("P1",) if name == performer]
+    assert list(asked["moving"]) == [performer, "P2"]  # type: ignore[call-overload]
+
+
+def test_without_planners_it_says_so_before_robots_are_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Who performs, or may help: not where people do all by themselves."""
+
+    def missing(name: str) -> object:
+        raise ModuleNotFoundError(name=name)
+
+    people = (Person("P1", 1.75, (-0.67, 0.2), 0.0), Person("P2", 1.7, (0.75, 0.0), math.pi))
+    robot = Person("R", 1.5, (0.0, -2.0), math.pi / 2, "standing", profile="jido")
+    scene = Room("room", (*people, robot), (on_table("cup", -0.1, 0.3),), TABLE).scene()
+    request = Request(clause("give"), "P1", "P2", "cup")
+    monkeypatch.setattr(extras, "importlib", type("none", (), {"import_module": staticmethod(missing)}))
+    install = r"ompl is not installed; install it: pip install 'taskgist\[planning\]'"
+    for asked in (replace(request, performer="R"), request, replace(request, helpers=("R",))):
+        with pytest.raises(InputError, match=install):
+            perform(scene, asked)
+    for alone in (replace(request, helpers=()), replace(request, means=("move",))):
+        assert perform(scene, alone).performances
 
 
 def test_a_person_does_not_get_to_the_sideboard() -> None:

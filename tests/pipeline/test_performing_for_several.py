@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
+from itertools import islice
 
 import pytest
 
 from taskgist.errors import InputError
+from taskgist.facts import vocabulary as v
 from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.values import UNKNOWN, Observation
 from taskgist.language.performing import assumed, chosen, refused
+from taskgist.learning.understanding import Literal
+from taskgist.observe.attributes import resting_snapshot
 from taskgist.pipeline.performing import Outcome, perform
+from taskgist.planning.aims import Aim
+from taskgist.planning.endings import Endings
+from taskgist.planning.goal import Goal
 from taskgist.planning.requests import Request
+from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage
 from taskgist_lab.generator.outcomes import share_in_view
 from taskgist_lab.simulator.room import TABLE, Person, Room, on_table
@@ -86,3 +96,17 @@ def test_sentences_name_all() -> None:
 def test_names_that_stand_twice(further: dict[str, tuple[str, ...]], message: str) -> None:
     with pytest.raises(InputError, match=message):
         Request(clause("hide"), "R", "P2", "cup", **further)  # type: ignore[arg-type]
+
+
+def test_hands_of_each_decide_who_is_handed_the_thing() -> None:
+    """Whether the hands of the first are free is not known; those of the other are to end so: it is handed nothing."""
+    free = Literal("hands.status.2", STANDARD_TREE.node("hands.status.2").title, v.FREE_OF_OBJECT, 2)
+    request = Request(replace(clause("hide"), literals=(free,)), "R", "P2", "cup", also_for=("P3",))
+    stage, aims = Stage(scene()), []
+    for name in request.targets:
+        known = resting_snapshot(stage, agent=name, name="cup", settings=DEFAULT)
+        known = {**known, "hands": Observation(UNKNOWN)} if name == "P2" else known
+        aims.append(Aim(name, "cup", Goal.of(request.clause, known, STANDARD_TREE)))
+    found = Endings(scene(), scene().initial, request, aims, DEFAULT, ()).moved(scene().initial, "R")
+    means = [each.candidate for each in islice(found, 8)]
+    assert {each.carrier for each in means if each.means == "hand_over"} == {"P2"}

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from taskgist.language.performing import chosen
+from taskgist.errors import InputError
+from taskgist.language.performing import acted, chosen
+from taskgist.performing.outputs import plan_document
 from taskgist.pipeline.performing import Outcome, Performance, perform
 from taskgist.planning.requests import Request
 from taskgist.world import Hold, Scene
 from taskgist_lab.simulator.room import TABLE, Person, Room, on_table
 from tests.pipeline.test_performing import clause
+from tests.schemas import hold_to_schema
 
 
 @cache
@@ -82,3 +86,33 @@ def test_hands_are_empty_before_the_next_thing_is_taken() -> None:
     assert first.candidate.means in {"put_on", "put_in"}
     assert not {hold.object for hold in second.phases[0].holds}
     assert Hold("R", first.side, "cup") not in second.phases[-1].holds
+
+
+def test_sentences_and_documents_tell_of_each_thing() -> None:
+    found = performed("hide", "cup", "wooden_cube")
+    first, second = found.plan.actions
+    assert (first.about, second.about) == ("cup", "wooden_cube")
+    box = replace(second.candidate, thing="white_box", means="put_over")
+    covered = replace(second, candidate=box, purpose="cover")
+    told = acted(replace(found.plan, actions=(first, covered)), covered)
+    assert told.startswith("R puts the white_box over the wooden_cube, ")
+    document = plan_document(found.plan, found.execution)
+    hold_to_schema("perform_plan", document)
+    last = np.array(found.execution.recording.qpos)[-1]
+    for name, attained in zip(document["object"], document["attained"], strict=True):
+        assert np.allclose(attained["position_m"], last[scene().object_slice(name)][:3], atol=1e-6)
+
+
+def test_efforts_of_whoever_takes_each_thing_are_counted() -> None:
+    found = performed("give", "cup", "wooden_cube")
+    alone = [performed("give", name).plan.cost for name in ("cup", "wooden_cube")]
+    efforts = found.plan.cost.efforts
+    assert set(efforts) == {"R", "P2"}
+    assert efforts["R"] == sum(action.level for action in found.plan.actions)
+    assert efforts["P2"] == sum(each.efforts["P2"] for each in alone)
+    assert found.plan.cost.actions == len(found.plan.actions) == 2
+
+
+def test_several_things_are_no_one_problem_for_other_planners() -> None:
+    with pytest.raises(InputError, match=r"pddl: several things are no one problem \(got 'cup wooden_cube'\)"):
+        outcome("hide", "cup", "wooden_cube").pddl()

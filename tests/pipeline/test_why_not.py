@@ -33,9 +33,9 @@ def wall(name: str, x: float, y: float, depth: float, width: float) -> Thing:
     return Thing(name, (depth, width, 0.4), (x, y, 0.4), free=False)
 
 
-def room(*things: Thing, target_at: float = 2.6) -> Scene:
-    """Jido before a table, and somebody who stands behind it."""
-    people = (Person("R", (0.0, 0.0), 0.0, profile="jido"), Person("P2", (target_at, 0.0), math.pi))
+def room(*things: Thing, target_at: float = 2.6, people: tuple[Person, ...] = ()) -> Scene:
+    """Jido before a table, and somebody who stands behind it, among others."""
+    people = (Person("R", (0.0, 0.0), 0.0, profile="jido"), Person("P2", (target_at, 0.0), math.pi), *people)
     built = Room(things, people)
     spec = mujoco.MjSpec.from_string(built.files()["room.xml"].decode())
     return Scene.from_spec(spec, [person.entry() for person in built.people])
@@ -101,7 +101,9 @@ def test_what_is_said_to_bring_it_within_reach_does() -> None:
     assert said == f"the box could be grasped if it stood {100 * found.shift_m:.0f} cm nearer to R"
     for shift_m, able in ((0.0, False), (found.shift_m - 0.02, False), (found.shift_m, True)):
         scene = room(WIDE_TABLE, box(1.85 - shift_m), target_at=3.3)
-        assert Actions(scene, scene.initial, DEFAULT, target="P2").grasps(scene.initial, "R", "box") is able
+        assert (
+            Actions(scene, scene.initial, DEFAULT, thing="box", target="P2").grasps(scene.initial, "R", "box") is able
+        )
 
 
 def test_what_is_said_to_hide_it_does() -> None:
@@ -113,3 +115,13 @@ def test_what_is_said_to_hide_it_does() -> None:
     assert found == Help("screen", found.shift_m, False, "P2", "place", "tray")
     assert would_help(outcome.helps)[0].endswith(f"the screen stood {100 * found.shift_m:.0f} cm farther from P2")
     assert asked(room(*things, screen(1.8 - found.shift_m)), "hide", allow=("tray",)).performances
+
+
+def test_what_would_help_is_asked_of_each_target() -> None:
+    """Somebody at the side sees nothing behind a block; it is the other, named last, from whom the screen must go."""
+    block = Thing("block", (0.15, 0.02, 0.3), (1.5, 0.14, TABLE_M + 0.3), free=False)
+    things = (TABLE, TRAY, block, box(1.45, 0.4), screen(1.8, width=0.1))
+    scene = room(*things, people=(Person("P3", (1.6, 2.4), -math.pi / 2),))
+    request = Request(clause("hide"), "R", "P3", "box", means=("move",), allow=("tray",), also_for=("P2",))
+    (found,) = perform(scene, request).helps
+    assert found == Help("screen", found.shift_m, False, "P2", "place", "tray")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ from taskgist.facts import vocabulary as v
 from taskgist.learning import Clause, Literal, clause_of, understand
 from taskgist.perspective.effort import NO_KNOWN_ACTION
 from taskgist.planning import Goal, Span, Wanted
+from taskgist.planning.aims import Aim, goal_of_all
 from taskgist.settings import DEFAULT
 from tests.learning.learning_samples import STUDY, study
 
@@ -162,7 +164,6 @@ def test_postures_are_given(node: Node, before: str) -> None:
         assert kinds(goal) == (1, 0, 0, 0)
         assert goal.given[0].holds is (value in (before, "Maintained"))
         assert goal.given[0].found == ("Maintained" if node.name == "posture.class" else before)
-        assert goal.given_hold is goal.given[0].holds
 
 
 def test_initial_literals_are_given_with_their_truth() -> None:
@@ -311,7 +312,7 @@ def test_what_was_unknown_at_the_start_is_told() -> None:
     assert [each.literal.node for each in classes.unjudged] == ["see.class"]
     assert "not known" in classes.unjudged[0].why
     assert only(goal_of(("see.effort.2", SEE_EFFORTS[0]), see__effort=UNKNOWN)).levels == (0,)
-    assert goal_of(("posture.class", "Maintained"), posture=UNKNOWN).given_hold is UNKNOWN
+    assert goal_of(("posture.class", "Maintained"), posture=UNKNOWN).given[0].holds is UNKNOWN
     hands = goal_of(("hands.class", v.MANIP_GAINED), hands={"left": None, "right": FREE})
     assert kinds(hands) == (0, 0, 0, 1)
     lost = goal_of(("hands.class", v.MANIP_GAINED), ("hands.status.2", HOLDS), hands=UNKNOWN)
@@ -365,6 +366,30 @@ def test_hide_as_it_was_learned() -> None:
     assert wanted["placement"].values == ("On_Support",)
     assert wanted["see.effort"].levels == (2, 3, 4, 5)
     assert wanted["visibility.score"].spans[0].low == 0.0
-    assert goal.given_hold is True
+    assert all(each.holds is True for each in goal.given)
     assert not goal.impossible
     assert not goal.unjudged
+
+
+# --- Several.
+
+
+def test_what_is_wanted_of_any_is_wanted_of_all() -> None:
+    """What the first sees at the start is not known, and so not judged; of the other it is wanted."""
+    harder = ("see.class", v.BECOMES_DIFFICULT)
+    first, second = goal_of(harder, see__effort=UNKNOWN), goal_of(harder)
+    assert (kinds(first), kinds(second)) == ((0, 0, 0, 1), (0, 1, 0, 0))
+    both = goal_of_all([Aim("P2", "cup", first), Aim("P3", "cup", second)])
+    assert kinds(both) == (0, 1, 0, 1)
+    assert both == replace(second, unjudged=first.unjudged)
+    same = goal_of_all([Aim("P2", "cup", second), Aim("P2", "pen", second)])
+    assert same == second
+    impossible = goal_of(harder, see__effort=SEE_EFFORTS[5])
+    assert goal_of_all([Aim("P2", "cup", second), Aim("P2", "pen", impossible)]).impossible == impossible.impossible
+
+
+def test_a_thing_is_in_one_hand_and_two_things_in_two() -> None:
+    taken = goal_of(("hands.class", v.MANIP_GAINED))
+    one = goal_of_all([Aim("P2", "cup", taken), Aim("P3", "cup", taken)])
+    assert [each.why for each in one.impossible] == ["the cup cannot be in the hands of P2 and of P3 at once"]
+    assert not goal_of_all([Aim("P2", "cup", taken), Aim("P2", "pen", taken)]).impossible

@@ -10,7 +10,7 @@ import pytest
 
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.planning.grasping import Grasping
-from taskgist.planning.hand_ways import Gate, HandWay, PickPose
+from taskgist.planning.hand_ways import Gate, HandWay
 from taskgist.planning.performer import Performer
 from taskgist.planning.transfer import Picking, Picks, Transfer, Transfers
 from taskgist.world import Stage, State, holding_of
@@ -94,7 +94,7 @@ def test_the_hand_comes_straight_and_rises_straight(found: tuple[Performer, Gras
         line, rise = palms(performer, way, way.line), palms(performer, way, way.rise)
         assert np.linalg.norm(line[-1] - line[0]) == pytest.approx(0.10, abs=0.003)
         along = (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
-        approach = performer.palm(way.grasped if isinstance(way, PickPose) else way.opened(way.line[-1]), way.side)
+        approach = performer.palm(way.opened(way.line[-1]), way.side)
         assert approach.matrix[:, 0] @ along > 0.999
         strays = (line - line[0]) - np.outer((line - line[0]) @ along, along)
         assert np.abs(strays).max() < 0.001
@@ -130,7 +130,7 @@ def test_the_thing_is_between_the_fingers(found: tuple[Performer, Grasping, Tran
 def test_nothing_but_the_arm_and_the_hand_differs_from_the_stand(found: tuple[Performer, Grasping, Transfer]) -> None:
     performer, _, transfer = found
     pick, chain = transfer.pick, performer.chain(transfer.pick.side)
-    moved = np.flatnonzero(pick.pre_grasp != transfer.start.qpos)
+    moved = np.flatnonzero(pick.opened(pick.line[0]) != transfer.start.qpos)
     assert set(moved) <= {*chain.positions.tolist(), *pick.hand_positions.tolist()}
 
 

@@ -144,17 +144,13 @@ def perform(
     time_s, place = when_and_where(at or [])
     stage = open_stage(where, time_s)
     from taskgist.pipeline.performing import perform as performed
-    from taskgist.planning.requests import Request
+    from taskgist.planning.requests import Request, check_one_problem
 
     with about(where):
         if place is not None:
             stage, robot = joined(stage, robot, place)
         targets, things = target or [""], thing or [""]
         check_names(stage.scene, robot, targets, things)
-        if pddl is not None and len(things) > 1:
-            raise InputError(
-                "several objects are no one problem", field="--pddl", value=pddl, hint="ask for each alone"
-            )
         request = Request(
             clause,
             robot,
@@ -170,6 +166,8 @@ def perform(
             also_for=tuple(targets[1:]),
             also_with=tuple(things[1:]),
         )
+        if pddl is not None:
+            check_one_problem(request)
         with progress_bar(quiet=as_json) as progress:
             outcome = performed(
                 stage.scene,

@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Sequence
+from typing import TypeVar
 
 DIRECTIONS = "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"
 """Marks that turn the direction of the text around them."""
@@ -55,6 +56,9 @@ def _escape(code: int) -> str:
     return f"\\x{code:02x}" if code < 256 else f"\\u{code:04x}"
 
 
-def one_or_list(names: Sequence[str]) -> str | list[str]:
-    """One name as it is, several as a list: so documents have the targets of a task."""
-    return names[0] if len(names) == 1 else list(names)
+Value = TypeVar("Value")
+
+
+def one_or_list(values: Sequence[Value]) -> Value | list[Value]:
+    """One value as it is, several as a list: so documents have the targets of a task, and what is of each."""
+    return values[0] if len(values) == 1 else list(values)

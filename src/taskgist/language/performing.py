@@ -57,7 +57,12 @@ def chosen(plan: Plan) -> str:
 def acted(plan: Plan, action: Action) -> str:
     """One action of a plan, and what it is for where that is not plain."""
     candidate = action.candidate
-    words = {"thing": action.thing, "carrier": candidate.carrier, "target": listed(plan.targets), "covered": plan.thing}
+    words = {
+        "thing": action.thing,
+        "carrier": candidate.carrier,
+        "target": listed(plan.targets),
+        "covered": action.about,
+    }
     x, y, z = candidate.pose[:3]
     how = f"{action.performer} {MEANS[candidate.means].format(**words)}, its middle at ({x:.2f}, {y:.2f}, {z:.2f}) m"
     then = plan.actions[(plan.actions.index(action) + 1) % len(plan.actions)]

@@ -11,7 +11,18 @@ import numpy as np
 from taskgist.common.frozen import FrozenMap, Json
 
 Kind = Literal[
-    "penetration", "joint limit", "speed", "acceleration", "drift", "grip", "jump", "free motion", "rest", "end"
+    "penetration",
+    "joint limit",
+    "coupling",
+    "speed",
+    "acceleration",
+    "stray",
+    "drift",
+    "grip",
+    "jump",
+    "free motion",
+    "rest",
+    "end",
 ]
 
 
@@ -46,11 +57,16 @@ class Tolerances:
     """How far a held thing may slip in the hand."""
     drift_rad: float = np.deg2rad(1.0)
     """How far it may turn there."""
+    soft_drift_m: float = 0.006
+    """How far it may slip in a hand that gives, as people's do (ours: so firmly the engine's people hold)."""
+    soft_drift_rad: float = np.deg2rad(5.0)
+    """How far it may turn there."""
     in_hand_m: float = 0.005
     """How deep a hand and what it holds may be in each other: fingers are collided as hulls, larger than they are, and
     close on things by their pads (measured: up to 4.5 mm)."""
     limit: float = 1e-3
-    """How far beyond its limits a joint may be: radians or metres."""
+    """How far a joint may be beyond its limits, off the one that it follows, or from where it is at first if nobody
+    moves it: radians or metres."""
     rate: float = 0.02
     """By which share speeds and accelerations may exceed their limits: recordings have digits."""
     settling_m: float = 0.010
@@ -122,6 +138,8 @@ _SENTENCES: Mapping[Kind, Callable[[Finding], str]] = {
         + (f", and may be {_measure(f.allowed, f.unit)}" if f.allowed else "")
     ),
     "joint limit": lambda f: f"{f.what} is {_measure(f.amount, f.unit)} beyond its limit",
+    "coupling": lambda f: f"{f.what} is {_measure(f.amount, f.unit)} from where the joint that it follows has it",
+    "stray": lambda f: f"{f.what} has moved by {_measure(f.amount, f.unit)}, and nobody moves it",
     "speed": lambda f: f"{f.what} moves at {_measure(f.amount, f.unit)}, and may at {_measure(f.allowed, f.unit)}",
     "acceleration": lambda f: (
         f"{f.what} is accelerated by {_measure(f.amount, f.unit)}, and may be by {_measure(f.allowed, f.unit)}"

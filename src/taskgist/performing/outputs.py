@@ -212,7 +212,7 @@ def plan_document(plan: Plan, execution: Execution) -> Document:
         "target": one_or_list(plan.targets),
         "object": one_or_list(plan.things),
         "cost": cost_document(plan.cost),
-        "attained": _attained(execution.recording, plan.thing, -1),
+        "attained": one_or_list([_attained(execution.recording, thing, -1) for thing in plan.things]),
         "actions": actions,
         "notes": list(plan.notes),
     }

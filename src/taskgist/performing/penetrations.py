@@ -8,8 +8,8 @@ they move against each other by c, and off the straight line by e, come no neare
 
 What may touch, and how deep:
 
-- a thing, and what it touches at the start: as deep as then, but no deeper than what is let pass; what lies deeper in
-  something lies nowhere where things lie;
+- a thing, and what it touches at the start, or later: no deeper than what is let pass; what lies deeper in something
+  lies nowhere where things lie;
 - people, and what they touch at the start: as deep as then, up to ``SOFT_M``; seats give, and thighs;
 - two links of one robot: as deep as they are in the model's neutral pose, or in that in which the robot rests;
 - a hand and what it holds, also while it closes and opens around it without moving otherwise: a few millimetres;
@@ -23,6 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -49,6 +50,13 @@ FREE, BALL, HINGE = (int(kind) for kind in (Joint.mjJNT_FREE, Joint.mjJNT_BALL, 
 Pair = tuple[int, int]
 
 
+class Drift(NamedTuple):
+    """How far a thing moves, and turns, in a hand: metres and radians."""
+
+    moved_m: float
+    turned_rad: float
+
+
 @dataclass(frozen=True, eq=False)
 class Grip:
     """One hand on one thing, from taking to letting go.
@@ -58,12 +66,14 @@ class Grip:
         first: First frame in which it holds.
         last: Last frame in which it holds.
         opens: The frames, first and last, between which only fingers move: those before and after included.
+        drift: How far the thing may move and turn in the hand.
     """
 
     hold: Hold
     first: int
     last: int
     opens: tuple[int, int]
+    drift: Drift
 
 
 @dataclass(frozen=True)
@@ -216,12 +226,12 @@ class Penetrations:
             before = after
 
     def _by_design(self, start: dict[Pair, float]) -> dict[Pair, float]:
-        """How deep pairs of shapes may be in each other, metres, from what overlaps in the first frame."""
+        """Of pairs of shapes that overlap in the first frame, how deep they may, metres, beyond what is let pass."""
         scene, allowed_m = self._motion.scene, dict(self._at_ease_m)
         for pair, gap in start.items():
             agents = [scene.agent(owner) for owner in {scene.owners[geom] for geom in pair} if owner in scene.agents]
             if gap < 0.0 and all(map(moves_itself, agents)):
-                allowed_m[pair] = min(-gap, SOFT_M if agents else self._tolerance_m)
+                allowed_m[pair] = min(-gap, SOFT_M) if agents else 0.0
         return allowed_m
 
     def _near(self, frame: int) -> dict[Pair, float]:

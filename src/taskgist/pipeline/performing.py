@@ -11,9 +11,10 @@ and the next one is asked for; only what is clean and judged true is returned::
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from taskgist.common.extras import door
 from taskgist.common.workers import Progress, silent
@@ -25,21 +26,19 @@ from taskgist.learning.explanation import Explanation
 from taskgist.learning.understanding import conjunction
 from taskgist.performing.audit import audit
 from taskgist.performing.execution import Execution, carried_out
-from taskgist.performing.findings import Audit, MotionLimits, Tolerances
+from taskgist.performing.findings import Audit, MotionLimits
 from taskgist.pipeline.explain import explain_recording
 from taskgist.planning.goal import Goal
 from taskgist.planning.helping import Help
 from taskgist.planning.one_by_one import OneByOne
 from taskgist.planning.pddl import Pddl
 from taskgist.planning.performer import Performer
+from taskgist.planning.persons import moves_itself
 from taskgist.planning.plan import Plan
 from taskgist.planning.requests import Request, Search
 from taskgist.settings import DEFAULT, Planning, Settings
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
-
-SOFT_HANDS = Tolerances(drift_m=0.006, drift_rad=math.radians(5.0))
-"""What moves in a person's hand by no more than that is as firm as people hold things (ours)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,11 +113,11 @@ def perform(
     Raises:
         UnknownNameError: There is no such agent, thing or support.
         SceneError: The performer has no arm or no hand that grasps.
-        InputError: OMPL or toppra, the extra ``planning``, is not installed.
+        InputError: OMPL or toppra, the extra ``planning``, is not installed, and robots perform or may help.
     """
     state = scene.initial if state is None else state
     planner = OneByOne(scene, state, request, tree=tree, settings=settings, predicates=predicates)
-    if planner.performer is not None:
+    if not all(moves_itself(scene.agent(name)) for name in planner.may_act):
         planners()  # before any long work
     found, spoiled = list[Performance](), list[str]()
     for plan in planner.plans(progress):
@@ -156,18 +155,17 @@ def _tried(
     for let_go in execution.settled:
         if not let_go.stays:
             return f"once it is let go, {let_go.text}"
-    takers = {hold.agent for holds in execution.holds for hold in holds}
-    limits = dict.fromkeys(takers, MotionLimits())  # people who take move as they do, and push into nothing either
-    limits |= {name: limits_of(planner.robot(name), settings.planning) for name in plan.performers}
-    tolerances = SOFT_HANDS if any(planner.robot(name) is None for name in plan.performers) else None
+    # Whoever takes moves, too, and pushes into nothing either.
+    moving = dict.fromkeys((*plan.performers, *sorted({hold.agent for holds in execution.holds for hold in holds})))
+    limits = {name: limits_of(planner.robot(name), settings.planning) for name in moving}
     found = audit(
         scene,
         recording.times_s,
         recording.qpos,
         execution.holds,
         limits,
+        soft=[name for name in plan.performers if planner.robot(name) is None],
         planned=plan.phases[-1].qpos[-1],
-        tolerances=tolerances,
         contact=settings.contact,
     )
     if not found.clean:
@@ -185,10 +183,15 @@ def _tried(
 
 
 def limits_of(performer: Performer | None, planning: Planning) -> MotionLimits:
-    """How fast a robot may move by the settings: its arms, its lifts and its base; people move as they do."""
+    """How fast a robot may move by the settings: its arms, lifts, hands and base; people move as they do."""
     if performer is None:
         return MotionLimits()
     speeds, accelerations = dict[str, float](), dict[str, float]()
+    names = {position: name for name, position in performer.agent.joints.items()}
+    for gripper in map(performer.gripper, performer.sides):
+        widths = np.abs(gripper.wide - gripper.closed).tolist()  # how far each joint goes from closed to open
+        for position, width in zip(gripper.positions.tolist(), widths, strict=True):
+            speeds[names[position]] = width / planning.closing_s
     for chain in map(performer.chain, performer.sides):
         for name, lifts in zip(chain.names, chain.lifts.tolist(), strict=True):
             speeds[name] = planning.lift_m_s if lifts else planning.joint_rad_s

@@ -47,12 +47,16 @@ class Actions:
         scene: The scene.
         start: Where everything is at first; people's hands return to where they are then.
         settings: All settings.
+        thing: What the task is about.
         target: For whom people act; they look at it.
         seed: The same question with the same seed has the same plans.
     """
 
-    def __init__(self, scene: Scene, start: State, settings: Settings, *, target: str, seed: int = 0) -> None:
-        self._scene, self._start, self._settings, self._target, self._seed = scene, start, settings, target, seed
+    def __init__(
+        self, scene: Scene, start: State, settings: Settings, *, thing: str, target: str, seed: int = 0
+    ) -> None:
+        self._scene, self._start, self._settings, self._seed = scene, start, settings, seed
+        self._thing, self._target = thing, target
         self._robots: dict[tuple[str, bytes], Performer] = {}
         self._pickings: dict[tuple[str, bytes, str], Picking] = {}
         self._motions: dict[Performer, Motions] = {}
@@ -110,7 +114,8 @@ class Actions:
                 if picking is not None and isinstance(error, NoPickError):
                     picking.give_up(error.transfer)
                 continue
-            return Action(name, side, purpose, candidate, self.effort(state, name, candidate), phases)
+            effort = self.effort(state, name, candidate)
+            return Action(name, side, purpose, candidate, effort, phases, self._thing)
         if picking is not None and blockers is not None:
             blockers |= dict.fromkeys(self._blockers(picking.grasping))
         return failed or (transfers and transfers.refusal) or "no way was found"

@@ -7,16 +7,15 @@ goal and a judge of its own, and a state will do if all of them say so.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from taskgist.facts import vocabulary as v
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import UNKNOWN, Observation, Raw
-from taskgist.learning.understanding import Clause
+from taskgist.learning.understanding import Clause, Literal
 from taskgist.observe.attributes import resting_snapshot
-from taskgist.planning.goal import Goal, Impossible
+from taskgist.planning.goal import Goal, Impossible, Wanted, is_taken
 from taskgist.planning.judging import Judge, Verdict
 from taskgist.settings import Settings
 from taskgist.world.scene import Scene
@@ -72,30 +71,36 @@ def aims_of(
 
 
 def goal_of_all(aims: Sequence[Aim]) -> Goal:
-    """What is wanted for the first, with what is given here or impossible for any of them.
+    """What is wanted, given here, not to be judged, or impossible for any of some aims, each once.
+
+    What several want is as the first has it: levels and scores that will do are each one's own.
 
     Args:
-        aims: Of one or more target agents with one thing.
+        aims: Of one or more target agents with one or more things.
     """
-    goal = aims[0].goal
+    wanted, known = list[Wanted](), set[Literal]()
+    for each in (each for aim in aims for each in aim.goal.wanted):
+        if not known.issuperset(each.literals):
+            wanted.append(each)
+            known |= set(each.literals)
     given = dict.fromkeys(each for aim in aims for each in aim.goal.given)
+    unjudged = dict.fromkeys(each for aim in aims for each in aim.goal.unjudged)
     impossible = {each.why: each for aim in aims for each in aim.goal.impossible}
-    taken = [aim for aim in aims if _is_taken(aim.goal)]
-    if len(taken) > 1:
-        hands = goal.wants("hands")
-        assert hands is not None
-        who = " and of ".join(aim.agent for aim in taken)
-        why = f"the {taken[0].thing} cannot be in the hands of {who} at once"
-        impossible[why] = Impossible(hands.attribute, hands.literals, hands.aspect.initial, why)
-    return replace(goal, given=tuple(given), impossible=tuple(impossible.values()))
-
-
-def _is_taken(goal: Goal) -> bool:
-    """Whether the target agent must hold the thing in the end."""
-    hands = goal.wants("hands")
-    if hands is None or not hands.values:
-        return False
-    return all(isinstance(final, Mapping) and v.HOLDING_OBJECT in final.values() for final in hands.values)
+    for thing in dict.fromkeys(aim.thing for aim in aims):
+        taken = [aim for aim in aims if aim.thing == thing and is_taken(aim.goal.wanted)]
+        if len(taken) > 1:
+            hands = taken[0].goal.wants("hands")
+            assert hands is not None
+            who = " and of ".join(aim.agent for aim in taken)
+            why = f"the {thing} cannot be in the hands of {who} at once"
+            impossible[why] = Impossible(hands.attribute, hands.literals, hands.aspect.initial, why)
+    return Goal(
+        aims[0].goal.clause,
+        given=tuple(given),
+        wanted=tuple(wanted),
+        impossible=tuple(impossible.values()),
+        unjudged=tuple(unjudged),
+    )
 
 
 class Judges:

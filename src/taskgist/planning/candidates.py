@@ -16,7 +16,7 @@ hold it (``in_air``).
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import islice
 
 import numpy as np
@@ -79,10 +79,9 @@ def candidates(
     asking = Asking.of(Stage(scene, stage.state), thing, performer, target, settings, seed)
     ways: list[Iterator[Candidate]] = []
     if {"put_on", "put_in"} & set(means):
-        faces = [face for face in level_faces(asking.stage, thing) if face.height_m < asking.highest_m]
-        for name in (*(allow or ()), *prefer):
-            if name not in {face.owner for face in faces}:
-                raise UnknownNameError("support", name, {face.owner for face in faces})
+        known = level_faces(asking.stage, thing)
+        check_supports((*(allow or ()), *prefer), known)
+        faces = [face for face in known if face.height_m < asking.highest_m]
         ways.append(
             _on_supports(
                 asking, tiers(asking.stage, faces, performer, settings, allow=allow, prefer=prefer), frozenset(means)
@@ -93,6 +92,22 @@ def candidates(
     if "hand_over" in means:
         ways.append(handed_over(asking))
     return in_turn(ways)
+
+
+def check_supports(names: Iterable[str], faces: Sequence[Face]) -> None:
+    """See that names are those of supports or containers.
+
+    Args:
+        names: The names.
+        faces: What could carry something.
+
+    Raises:
+        UnknownNameError: Nothing of that name could.
+    """
+    known = {face.owner for face in faces}
+    for name in names:
+        if name not in known:
+            raise UnknownNameError("support", name, known)
 
 
 def in_turn(ways: list[Iterator[Candidate]]) -> Iterator[Candidate]:

@@ -7,7 +7,6 @@ go elsewhere. All of these are candidates of one kind, and one judge says of eac
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -18,12 +17,14 @@ from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.actions import WhyNot
 from taskgist.planning.aims import Aim, Judges
-from taskgist.planning.candidates import candidates, in_turn
+from taskgist.planning.candidates import candidates, check_supports, in_turn
 from taskgist.planning.covering import covers
+from taskgist.planning.goal import Goal
 from taskgist.planning.handing import Taker
 from taskgist.planning.judging import Judge, Verdict
 from taskgist.planning.placing import Candidate, Means
 from taskgist.planning.requests import Request
+from taskgist.planning.resting import level_faces
 from taskgist.settings import Settings
 from taskgist.world.contacts import rest_of
 from taskgist.world.scene import Scene
@@ -77,10 +78,13 @@ class Endings:
         lets_go: bool = False,
     ) -> None:
         self._scene, self._state, self._request, self._settings = scene, state, request, settings
-        self._aims, self._goal, self._lets_go = tuple(aims), aims[0].goal, lets_go
+        self._aims, self._lets_go = tuple(aims), lets_go
+        self._own = tuple(aim for aim in aims if aim.thing == request.thing)
         self._predicates = tuple(predicates)
         self._judges: dict[bytes, Judges] = {}
-        self.judge(state)  # names that nobody knows are told before any long work
+        # Names that nobody knows are told before any long work.
+        self.judge(state)
+        check_supports((*(request.allow or ()), *request.prefer), level_faces(Stage(scene, state), request.thing))
 
     def judge(self, state: State) -> Judges:
         """The judges of states that differ little from one."""
@@ -124,8 +128,9 @@ class Endings:
         request, judge = self._request, self.judge(state)
         takers = {name: Taker(self._scene, name, state) for name in request.targets}
         # Places on supports are the same for all; those before a face, or in a hand, are of one of them.
-        means = {name: tuple(each for each in self._means if each in IN_AIR) for name in request.also_for}
-        means[request.target] = self._means
+        means = {name: self._means(name) for name in request.targets}
+        for name in request.also_for:
+            means[name] = tuple(each for each in means[name] if each in IN_AIR)
         asked = (
             candidates(
                 Stage(self._scene, state),
@@ -158,9 +163,23 @@ class Endings:
         return self._judged(state, self.put(state, agent, other))
 
     def put(self, state: State, agent: str, other: str) -> Iterator[Candidate]:
-        """Where something else than the thing may be put down."""
-        request = self._request
-        return candidates(Stage(self._scene, state), other, agent, request.target, self._settings, seed=request.seed)
+        """Where something may be put down on the way: on what may be used, or what it is on already."""
+        request, stage = self._request, Stage(self._scene, state)
+        able = {face.owner for face in level_faces(stage, other)}
+        rest = rest_of(stage, other, self._settings.contact)
+        allow = None
+        if request.allow is not None:
+            allow = tuple(name for name in able if name in (*request.allow, rest.support, rest.container))
+        return candidates(
+            stage,
+            other,
+            agent,
+            request.target,
+            self._settings,
+            allow=allow,
+            prefer=tuple(name for name in request.prefer if name in able),
+            seed=request.seed,
+        )
 
     def handed(self, state: State, agent: str, helper: str) -> Iterator[Candidate]:
         """Where the thing may be handed over to a person who helps."""
@@ -180,24 +199,26 @@ class Endings:
         judge = self.judge(state)
         return (Judged(candidate, judge.verdict(candidate.state)) for candidate in found)
 
-    @cached_property
-    def _means(self) -> tuple[Means, ...]:
-        """How the thing may get where it shall be: what brings about the placement, and the target's hands."""
-        placement, hands = self._goal.wants("placement"), self._goal.wants("hands")
-        found = [means for means, end in ENDS.items() if placement is None or end in (placement.values or ())]
-        if self._lets_go:
-            found = [means for means in found if means != "hold_up"]
-        if hands is not None and hands.values is not None:
-            taken = [v.HOLDING_OBJECT in final.values() for final in hands.values if isinstance(final, Mapping)]
-            found = [means for means in found if (means == "hand_over") in taken]
-        return tuple(found)
+    def _means(self, name: str) -> tuple[Means, ...]:
+        """How the thing may get where it shall be for all, before a target agent's face or into its hand if in any's.
+
+        What brings about the placement that is wanted, and that hands hold it, or do not.
+        """
+        return tuple(
+            means
+            for means in ENDS
+            if not (self._lets_go and means == "hold_up")
+            and all(
+                _brings_about(aim.goal, means, taken=means == "hand_over" and aim.agent == name) for aim in self._own
+            )
+        )
 
     # --- What it takes the target agents.
 
     @property
     def target_takes(self) -> bool:
         """Whether the goal is that target agents get at the thing, so that their own effort is a cost."""
-        wanted = (self._goal.wants(f"{ability}.effort") for ability in ("reach", "grasp"))
+        wanted = (aim.goal.wants(f"{ability}.effort") for ability in ("reach", "grasp") for aim in self._own)
         return any(each is not None and NO_KNOWN_LEVEL not in each.levels for each in wanted)
 
     def target_levels(self, candidate: Candidate) -> dict[str, int]:
@@ -246,3 +267,18 @@ class Endings:
         for upon in (*self.upon(state, name), name):
             state = self.without(state, upon)
         return state
+
+
+def _brings_about(goal: Goal, means: Means, *, taken: bool) -> bool:
+    """Whether a goal's placement can come of a means, and its hands of whether the target agent takes the thing."""
+    placement, hands = goal.wants("placement"), goal.wants("hands")
+    if placement is not None and ENDS[means] not in (placement.values or ()):
+        return False
+    if hands is None or hands.values is None:
+        return True
+    return taken in [v.HOLDING_OBJECT in final.values() for final in hands.values if isinstance(final, Mapping)]
+
+
+def laden(thing: str, upon: Sequence[str]) -> str:
+    """Why a thing is not carried: what stands or lies on it, or in it, would be left in the air."""
+    return f"on the {thing}, or in it, there is the {' and the '.join(upon)}"

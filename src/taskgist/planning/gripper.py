@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices
-from taskgist.world.bodies.agent import Agent, ArmIndices, subtree
+from taskgist.world.bodies.agent import Agent, ArmIndices, Coupling, couplings, subtree
 from taskgist.world.bodies.hands import Hand
 from taskgist.world.geometry.shapes import distances_outside_m, spans_m
 from taskgist.world.geometry.transforms import Pose
@@ -188,19 +188,20 @@ class Gripper:
         model = self._stage.scene.model
         if not len(self._joints):
             return np.empty(0), np.empty(0)
-        leads = _couplings(model, self._joints)
+        own = [each for each in couplings(model) if {each.follower, each.leader} <= set(self._joints)]
+        followers = {each.follower for each in own}
         now = np.array(self._stage.state.qpos[self.positions])
         closed, wide = now.copy(), now.copy()
         for row, joint in enumerate(self._joints):
-            if leads[row] is not None or not model.jnt_limited[joint]:
+            if joint in followers or not model.jnt_limited[joint]:
                 continue
             trials = []
             for end in model.jnt_range[joint]:
                 values = now.copy()
                 values[row] = end
-                trials.append((self.pads(_coupled(model, self._joints, leads, values)).opening_m, float(end)))
+                trials.append((self.pads(_coupled(model, self._joints, own, values)).opening_m, float(end)))
             closed[row], wide[row] = min(trials)[1], max(trials)[1]
-        return _coupled(model, self._joints, leads, closed), _coupled(model, self._joints, leads, wide)
+        return _coupled(model, self._joints, own, closed), _coupled(model, self._joints, own, wide)
 
 
 def _finger_joints(model: mujoco.MjModel, arm: ArmIndices) -> list[int]:
@@ -213,26 +214,9 @@ def _finger_joints(model: mujoco.MjModel, arm: ArmIndices) -> list[int]:
     return [joint for joint in range(model.njnt) if int(model.jnt_bodyid[joint]) in inside]
 
 
-Coupling = tuple[int, Array]
-"""Which of the hand's joints leads, and the polynomial of its value, (5,)."""
-
-
-def _couplings(model: mujoco.MjModel, joints: list[int]) -> list[Coupling | None]:
-    """What each joint follows, where the model couples it to another one of the hand."""
-    found: list[Coupling | None] = [None] * len(joints)
-    for equality in range(model.neq):
-        follower, leader = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
-        joined = int(model.eq_type[equality]) == int(mujoco.mjtEq.mjEQ_JOINT)
-        if joined and follower in joints and leader in joints:
-            found[joints.index(follower)] = (joints.index(leader), np.array(model.eq_data[equality][:5]))
-    return found
-
-
-def _coupled(model: mujoco.MjModel, joints: list[int], leads: list[Coupling | None], values: Array) -> Array:
-    """The values with those of followers as their leaders have it; ``MuJoCo`` counts both from where they are at 0."""
-    found, start = values.copy(), model.qpos0[model.jnt_qposadr[joints]]
-    for row, coupling in enumerate(leads):
-        if coupling is not None:
-            leader, terms = coupling
-            found[row] = start[row] + np.polyval(terms[::-1], values[leader] - start[leader])
+def _coupled(model: mujoco.MjModel, joints: list[int], couplings: list[Coupling], values: Array) -> Array:
+    """The values of some joints, with those of followers as their leaders have it."""
+    found = values.copy()
+    for coupling in couplings:
+        found[joints.index(coupling.follower)] = coupling.led(model, values[joints.index(coupling.leader)])
     return found

@@ -103,16 +103,6 @@ class PickPose(HandWay):
     """How a thing is picked up."""
 
     @property
-    def pre_grasp(self) -> Array:
-        """All positions with the open hand before the thing, (nq,)."""
-        return self.opened(self.line[0])
-
-    @property
-    def grasped(self) -> Array:
-        """All positions with the open hand at the thing, (nq,)."""
-        return self.opened(self.line[-1])
-
-    @property
     def approach(self) -> Array:
         """Joints of the chain towards the thing, the hand open, (n, k)."""
         return self.line
@@ -125,11 +115,6 @@ class PickPose(HandWay):
 
 class PlacePose(HandWay):
     """How a thing is put down."""
-
-    @property
-    def above(self) -> Array:
-        """All positions with the hand above the place, (nq,); the held thing itself is where ``carried`` has it."""
-        return self.closed(self.rise[-1])
 
     @property
     def lower(self) -> Array:

@@ -2,7 +2,7 @@
 
 A refusal that only says what failed leaves people to guess what to do about it. So where the robot does not get hold of
 the thing, the thing is thought nearer to it, centimetre by centimetre; and where no place satisfies the goal, the other
-things are thought nearer to the target agent, or farther away, while the thing is at the place that came nearest. Each
+things are thought nearer to a target agent, or farther away, while the thing is at the place that came nearest. Each
 such room is judged by what judges all others, and the first that will do is told::
 
     the tape could be grasped if it stood 14 cm nearer to PR2
@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import Literal as OneOf
 
 import numpy as np
@@ -78,22 +79,18 @@ def helps(
     closest = next((search.nearest[each] for each, _ in search.missed.most_common() if each in search.nearest), None)
     if not search.wanted and closest is not None:
         judge, place = endings.judge(state), closest.candidate
-        found = list[tuple[float, str, bool]]()
-        for name in (each for each in endings.others(place.state) if not endings.upon(place.state, each)):
-            for nearer in (True, False):
-                far = _shifted(
-                    scene,
-                    place.state,
-                    name,
-                    request.target,
-                    nearer,
-                    contact,
-                    lambda end: judge.verdict(end).holds is True,
-                )
-                found += [] if far is None else [(far, name, nearer)]
+        still = [each for each in endings.others(place.state) if not endings.upon(place.state, each)]
+
+        def does(end: State) -> bool:
+            return judge.verdict(end).holds is True
+
+        found = list[tuple[float, str, bool, str]]()
+        for name, whom, nearer in product(still, request.targets, (True, False)):
+            far = _shifted(scene, place.state, name, whom, nearer, contact, does)
+            found += [] if far is None else [(far, name, nearer, whom)]
         if found:
-            far, name, nearer = min(found)
-            yield Help(name, far, nearer, request.target, "place", place.carrier)
+            far, name, nearer, whom = min(found)
+            yield Help(name, far, nearer, whom, "place", place.carrier)
 
 
 def _shifted(

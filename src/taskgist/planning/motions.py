@@ -321,8 +321,8 @@ class Motions:
         now = at.qpos[way.hand_positions]
         if np.abs(goal - now).max(initial=0.0) < SAME_RAD / 100:
             return  # some models have fingers without joints
-        count = max(2, round(self._settings.closing_s * RATE_HZ))
-        steps = now + np.linspace(0.0, 1.0, count)[:, None] * (goal - now)
+        count = math.ceil(self._settings.closing_s * RATE_HZ - 1e-9)
+        steps = now + np.linspace(0.0, 1.0, count + 1)[1:, None] * (goal - now)
         for values in steps:
             blocked = self._performer.blocking(with_values(at.qpos, way.hand_positions, values), grip)
             if blocked is not None:

@@ -16,7 +16,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.common.workers import Progress, silent
-from taskgist.errors import InputError, SceneError
+from taskgist.errors import SceneError
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
@@ -26,9 +26,9 @@ from taskgist.planning.goal import Goal
 from taskgist.planning.helping import Help
 from taskgist.planning.pddl import Pddl
 from taskgist.planning.performer import Performer
-from taskgist.planning.plan import Action, Cost, Plan, efforts_of
+from taskgist.planning.plan import Action, Cost, Plan, total_cost
 from taskgist.planning.planner import Planner
-from taskgist.planning.requests import Request, Search
+from taskgist.planning.requests import Request, Search, check_one_problem
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.geometry.transforms import matrix_from_wxyz, wxyz_from_matrix
 from taskgist.world.scene import Scene
@@ -53,8 +53,7 @@ class OneByOne:
     Attributes:
         scene: As given.
         request: As given.
-        performer: The performing robot; None for a person.
-        goal: What is wanted for the first target agent with the first thing, and what is impossible for any.
+        goal: What is wanted, given, or impossible, for any target agent with any thing.
         aims: What is wanted of each target agent with each thing.
         search: What became of the candidates of the thing that was looked at last.
 
@@ -76,21 +75,22 @@ class OneByOne:
         self.scene, self._state, self.request = scene, state, request
         self._tree, self._settings, self._predicates = tree, settings, tuple(predicates)
         self._planner = self._planner_for(request.thing, state, ())
-        self.performer = self._planner.performer
         further = (
             aims_of(scene, state, request.clause, request.targets, thing, tree, settings, predicates)
             for thing in request.also_with
         )
-        of_things = (self._planner.aims, *further)
-        self.aims: tuple[Aim, ...] = tuple(chain.from_iterable(of_things))
-        goals = [goal_of_all(aims) for aims in of_things]
-        impossible = {each.why: each for goal in goals for each in goal.impossible}
-        self.goal: Goal = replace(goals[0], impossible=tuple(impossible.values()))
+        self.aims: tuple[Aim, ...] = (*self._planner.aims, *chain.from_iterable(further))
+        self.goal: Goal = goal_of_all(self.aims)
 
     @property
     def search(self) -> Search:
         """What became of the candidates of the thing that was looked at last."""
         return self._planner.search
+
+    @property
+    def may_act(self) -> tuple[str, ...]:
+        """The performer, and who may help it."""
+        return self._planner.may_act
 
     def robot(self, name: str) -> Performer | None:
         """One of those who act, as it starts; None for a person."""
@@ -106,9 +106,7 @@ class OneByOne:
         Raises:
             InputError: There are several things, whose order and judges PDDL does not have.
         """
-        if len(self.request.things) > 1:
-            value = " ".join(self.request.things)
-            raise InputError("several things are no one problem", field="--pddl", value=value, hint="ask for each")
+        check_one_problem(self.request)
         return self._planner.pddl(plans)
 
     def plans(self, progress: Progress = silent) -> Iterator[Plan]:
@@ -118,19 +116,30 @@ class OneByOne:
             progress: Told how far it is.
         """
         if not self.goal.impossible:
-            yield from self._plans(self._planner, (), (), progress)
+            yield from self._plans(self._planner, (), (), (), progress)
 
     def _plans(
-        self, planner: Planner, done: tuple[Action, ...], kept: tuple[Aim, ...], progress: Progress
+        self,
+        planner: Planner,
+        done: tuple[Action, ...],
+        spent: tuple[Cost, ...],
+        kept: tuple[Aim, ...],
+        progress: Progress,
     ) -> Iterator[Plan]:
-        """Plans that go on with a planner's thing."""
+        """Plans that go on with a planner's thing, after actions that cost something for the things before."""
         things, thing = self.request.things, planner.request.thing
         rest = things[things.index(thing) + 1 :]
         holds = done[-1].phases[-1].holds if done else frozenset[Hold]()
         for plan in islice(planner.plans(progress), PLANS_OF_A_THING if rest or done else None):
             actions = tuple(_with_held(self.scene, action, holds) for action in plan.actions)
             if not rest:
-                yield self._whole(plan, (*done, *actions))
+                yield replace(
+                    plan,
+                    thing=things[0],
+                    also_with=self.request.also_with,
+                    actions=(*done, *actions),
+                    cost=total_cost((*spent, plan.cost)),
+                )
                 continue
             end = self._end(planner, actions)
             if end is None:
@@ -141,7 +150,8 @@ class OneByOne:
                 planner.search.refusals[f"from there it goes on with nothing: {error}"] += 1
                 continue
             self._planner = following
-            yield from self._plans(following, (*done, *actions), (*kept, *planner.aims), progress)
+            costs = (*spent, plan.cost)
+            yield from self._plans(following, (*done, *actions), costs, (*kept, *planner.aims), progress)
 
     def _planner_for(self, thing: str, state: State, kept: tuple[Aim, ...]) -> Planner:
         return Planner(
@@ -169,10 +179,6 @@ class OneByOne:
             planner.search.refusals[end] += 1
             return None
         return end
-
-    def _whole(self, last: Plan, actions: tuple[Action, ...]) -> Plan:
-        cost = last.cost if len(self.request.things) == 1 else Cost(len(actions), efforts_of(actions))
-        return replace(last, thing=self.request.thing, also_with=self.request.also_with, actions=actions, cost=cost)
 
 
 def _with_held(scene: Scene, action: Action, holds: Iterable[Hold]) -> Action:

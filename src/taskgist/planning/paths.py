@@ -1,13 +1,15 @@
 """Paths: how joints, or a base that moves any way, get from one configuration to another without collisions.
 
 RRT-Connect [Kuffner & LaValle 2000], as OMPL has it (extra ``planning``), finds some way; shortcuts make it a short
-one; and before a way is given back, all of it is checked once more. Nobody's idea of resolution is trusted: the search,
-the shortcuts and the last check all walk straight lines in the very same steps, so small that no joint moves by more
-than its ``step`` between two checks. Example::
+one; and before a way is given back, all of it is checked once more. OMPL's own idea of resolution is not used: search,
+shortcuts and last check ask of a straight line the same thing in the same manner. Robots' ways are asked by looks
+(``sweeps``): of a configuration it is told how far around it all is free, and the line is walked by that, so that
+nothing between two looks is missed, however small::
 
-    way = joint_path(start, goals, ranges, free, step=0.02, seed=0)  # (n, k), or None
+    way = joint_path(start, goals, ranges, sweep.is_free, step=0.02, seed=0, look=sweep.look)  # (n, k), or None
 
-Who can say of a configuration how far around it all is free (``sweeps``) says that instead, and lines are walked by it.
+Where only single configurations can be asked, lines are walked in steps, in which no joint moves by more than its
+``step``; what fits between two of them is missed.
 
 The same question has the same answer, however busy the machine: what is limited is the number of checks, and never
 the time. Joints are measured in their own steps, so that metres and radians, shoulders and wrists weigh alike.
@@ -32,7 +34,7 @@ from taskgist.planning.sweeps import NOWHERE, Look, line_is_free
 
 EXTRA = "planning"
 CHECKS = 20_000
-"""Configurations that a search may check, unless told otherwise: some seconds of a whole robot's collisions."""
+"""Configurations that a search may ask about, unless told otherwise: some seconds of a whole robot's collisions."""
 SHORTCUTS, IN_VAIN = 40, 10
 """Shortcuts that are tried, and how many in a row may fail before that ends."""
 RANGE = 30.0
@@ -63,15 +65,18 @@ def joint_path(
         start: Where it begins, radians or metres, (k,). It may lie a little outside its ranges.
         goals: Where it may end, (g, k); those outside the ranges or not free are left aside.
         ranges: Lowest and highest position of each joint, (k, 2).
-        free: Whether a configuration (k,) is free of collisions; asked only of configurations within the ranges.
-        step: Largest change of each joint between two checks, (k,) or one for all.
+        free: Whether a configuration (k,) is free of collisions; asked only of configurations within the ranges, and
+            with ``look`` only of ends, of the search's samples and of where shortcuts begin.
+        step: Largest change of each joint between two way points, (k,) or one for all; the unit in which joints are
+            measured; without ``look`` also between two checks.
         seed: Seed of the search; the same question with the same seed has the same answer.
-        checks: Configurations that the search may check; shortcuts may check as many again.
-        look: How far around a configuration all is free; None: only ``free`` is known.
+        checks: Configurations of which the search may ask ``free`` or ``look``; shortcuts may ask as many again.
+        look: How far around a configuration all is free, as ``Sweep.look`` says it; None: only ``free`` is known.
 
     Returns:
         Way points (n, k): the first is the start, the last a goal, consecutive ones differ by at most ``step`` in each
-        joint, and all of them are free. A straight line where one is free. None: no way was found within the checks.
+        joint. With ``look`` all between them is free, without it they are. A straight line where one is free. None: no
+        way was found within the checks.
 
     Raises:
         InputError: Arrays that do not fit together, or OMPL is not installed.
@@ -116,8 +121,8 @@ def base_path(
         goal: The same where it ends, (3,).
         ranges: Lowest and highest x, y and yaw, (3, 2); infinite for yaw where it may turn all round.
         free: Whether a place (3,) is free of collisions.
-        step_m: Largest change of x, and of y, between two checks.
-        step_rad: Largest change of yaw between two checks.
+        step_m: Largest change of x, and of y, between two way points; see ``joint_path``.
+        step_rad: Largest change of yaw between two way points.
         seed: As in ``joint_path``.
         checks: As in ``joint_path``.
         look: As in ``joint_path``.

@@ -98,7 +98,7 @@ def exported(
     request: Request,
     endings: Endings,
     actions: Actions,
-    helpers: Sequence[str],
+    agents: Sequence[str],
     plans: Sequence[Plan] = (),
 ) -> Pddl:
     """A request as a problem in PDDL.
@@ -109,10 +109,10 @@ def exported(
         request: What is to be performed.
         endings: What ends will do.
         actions: What agents get at.
-        helpers: Who may take part besides the performer.
+        agents: Who may act, the performer first.
         plans: Plans that were found, whose places are among those of the problem.
     """
-    return _Export(scene, state, request, endings, actions, helpers).document(plans)
+    return _Export(scene, state, request, endings, actions, agents).document(plans)
 
 
 class _Export:
@@ -123,10 +123,10 @@ class _Export:
         request: Request,
         endings: Endings,
         actions: Actions,
-        helpers: Sequence[str],
+        agents: Sequence[str],
     ) -> None:
         self._scene, self._state, self._request, self._endings, self._actions = scene, state, request, endings, actions
-        self._agents = (request.performer, *(helpers if "relay" in request.means else ()))
+        self._agents = tuple(agents)
         self._things = tuple(name for name in scene.objects if state.known([name]))
         self._names = Names()
         for agent in self._agents:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -15,7 +16,7 @@ from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.planning.placing import Candidate
 from taskgist.world.state import Hold
 
-__all__ = ["RATE_HZ", "Action", "Cost", "Phase", "PhaseName", "Plan", "Purpose", "efforts_of"]
+__all__ = ["RATE_HZ", "About", "Action", "Cost", "Phase", "PhaseName", "Plan", "Purpose", "efforts_of", "total_cost"]
 
 PhaseName = Literal[
     "drive",
@@ -77,6 +78,7 @@ class Action:
         effort: The least effort level with which the performer grasps it where it lies, and gets at it there; None if
             one of them is unknown.
         phases: One motion after the other.
+        about: For the sake of which of the task's things it is done: that which is covered, say.
     """
 
     performer: str
@@ -85,6 +87,7 @@ class Action:
     candidate: Candidate
     effort: int | None
     phases: tuple[Phase, ...]
+    about: str
 
     @property
     def thing(self) -> str:
@@ -118,7 +121,7 @@ class Cost:
     Attributes:
         actions: How many actions.
         efforts: Effort levels by agent: of each that acts the sum over its actions, of whoever the thing is for what it
-            takes it in the end to get at it.
+            takes it in the end to get at it; of several things the sum.
     """
 
     actions: int
@@ -133,6 +136,14 @@ class Cost:
         return self.actions + EFFORT_COST * sum(self.efforts.values())
 
 
+def total_cost(costs: Sequence[Cost]) -> Cost:
+    """What several plans cost, one after the other."""
+    efforts = Counter[str]()
+    for cost in costs:
+        efforts.update(cost.efforts)
+    return Cost(sum(cost.actions for cost in costs), efforts)
+
+
 def efforts_of(actions: Sequence[Action]) -> dict[str, int]:
     """Effort levels of those who act, each summed over its actions."""
     found = dict[str, int]()
@@ -141,8 +152,27 @@ def efforts_of(actions: Sequence[Action]) -> dict[str, int]:
     return found
 
 
+class About:
+    """Target agents and things of a task, of which the first ones stand by themselves."""
+
+    target: str
+    thing: str
+    also_for: tuple[str, ...]
+    also_with: tuple[str, ...]
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """All target agents."""
+        return (self.target, *self.also_for)
+
+    @property
+    def things(self) -> tuple[str, ...]:
+        """All that the task is about, in the order in which it is brought."""
+        return (self.thing, *self.also_with)
+
+
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(About):
     """What is done to perform a task, by a robot or a person, and by those who help.
 
     Attributes:
@@ -166,16 +196,6 @@ class Plan:
     notes: tuple[str, ...] = ()
     also_for: tuple[str, ...] = ()
     also_with: tuple[str, ...] = ()
-
-    @property
-    def targets(self) -> tuple[str, ...]:
-        """All target agents."""
-        return (self.target, *self.also_for)
-
-    @property
-    def things(self) -> tuple[str, ...]:
-        """All that the task is about, in the order in which it is brought."""
-        return (self.thing, *self.also_with)
 
     @property
     def phases(self) -> tuple[Phase, ...]:

@@ -19,7 +19,7 @@ from taskgist.learning.understanding import Literal
 from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.planning.actions import Actions
 from taskgist.planning.aims import Aim, aims_of, goal_of_all
-from taskgist.planning.endings import Endings
+from taskgist.planning.endings import Endings, laden
 from taskgist.planning.goal import Goal
 from taskgist.planning.helping import Help, helps
 from taskgist.planning.pddl import Pddl, exported
@@ -60,7 +60,7 @@ class Planner:
         scene: As given.
         request: As given.
         performer: The performing robot; None for a person.
-        goal: What is wanted, given, impossible; of several target agents wanted for the first, and the rest for any.
+        goal: What is wanted, given, or impossible for any target agent.
         aims: What is wanted of each target agent.
         search: What became of the candidates until now.
 
@@ -85,7 +85,7 @@ class Planner:
     ) -> None:
         self.scene, self._state, self.request, self._settings = scene, state, request, settings
         refuse_held(scene, state, request.performer, request.thing, settings)
-        self._actions = Actions(scene, state, settings, target=request.target, seed=request.seed)
+        self._actions = Actions(scene, state, settings, thing=request.thing, target=request.target, seed=request.seed)
         self.performer = self._actions.robot(request.performer, state)
         begin, who, what = state if start is None else start, request.targets, request.thing
         self.aims = aims_of(scene, begin, request.clause, who, what, tree, settings, predicates)
@@ -94,14 +94,19 @@ class Planner:
         self.search = Search(thing=request.thing)
         self._sequences = Sequences(scene, state, request, self._endings, self._actions, self.search)
 
+    @property
+    def may_act(self) -> tuple[str, ...]:
+        """The performer, and who may help it."""
+        helpers = self._sequences.helpers if "relay" in self.request.means else ()
+        return (self.request.performer, *helpers)
+
     def robot(self, name: str) -> Performer | None:
         """One of those who act, as it starts; None for a person."""
         return self._actions.robot(name, self._state)
 
     def pddl(self, plans: Sequence[Plan] = ()) -> Pddl:
         """The same problem for other planners, the places of some plans among its places."""
-        helpers = self._sequences.helpers
-        return exported(self.scene, self._state, self.request, self._endings, self._actions, helpers, plans)
+        return exported(self.scene, self._state, self.request, self._endings, self._actions, self.may_act, plans)
 
     def plans(self, progress: Progress = silent) -> Iterator[Plan]:
         """Plans, the nearest to the candidates' order first, each for another place; then those by other means.
@@ -129,6 +134,10 @@ class Planner:
         """The thing moved by the performer alone; what is in the way of its hand is noted."""
         who, why_not = self.request.performer, self._endings.why_not(self._state, self.request.performer)
         self.search.out_of_hold = self._actions.out_of_hold(self._state, who, self.request.thing)
+        upon = self._endings.upon(self._state, self.request.thing)
+        if upon and not self.search.out_of_hold:
+            blocked |= dict.fromkeys(upon)
+            self.search.out_of_hold = laden(self.request.thing, upon)
         if self.search.out_of_hold:
             return
         for candidate in self._in_order(self._wanted(progress)):

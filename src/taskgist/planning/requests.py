@@ -13,7 +13,7 @@ from taskgist.facts.values import Raw
 from taskgist.learning.understanding import Clause, Literal
 from taskgist.planning.judging import Attention
 from taskgist.planning.placing import Candidate
-from taskgist.planning.plan import Purpose
+from taskgist.planning.plan import About, Purpose
 
 MEANS: tuple[Purpose, ...] = get_args(Purpose)
 """All means, in the order in which they are tried at equal cost."""
@@ -23,7 +23,7 @@ SPARED: tuple[Spared, ...] = get_args(Spared)
 
 
 @dataclass(frozen=True)
-class Request:
+class Request(About):
     """What is to be performed.
 
     Attributes:
@@ -32,7 +32,7 @@ class Request:
         target: For whom.
         thing: With what.
         attention: What the target agent is assumed to look at in the end.
-        allow: Supports that may be used; None for all.
+        allow: Supports that may be used; None for all. What is moved on the way may stay on what it is on already.
         prefer: Supports that come first.
         seed: The same request with the same seed has the same plans.
         means: By what means it may be performed; moving the thing alone is tried first.
@@ -56,16 +56,6 @@ class Request:
     also_for: tuple[str, ...] = ()
     also_with: tuple[str, ...] = ()
 
-    @property
-    def targets(self) -> tuple[str, ...]:
-        """All target agents."""
-        return (self.target, *self.also_for)
-
-    @property
-    def things(self) -> tuple[str, ...]:
-        """All things, in the order in which they are brought."""
-        return (self.thing, *self.also_with)
-
     def __post_init__(self) -> None:
         _check("means", self.means, MEANS)
         _check("spare", (self.spare,), SPARED)
@@ -75,6 +65,17 @@ class Request:
             if twice is not None:
                 hint = "name each once; a task is performed for others"
                 raise InputError("stands twice", where="Request", field=field_, value=twice, hint=hint)
+
+
+def check_one_problem(request: Request) -> None:
+    """See that a request is one problem for other planners.
+
+    Raises:
+        InputError: There are several things, whose order and judges PDDL does not have.
+    """
+    if len(request.things) > 1:
+        value, hint = " ".join(request.things), "ask for each alone"
+        raise InputError("several things are no one problem", field="pddl", value=value, hint=hint)
 
 
 def _check(what: str, given: Iterable[str], known: tuple[str, ...]) -> None:

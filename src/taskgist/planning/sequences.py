@@ -29,7 +29,7 @@ import numpy as np
 from taskgist.common.workers import Progress
 from taskgist.errors import SceneError
 from taskgist.planning.actions import Actions, WhyNot, after
-from taskgist.planning.endings import NOT_KNOWN, Endings, Judged
+from taskgist.planning.endings import NOT_KNOWN, Endings, Judged, laden
 from taskgist.planning.persons import moves_itself
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import EFFORT_COST, Action, Purpose
@@ -274,7 +274,7 @@ class Sequences:
         upon = self._endings.upon(state, step.thing)
         cannot = self._actions.cannot_pick(state, step.agent, step.thing)
         if upon:
-            trial.why = f"on the {step.thing}, or in it, there is the {' and the '.join(upon)}"
+            trial.why = laden(step.thing, upon)
             trial.blocked = (number, upon)
         elif not self._actions.grasps(state, step.agent, step.thing):
             trial.why = f"{step.agent} does not get hold of the {step.thing}"

@@ -16,7 +16,15 @@ from taskgist.common.arrays import Indices
 from taskgist.common.files import shown_path
 from taskgist.errors import SceneError, UnknownNameError, most_read
 from taskgist.settings import DEFAULT, Limits
-from taskgist.world.bodies.agent import SEEN_MASK, Agent, legs_for, resolve_agent, standing_height_m, subtree
+from taskgist.world.bodies.agent import (
+    SEEN_MASK,
+    Agent,
+    couplings,
+    legs_for,
+    resolve_agent,
+    standing_height_m,
+    subtree,
+)
 from taskgist.world.bodies.hands import add_ghosts
 from taskgist.world.bodies.human import HumanSize
 from taskgist.world.bodies.markup import asking_mujoco
@@ -178,7 +186,9 @@ def placed(model: mujoco.MjModel, agents: Mapping[str, Agent], file: SceneFile) 
     for entry in file.agents:
         agent = agents[entry.name]
         legs, height = _stance(model, data, agent, entry, file.where)
-        joints = _rest(model, agent) | legs | _given(model, entry, agent, file.where)
+        given = _given(model, entry, agent, file.where)
+        joints = _rest(model, agent) | legs | given
+        joints |= _following(model, agent, given)
         for joint, value in joints.items():
             qpos[agent.joints[joint]] = value
         if not agent.profile.legs.feet:
@@ -217,6 +227,17 @@ def _given(model: mujoco.MjModel, entry: AgentEntry, agent: Agent, where: str) -
                     "beyond the joint", where=where, field=f"{place}.{joint}", value=round(scale * value, 3), hint=hint
                 )
     return {**entry.joints_rad, **entry.joints_m}
+
+
+def _following(model: mujoco.MjModel, agent: Agent, given: Mapping[str, float]) -> dict[str, float]:
+    """Where joints are that follow one of those that the scene gives, and that it does not give themselves."""
+    found = dict[str, float]()
+    names = {joint: str(model.joint(joint).name).removeprefix(f"{agent.name}/") for joint in range(model.njnt)}
+    for coupling in couplings(model):
+        leader, follower = names[coupling.leader], names[coupling.follower]
+        if agent.joints.get(leader) == model.jnt_qposadr[coupling.leader] and leader in given and follower not in given:
+            found[follower] = float(coupling.led(model, given[leader]))
+    return found
 
 
 def _stance(

@@ -6,9 +6,11 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
+from numpy.typing import ArrayLike
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
@@ -257,6 +259,36 @@ def _scalar_joints(model: mujoco.MjModel, name: str, bodies: Indices | set[int])
         for j in range(model.njnt)
         if model.jnt_bodyid[j] in bodies and int(model.jnt_type[j]) in _SCALAR
     }
+
+
+class Coupling(NamedTuple):
+    """A joint that the model has follow another one: URDF's mimic.
+
+    Attributes:
+        follower: The joint that follows, its index in the model.
+        leader: The one that it follows.
+        terms: Coefficients of the polynomial by which it does, from the constant on, (5,). MuJoCo counts both joints
+            from where they are in ``qpos0``.
+    """
+
+    follower: int
+    leader: int
+    terms: Array
+
+    def led(self, model: mujoco.MjModel, leader: ArrayLike) -> Array:
+        """Where the follower is when its leader is somewhere, radians or metres, in the leader's shape."""
+        start, zero = (float(model.qpos0[model.jnt_qposadr[joint]]) for joint in (self.follower, self.leader))
+        return np.asarray(start + np.polyval(self.terms[::-1], np.asarray(leader) - zero))
+
+
+def couplings(model: mujoco.MjModel) -> tuple[Coupling, ...]:
+    """Joints of a model that follow others."""
+    kinds = np.flatnonzero(model.eq_type == int(mujoco.mjtEq.mjEQ_JOINT))
+    return tuple(
+        Coupling(int(model.eq_obj1id[each]), int(model.eq_obj2id[each]), np.array(model.eq_data[each][:5]))
+        for each in kinds
+        if model.eq_obj2id[each] >= 0
+    )
 
 
 def _body(model: mujoco.MjModel, agent: str, name: str) -> int:
