@@ -136,7 +136,8 @@ def _places_refused(request: Request, search: Search, tree: HypothesisTree) -> I
     if search.unknown:
         yield f"at {search.unknown} of them it is not known, for not all that decides is tracked"
     if search.out_of_hand:
-        yield f"at {search.out_of_hand} of them {listed(request.targets, 'or')} could not take it"
+        told = [f"at {search.out_of_hand} of them {listed(request.targets, 'or')} could not take it"]
+        yield ": ".join(told + [reason for reason, _ in search.not_taken.most_common(1)])
     if search.out_of_reach:
         those = "all of those" if search.out_of_reach == search.wanted else f"{search.out_of_reach} of those"
         yield f"{those} {search.wanted} are where {request.performer} does not get at it"

@@ -156,9 +156,8 @@ def _tried(
     for let_go in execution.settled:
         if not let_go.stays:
             return f"once it is let go, {let_go.text}"
-    takers = {hold.agent for holds in execution.holds for hold in holds}
-    limits = dict.fromkeys(takers, MotionLimits())  # people who take move as they do, and push into nothing either
-    limits |= {name: limits_of(planner.robot(name), settings.planning) for name in plan.performers}
+    takers = {hold.agent for holds in execution.holds for hold in holds}  # who takes pushes into nothing, either
+    limits = {name: limits_of(planner.robot(name), settings.planning) for name in {*takers, *plan.performers}}
     tolerances = SOFT_HANDS if any(planner.robot(name) is None for name in plan.performers) else None
     found = audit(
         scene,

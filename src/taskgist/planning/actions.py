@@ -18,13 +18,14 @@ from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.grasping import Grasping
 from taskgist.planning.hand_ways import Gate
-from taskgist.planning.handing import Taker, sides_by_distance
+from taskgist.planning.handing import sides_by_distance
 from taskgist.planning.judging import EXACT
 from taskgist.planning.motions import Motions, NoMotionError
 from taskgist.planning.performer import Performer
 from taskgist.planning.persons import moves_itself, phases_of, usable
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Phase, Purpose
+from taskgist.planning.robot_taking import taker_of
 from taskgist.planning.settling import settled
 from taskgist.planning.transfer import Picking, Transfers
 from taskgist.settings import Settings
@@ -203,19 +204,20 @@ class Actions:
     def _attempts(
         self, state: State, name: str, candidate: Candidate, robot: Performer | None, transfers: Transfers | None
     ) -> Iterator[Attempt]:
-        taker = candidate.carrier if candidate.means == "hand_over" else self._target
+        whom = candidate.carrier if candidate.means == "hand_over" else self._target
+        taker = taker_of(self._scene, whom, state, self._settings, seed=self._seed)
         if robot is None or transfers is None:  # a person, the nearer hand first
             holding = [
                 hold.side for hold in state.holding or () if (hold.agent, hold.object) == (name, candidate.thing)
             ]
             rest, seed = self._start, self._seed
             for side in holding or sides_by_distance(self._scene, state.qpos, candidate.thing, name):
-                yield side, partial(phases_of, self._scene, state, name, taker, candidate, side, rest=rest, seed=seed)
+                acts = partial(phases_of, self._scene, state, name, whom, candidate, side, taker, rest=rest, seed=seed)
+                yield side, acts
             return
         motions = Motions(robot, self._settings.planning, seed=self._seed)
-        takes = Taker(self._scene, taker, state)
         for transfer in islice(transfers, TRANSFERS_A_PLACE):
-            yield transfer.pick.side, partial(motions.of, transfer, candidate.means, takes)
+            yield transfer.pick.side, partial(motions.of, transfer, candidate.means, taker)
 
     def _ending_well(
         self,

@@ -6,6 +6,7 @@ hand back, the torso helping where the arm alone is too short.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -16,7 +17,7 @@ from taskgist.moving.acting import RATE_HZ, Acting, filmed
 from taskgist.moving.body import Body
 from taskgist.moving.steps import HandOver, HoldUp, PutDown, Take, Withdraw, carried_to, carry_to
 from taskgist.perspective.effort import LEAN, TURN, stretch
-from taskgist.planning.handing import Taker
+from taskgist.planning.handing import FULL, PersonTaker, Taker
 from taskgist.planning.motions import NoMotionError
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Phase, PhaseName
@@ -48,6 +49,7 @@ def phases_of(
     target: str,
     candidate: Candidate,
     side: str,
+    taker: Taker,
     *,
     rest: State | None = None,
     seed: int = 0,
@@ -58,9 +60,10 @@ def phases_of(
         scene: The scene.
         state: Where everything is; who is said to hold the thing in that hand does so from the beginning.
         performer: The person.
-        target: For whom, and to whom a thing is handed over.
+        target: For whom: at whom the person looks.
         candidate: Where the thing goes.
         side: The person's hand.
+        taker: To whom it is handed over, if it is.
         rest: How the person is when it does nothing, to where its hand returns; None: as it is.
         seed: Of natural variation.
 
@@ -68,7 +71,9 @@ def phases_of(
         NoMotionError: The hand does not get there.
     """
     acting = Acting(scene, performer, target, np.random.default_rng(seed))
-    acting.begin(state, returning=None if rest is None else Body(scene, performer, rest))
+    returning = None if rest is None else Body(scene, performer, rest)
+    acting.begin(state, returning=returning)
+    to_robot = candidate.means == "hand_over" and not isinstance(taker, PersonTaker)
     marks: list[tuple[PhaseName, float]] = []
     held = Hold(performer, side, candidate.thing) in (state.holding or ())
     try:
@@ -78,23 +83,48 @@ def phases_of(
         else:
             Take(candidate.thing, side).play(acting)
             marks.append(("reach", acting.now_s))
-        _bring(acting, candidate, target)
+        _bring(acting, candidate, taker)
         marks.append(("transfer", acting.now_s))
-        if candidate.means != "hold_up":
+        if candidate.means != "hold_up" and not to_robot:
             Withdraw().play(acting)
             marks.append(("retreat", acting.now_s))
     except SceneError as error:
         raise NoMotionError(f"{performer} does not get there: {error}") from error
     times_s, frames = filmed(acting, swaying=False)
     ends = [int(np.searchsorted(times_s, end_s)) for _, end_s in marks]
-    return tuple(
+    phases = [
         phase
         for (name, _), first, last in zip(marks, [1 if held else 0, *ends], ends, strict=False)
         for phase in _by_holds(acting, name, times_s[first:last], frames[first:last])
-    )
+    ]
+    if to_robot:
+        phases += _taken(scene, phases[-1], Hold(performer, side, candidate.thing), taker, returning, seed)
+    return tuple(phases)
 
 
-def _bring(acting: Acting, candidate: Candidate, target: str) -> None:
+def _taken(scene: Scene, held: Phase, hold: Hold, taker: Taker, returning: Body | None, seed: int) -> Iterator[Phase]:
+    """A robot takes what a person holds still, and the person takes the hand back.
+
+    Raises:
+        NoMotionError: The robot does not take it.
+    """
+    failed = FULL
+    for found in taker.takings(held.qpos[-1], hold.object):
+        if isinstance(found, str):
+            failed = found
+            continue
+        other = Hold(taker.name, found.side, hold.object)
+        yield Phase("take", found.coming, held.holds)
+        yield Phase("take", found.shared, held.holds | {other})
+        acting = Acting(scene, hold.agent, taker.name, np.random.default_rng(seed))
+        acting.begin(State(found.shared[-1]), returning=returning)
+        Withdraw(hold.side).play(acting)
+        yield Phase("retreat", filmed(acting, swaying=False)[1][1:], held.holds - {hold} | {other})
+        return
+    raise NoMotionError(f"{taker.name} cannot take the {hold.object}: {failed}")
+
+
+def _bring(acting: Acting, candidate: Candidate, taker: Taker) -> None:
     """Put the thing down, hold it up, or hand it over."""
     stage = Stage(acting.scene, candidate.state)
     x, y, z = (float(value) for value in stage.body_position(acting.scene.object_body(candidate.thing)))
@@ -103,9 +133,12 @@ def _bring(acting: Acting, candidate: Candidate, target: str) -> None:
     elif candidate.means == "hand_over":
         goal, _ = carried_to(acting, np.array((x, y, z)))
         carry_to(acting, goal, lower=True)  # down to it from above: there may be a table on the way
-        free = Taker(acting.scene, target, candidate.state).sides(candidate.state.qpos, candidate.thing)
+        if not isinstance(taker, PersonTaker):
+            acting.wait(HOLDING_S)
+            return
+        free = taker.sides(candidate.state.qpos, candidate.thing)
         if not free:
-            raise SceneError("its hands are full", where=target)
+            raise SceneError(FULL, where=taker.name)
         HandOver(free[0]).play(acting)
     else:
         bottom_m = float(object_points(stage, candidate.thing, POINT_SPACING_M)[:, 2].min())

@@ -161,8 +161,9 @@ class Planner:
         search = self.search
         for candidate, verdict in islice(self._endings.moved(self._state, self.request.performer), MOST_PLACES):
             search.places += 1
-            if verdict is None:
+            if isinstance(verdict, str):
                 search.out_of_hand += 1
+                search.not_taken[verdict] += 1
                 continue
             if verdict.failed is not None:
                 search.missed[verdict.failed] += 1

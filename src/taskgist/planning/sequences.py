@@ -315,8 +315,8 @@ class Sequences:
         """Final places of what the last step moves with which the goal holds."""
         for found in islice(self._ends(state, step), MOST_PLACES[step.purpose]):
             trial.places += 1
-            if found.verdict is None:
-                trial.why = trial.why or f"{self._request.target} could not take it"
+            if isinstance(found.verdict, str):
+                trial.why = trial.why or f"{self._request.target} could not take it: {found.verdict}"
             elif found.verdict.holds is True:
                 yield found.candidate
             elif found.verdict.failed is not None:
