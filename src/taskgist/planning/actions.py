@@ -21,8 +21,9 @@ from taskgist.planning.hand_ways import Gate
 from taskgist.planning.handing import sides_by_distance
 from taskgist.planning.judging import EXACT
 from taskgist.planning.motions import Motions, NoMotionError
+from taskgist.planning.people_colliding import pushing_into
 from taskgist.planning.performer import Performer
-from taskgist.planning.persons import moves_itself, phases_of, usable
+from taskgist.planning.persons import gets_to, moves_itself, phases_of, usable
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Phase, Purpose
 from taskgist.planning.robot_taking import taker_of
@@ -142,10 +143,15 @@ class Actions:
     def out_of_reach(self, name: str, candidate: Candidate) -> str | None:
         """Why an agent does not get at a place, by its own effort; None if it does."""
         effort = self._efforts(name, candidate.state).effort(name, candidate.thing, "reach", self._usable(name))
-        if effort.is_known_to_do:
+        person = moves_itself(self._scene.agent(name))
+        if effort.is_known_to_do and not (person and not self._gets_to(name, candidate)):
             return None
-        stays = "from where it is, " if moves_itself(self._scene.agent(name)) else ""
-        return f"{stays}{name} does not reach so far"
+        return f"from where it is, {name} does not reach so far" if person else f"{name} does not reach so far"
+
+    def _gets_to(self, name: str, candidate: Candidate) -> bool:
+        stage = Stage(self._scene, candidate.state)
+        place = stage.body_position(self._scene.object_body(candidate.thing))
+        return gets_to(self._scene, candidate.state, name, candidate.thing, place)
 
     def _efforts(self, name: str, state: State) -> SceneEfforts:
         """Efforts in a state; from one state to the next only what changes is asked again."""
@@ -231,8 +237,11 @@ class Actions:
         """The phases, and if the robot would spoil the end where it stands, its way back.
 
         Raises:
-            NoMotionError: The end will not do.
+            NoMotionError: A person would push into something, or the end will not do.
         """
+        met = pushing_into(self._scene, state.qpos, phases, name)
+        if met is not None:
+            raise NoMotionError(met)
         wrong, holds = why_not(_seen(state, phases)), phases[-1].holds
         if robot is not None and (leaves or wrong is not None) and all(hold.agent != name for hold in holds):
             motions = Motions(robot, self._settings.planning, seed=self._seed)

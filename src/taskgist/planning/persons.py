@@ -29,6 +29,9 @@ from taskgist.world.state import Hold, State
 
 HOLDING_S = 0.5
 POINT_SPACING_M = 0.02
+FARTHER_M = 0.15
+"""How much farther than its arm is long a body gets to a thing's middle: it leans a little more than thought, and
+fingers hold a thing by its near side (ours; who does not get there in the end is told so)."""
 
 
 def moves_itself(agent: Agent) -> bool:
@@ -40,6 +43,20 @@ def moves_itself(agent: Agent) -> bool:
 def usable(agent: Agent) -> tuple[str, ...]:
     """The virtual actions by which a person brings things about here: of arms and torso."""
     return (*(stretch(side) for side in agent.sides), TURN, LEAN)
+
+
+def gets_to(scene: Scene, state: State, performer: str, thing: str, place: Array) -> bool:
+    """Whether an arm of a person gets to a place as its torso moves here: that which holds a thing, or either.
+
+    Perspective asks what a body could do; arms are stretched less far by those who put something down.
+    """
+    body = Body(scene, performer, state, turns_far=True)
+    holding = [hold.side for hold in state.holding or () if (hold.agent, hold.object) == (performer, thing)]
+    return any(
+        body.away_m(state, side, place, body.torso_for(state, side, place))
+        <= body.agent.arm(side).profile.length_m + FARTHER_M
+        for side in holding or body.agent.sides
+    )
 
 
 def phases_of(
@@ -71,7 +88,7 @@ def phases_of(
         NoMotionError: The hand does not get there.
     """
     acting = Acting(scene, performer, target, np.random.default_rng(seed))
-    returning = None if rest is None else Body(scene, performer, rest)
+    returning = Body(scene, performer, state if rest is None else rest, turns_far=True)
     acting.begin(state, returning=returning)
     to_robot = candidate.means == "hand_over" and not isinstance(taker, PersonTaker)
     marks: list[tuple[PhaseName, float]] = []
@@ -102,7 +119,7 @@ def phases_of(
     return tuple(phases)
 
 
-def _taken(scene: Scene, held: Phase, hold: Hold, taker: Taker, returning: Body | None, seed: int) -> Iterator[Phase]:
+def _taken(scene: Scene, held: Phase, hold: Hold, taker: Taker, returning: Body, seed: int) -> Iterator[Phase]:
     """A robot takes what a person holds still, and the person takes the hand back.
 
     Raises:

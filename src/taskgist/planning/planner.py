@@ -38,8 +38,9 @@ MOST_PLACES = 1000
 """Candidates that are judged at most."""
 SPARED_AMONG = 40
 """Of those that satisfy the goal so many are ordered by effort, if somebody's is to be spared."""
-MOST_TRIED = 12
-"""Of those that satisfy the goal, so many are tried with the robot (ours)."""
+MOST_TRIED, MOST_TRIED_BY_PEOPLE = 12, 40
+"""Of those that satisfy the goal, so many are tried with the robot; and with a person, whose motions are not planned
+around things, and quickly found (ours)."""
 
 
 class Planner:
@@ -132,7 +133,7 @@ class Planner:
         if self.search.out_of_hold:
             return
         for candidate in self._in_order(self._wanted(progress)):
-            if self.search.tried == MOST_TRIED:
+            if self.search.tried == self._most_tried:
                 return
             if self._actions.out_of_reach(who, candidate):
                 self.search.out_of_reach += 1
@@ -153,8 +154,12 @@ class Planner:
                 self.search.out_of_hold = cannot
                 return
 
+    @property
+    def _most_tried(self) -> int:
+        return MOST_TRIED_BY_PEOPLE if self.performer is None else MOST_TRIED
+
     def _share(self) -> float:
-        return min(1.0, max(self.search.places / MOST_PLACES, self.search.tried / MOST_TRIED))
+        return min(1.0, max(self.search.places / MOST_PLACES, self.search.tried / self._most_tried))
 
     def _wanted(self, progress: Progress) -> Iterator[Candidate]:
         """Candidates that satisfy the goal."""

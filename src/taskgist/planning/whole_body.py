@@ -96,7 +96,7 @@ class WholeBody:
         others = (scene.agent(name) for name in scene.agents if name != agent.name)
         hands = [arm.hand_geoms for other in others for arm in other.arms]
         self._others_hands = np.concatenate([np.empty(0, dtype=np.intp), *hands])
-        possible, usual_m = _own_pairs(scene, agent, self.own)
+        possible, usual_m = own_pairs(scene, agent, self.own)
         self._own_pairs = possible
         self._usual_m: dict[Pair, float] = {
             (int(self.own[a]), int(self.own[b])): depth_m for (a, b), depth_m in usual_m.items()
@@ -223,8 +223,8 @@ class WholeBody:
         links = np.intersect1d(self.own, moving)
         with_others = [(int(g), int(o)) for g in links for o in others if (int(g), int(o)) not in self._on_floor]
         with_others += [(int(g), int(o)) for g in np.intersect1d(load, moving) for o in others]
-        own_pairs = self.own[self._own_pairs]
-        with_own = own_pairs[np.isin(own_pairs, moving).any(axis=1)].tolist()
+        possible = self.own[self._own_pairs]
+        with_own = possible[np.isin(possible, moving).any(axis=1)].tolist()
         if grip is not None:
             free_of = np.setdiff1d(self.own, self.agent.arm(grip.side).hand_geoms)
             with_own += [(int(g), int(o)) for g in load for o in free_of]
@@ -316,7 +316,7 @@ def near_of(table: Array, pairs: Indices, limit_m: float) -> Indices:
 # --- Which of a robot's own shapes may collide with one another.
 
 
-def _own_pairs(scene: Scene, agent: Agent, own: Indices) -> tuple[Indices, Mapping[Pair, float]]:
+def own_pairs(scene: Scene, agent: Agent, own: Indices) -> tuple[Indices, Mapping[Pair, float]]:
     """Pairs of own shapes, by their places among them, that count, (n, 2); and what is usual at the neutral one.
 
     They are found once for each form of a robot.
