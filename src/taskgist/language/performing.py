@@ -30,6 +30,7 @@ DOINGS = {
     "transfer": "brings it over its place",
     "lower": "lowers it",
     "take": "waits until {taker} has taken it",
+    "draw near": "waits until {taker} has drawn it near",
     "retreat": "draws the hand back",
     "fold": "folds its arm",
     "withdraw": "drives back to where it was",

@@ -18,12 +18,12 @@ from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.grasping import Grasping
 from taskgist.planning.hand_ways import Gate
-from taskgist.planning.handing import sides_by_distance
+from taskgist.planning.handing import PersonTaker, Taker, sides_by_distance
 from taskgist.planning.judging import EXACT
 from taskgist.planning.motions import Motions, NoMotionError
 from taskgist.planning.people_colliding import pushing_into
 from taskgist.planning.performer import Performer
-from taskgist.planning.persons import gets_to, moves_itself, phases_of, usable
+from taskgist.planning.persons import drawn_near, gets_to, moves_itself, phases_of, usable
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Phase, Purpose
 from taskgist.planning.robot_taking import taker_of
@@ -83,6 +83,7 @@ class Actions:
         why_not: WhyNot,
         *,
         leaves: bool = False,
+        draws: bool = False,
         blockers: dict[str, None] | None = None,
     ) -> Action | str:
         """How an agent brings a thing to a place.
@@ -94,6 +95,7 @@ class Actions:
             candidate: What is brought where.
             why_not: What is asked of the end.
             leaves: Whether a robot drives back to where it was, to make room for somebody else, if it can.
+            draws: Whether a person who takes it draws it near, to make room for what follows, if it can.
             blockers: Filled with the things that are in the way of its hand.
 
         Returns:
@@ -105,9 +107,11 @@ class Actions:
         for side, attempt in self._attempts(state, name, candidate, robot, transfers):
             try:
                 phases = attempt()
+                if draws and candidate.means == "hand_over":
+                    phases = self._drawn_near(name, phases)
                 phases = self._ending_well(robot, state, name, phases, why_not, leaves)
             except NoMotionError as error:
-                failed = str(error)
+                failed = failed if failed and robot is None else str(error)  # of people, that of the nearer hand
                 continue
             return Action(name, side, purpose, candidate, self.effort(state, name, candidate), phases)
         if picking is not None and blockers is not None:
@@ -219,11 +223,25 @@ class Actions:
             rest, seed = self._start, self._seed
             for side in holding or sides_by_distance(self._scene, state.qpos, candidate.thing, name):
                 acts = partial(phases_of, self._scene, state, name, whom, candidate, side, taker, rest=rest, seed=seed)
-                yield side, acts
+                for into in _hands(taker, candidate, side):
+                    yield side, partial(acts, into=into)
             return
         motions = Motions(robot, self._settings.planning, seed=self._seed)
         for transfer in islice(transfers, TRANSFERS_A_PLACE):
             yield transfer.pick.side, partial(motions.of, transfer, candidate.means, taker)
+
+    def _drawn_near(self, name: str, phases: tuple[Phase, ...]) -> tuple[Phase, ...]:
+        """The phases of a handover, and a person's drawing near what it has taken, if that meets nothing."""
+        last = phases[-1]
+        for hold in last.holds:
+            if hold.agent != name and moves_itself(self._scene.agent(hold.agent)):
+                try:
+                    drawn = drawn_near(self._scene, last, hold, self._start, seed=self._seed)
+                except NoMotionError:
+                    return phases
+                if pushing_into(self._scene, last.qpos[-1], [drawn], hold.agent) is None:
+                    return (*phases, drawn)
+        return phases
 
     def _ending_well(
         self,
@@ -254,6 +272,17 @@ class Actions:
         if wrong is not None:
             raise NoMotionError(wrong)
         return phases
+
+
+def _hands(taker: Taker, candidate: Candidate, side: str) -> tuple[str | None, ...]:
+    """Into which hands of a person a hand may hand a thing over; None: that is not the question, or all are full.
+
+    Of two who face one another both right hands come from two sides of the thing, a left and a right one from one.
+    """
+    if candidate.means != "hand_over" or not isinstance(taker, PersonTaker):
+        return (None,)
+    free = taker.sides(candidate.state.qpos, candidate.thing)
+    return tuple(sorted(free, key=lambda hand: hand != side)) or (None,)
 
 
 def _seen(state: State, phases: tuple[Phase, ...]) -> State:

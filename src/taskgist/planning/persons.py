@@ -23,11 +23,14 @@ from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Phase, PhaseName
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.contacts import object_points
+from taskgist.world.geometry.transforms import rotate
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
 from taskgist.world.state import Hold, State
 
 HOLDING_S = 0.5
+NEAR_M, BELOW_M = 0.30, 0.15
+"""Where somebody holds what it has been given: ahead of its shoulder, and below it."""
 POINT_SPACING_M = 0.02
 FARTHER_M = 0.15
 """How much farther than its arm is long a body gets to a thing's middle: it leans a little more than thought, and
@@ -68,6 +71,7 @@ def phases_of(
     side: str,
     taker: Taker,
     *,
+    into: str | None = None,
     rest: State | None = None,
     seed: int = 0,
 ) -> tuple[Phase, ...]:
@@ -81,6 +85,7 @@ def phases_of(
         candidate: Where the thing goes.
         side: The person's hand.
         taker: To whom it is handed over, if it is.
+        into: Into which hand of a person.
         rest: How the person is when it does nothing, to where its hand returns; None: as it is.
         seed: Of natural variation.
 
@@ -100,7 +105,7 @@ def phases_of(
         else:
             Take(candidate.thing, side).play(acting)
             marks.append(("reach", acting.now_s))
-        _bring(acting, candidate, taker)
+        _bring(acting, candidate, taker, into)
         marks.append(("transfer", acting.now_s))
         if candidate.means != "hold_up" and not to_robot:
             Withdraw().play(acting)
@@ -141,7 +146,34 @@ def _taken(scene: Scene, held: Phase, hold: Hold, taker: Taker, returning: Body,
     raise NoMotionError(f"{taker.name} cannot take the {hold.object}: {failed}")
 
 
-def _bring(acting: Acting, candidate: Candidate, taker: Taker) -> None:
+def drawn_near(scene: Scene, last: Phase, hold: Hold, rest: State, *, seed: int = 0) -> Phase:
+    """Who has taken something draws it near, out of the way of what is to follow.
+
+    Args:
+        scene: The scene.
+        last: After what it does.
+        hold: Whose hand has what.
+        rest: How that person is when it does nothing.
+        seed: Of natural variation.
+
+    Raises:
+        NoMotionError: The hand does not get there.
+    """
+    body = Body(scene, hold.agent, rest, turns_far=True)
+    acting = Acting(scene, hold.agent, hold.agent, np.random.default_rng(seed))
+    acting.begin(State(last.qpos[-1]), returning=body)
+    acting.now_s = 1.0 / RATE_HZ
+    acting.take(hold.object, hold.side, body.hand(acting.state, hold.side))
+    ahead = rotate(rest.qpos[body.agent.base][3:], (NEAR_M, 0.0, -BELOW_M))
+    try:
+        goal, _ = carried_to(acting, body.shoulder(rest, hold.side) + ahead)
+        carry_to(acting, goal, lower=False)
+    except SceneError as error:
+        raise NoMotionError(f"{hold.agent} does not draw the {hold.object} near: {error}") from error
+    return Phase("draw near", filmed(acting, swaying=False)[1][1:], last.holds)
+
+
+def _bring(acting: Acting, candidate: Candidate, taker: Taker, into: str | None) -> None:
     """Put the thing down, hold it up, or hand it over."""
     stage = Stage(acting.scene, candidate.state)
     x, y, z = (float(value) for value in stage.body_position(acting.scene.object_body(candidate.thing)))
@@ -152,11 +184,10 @@ def _bring(acting: Acting, candidate: Candidate, taker: Taker) -> None:
         carry_to(acting, goal, lower=True)  # down to it from above: there may be a table on the way
         if not isinstance(taker, PersonTaker):
             acting.wait(HOLDING_S)
-            return
-        free = taker.sides(candidate.state.qpos, candidate.thing)
-        if not free:
+        elif into is None:
             raise SceneError(FULL, where=taker.name)
-        HandOver(free[0]).play(acting)
+        else:
+            HandOver(into).play(acting)
     else:
         bottom_m = float(object_points(stage, candidate.thing, POINT_SPACING_M)[:, 2].min())
         PutDown((x, y, bottom_m)).play(acting)

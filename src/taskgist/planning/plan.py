@@ -29,6 +29,7 @@ PhaseName = Literal[
     "transfer",
     "lower",
     "take",
+    "draw near",
     "retreat",
     "fold",
     "withdraw",

@@ -85,6 +85,7 @@ class Planner:
         lets_go: bool = False,
     ) -> None:
         self.scene, self._state, self.request, self._settings = scene, state, request, settings
+        self._lets_go = lets_go
         refuse_held(scene, state, request.performer, request.thing, settings)
         self._actions = Actions(scene, state, settings, target=request.target, seed=request.seed)
         self.performer = self._actions.robot(request.performer, state)
@@ -140,7 +141,9 @@ class Planner:
                 continue
             self.search.tried += 1
             progress(f"how {who} gets the {self.request.thing} there", self._share())
-            action = self._actions.plan(self._state, who, "move", candidate, why_not, blockers=blocked)
+            action = self._actions.plan(
+                self._state, who, "move", candidate, why_not, draws=self._lets_go, blockers=blocked
+            )
             if not isinstance(action, str):
                 yield action
                 continue
