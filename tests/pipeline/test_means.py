@@ -253,6 +253,67 @@ def test_why_nobody_helps() -> None:
     assert "R2 brings the tape to where R1 takes it, R1 brings the tape there: R2 does not get hold of the tape" in told
 
 
+@cache
+def corner() -> Scene:
+    """The same counter; behind it a person in a corner, who gets at both the counter and a shelf, and walks nowhere."""
+    counter, shelf = Table("counter", (0.0, 0.0), (0.8, 19.0, TOP)), Table("shelf", (1.0, 0.72), (1.0, 0.5, TOP))
+    people = (
+        robot("R1", -1.6),
+        Person("P3", 1.75, (0.8, 0.0), 0.75 * math.pi, "standing"),
+        Person("P2", 1.7, (1.2, 2.2), -0.5 * math.pi, "standing"),
+    )
+    things = (Thing("tape", (0.05, 0.05, 0.05), (-0.2, 0.2, TOP)), Thing("screen", (0.4, 0.03, 0.3), (0.9, 0.85, TOP)))
+    return Room("room", people, things, counter, (shelf,)).scene()
+
+
+def test_a_person_who_is_named_carries_on_what_a_robot_hands_over() -> None:
+    request = Request(clause("hide"), "R1", "P2", "tape", allow=("shelf",), means=("relay",), helpers=("P3",))
+    (found,) = perform(corner(), request).performances
+    one, other = found.plan.actions
+    assert [(each.performer, each.purpose, each.candidate.means) for each in (one, other)] == [
+        ("R1", "relay", "hand_over"),
+        ("P3", "move", "put_on"),
+    ]
+    assert one.taker == "P3"
+    assert other.candidate.carrier == "shelf"
+    assert found.audit.clean
+    assert found.strict is True
+    holders = [tuple(sorted(hold.agent for hold in holds)) for holds, _ in groupby(found.execution.holds)]
+    assert holders == [(), ("R1",), ("P3", "R1"), ("P3",), ()]
+    assert "m, where P3 takes it; then P3 puts the tape on the shelf" in chosen(found.plan)
+
+
+def test_people_help_only_if_they_are_named() -> None:
+    request = Request(clause("hide"), "R1", "P2", "tape", allow=("shelf",), means=("relay",))
+    outcome = perform(corner(), request)
+    assert not outcome.performances
+    assert not outcome.search.others
+
+
+@cache
+def with_a_person() -> Scene:
+    """The counter of ``parted``, with a person on this side instead of a robot."""
+    counter, shelf = Table("counter", (0.0, 0.0), (0.8, 19.0, TOP)), Table("shelf", (2.0, 1.2), (0.4, 1.0, TOP))
+    people = (
+        Person("P1", 1.75, (-0.7, 0.1), 0.0, "standing"),
+        robot("R2", 1.4, 0.8, math.pi),
+        replace(P2, position_m=(0.8, -0.6), posture="standing"),
+    )
+    things = (Thing("tape", (0.05, 0.05, 0.05), (-0.2, 0.2, TOP)), Thing("screen", (0.3, 0.06, 0.3), (2.0, 1.2, TOP)))
+    return Room("room", people, things, counter, (shelf,)).scene()
+
+
+def test_a_robot_carries_on_what_a_person_puts_down() -> None:
+    request = Request(clause("hide"), "P1", "P2", "tape", allow=("shelf",), means=("relay",))
+    (found,) = perform(with_a_person(), request).performances
+    assert [(each.performer, each.candidate.carrier) for each in found.plan.actions] == [
+        ("P1", "counter"),
+        ("R2", "shelf"),
+    ]
+    assert found.audit.clean
+    assert found.strict is True
+
+
 # --- Whose effort (Fig. 2): at a wide table one of them has to bend, or both.
 
 

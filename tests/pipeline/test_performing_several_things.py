@@ -65,6 +65,41 @@ def test_what_was_given_first_stays_in_its_hand_wherever_that_moves() -> None:
     assert np.linalg.norm(np.diff(places, axis=0), axis=1).max() < 0.05, "metres from frame to frame"
 
 
+@cache
+def between_people(task: str) -> Performance:
+    people = (
+        Person("P1", 1.75, (-0.7, 0.0), 0.0, "sitting"),
+        Person("P2", 1.7, (0.75, 0.0), math.pi, "sitting"),
+    )
+    room = Room("room", people, (on_table("cup", -0.2, 0.3), on_table("wooden_cube", -0.2, 0.12)), TABLE).scene()
+    outcome = perform(room, Request(clause(task), "P1", "P2", "cup", also_with=("wooden_cube",)))
+    assert not outcome.spoiled, "what people push into is known before anything is carried out"
+    (found,) = outcome.performances
+    return found
+
+
+@pytest.mark.parametrize("task", ["give", "show", "make accessible"])
+def test_a_person_performs_with_one_thing_after_the_other(task: str) -> None:
+    found = between_people(task)
+    assert found.audit.clean
+    assert found.strict is True
+    assert [action.thing for action in found.plan.actions] == ["cup", "wooden_cube"]
+
+
+def test_who_has_taken_the_first_draws_it_near_before_the_next_comes() -> None:
+    found = between_people("give")
+    recording = found.execution.recording
+    first, second = found.plan.actions
+    assert first.phases[-1].name == "draw near"
+    assert {hold.agent for hold in first.phases[-1].holds} == {"P2"}
+    assert "draw near" not in {phase.name for phase in second.phases}, "then nothing more is to follow"
+    column, base = recording.scene.object_slice("cup"), recording.scene.agent("P2").base
+    taken, drawn = (phase.qpos[-1] for phase in first.phases[-2:])
+    away_m = [float(np.linalg.norm(qpos[column][:2] - qpos[base][:2])) for qpos in (taken, drawn)]
+    assert away_m[1] < away_m[0] - 0.05
+    assert {hold.side for hold in found.execution.holds[-1]} == {"left", "right"}
+
+
 def test_the_other_way_round_is_another_order() -> None:
     found = performed("hide", "wooden_cube", "cup")
     assert [action.thing for action in found.plan.actions] == ["wooden_cube", "cup"]

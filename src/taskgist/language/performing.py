@@ -30,6 +30,7 @@ DOINGS = {
     "transfer": "brings it over its place",
     "lower": "lowers it",
     "take": "waits until {taker} has taken it",
+    "draw near": "waits until {taker} has drawn it near",
     "retreat": "draws the hand back",
     "fold": "folds its arm",
     "withdraw": "drives back to where it was",
@@ -141,7 +142,8 @@ def _places_refused(request: Request, search: Search, tree: HypothesisTree) -> I
     if search.unknown:
         yield f"at {search.unknown} of them it is not known, for not all that decides is tracked"
     if search.out_of_hand:
-        yield f"at {search.out_of_hand} of them {listed(request.targets, 'or')} could not take it"
+        told = [f"at {search.out_of_hand} of them {listed(request.targets, 'or')} could not take it"]
+        yield ": ".join(told + [reason for reason, _ in search.not_taken.most_common(1)])
     if search.out_of_reach:
         those = "all of those" if search.out_of_reach == search.wanted else f"{search.out_of_reach} of those"
         yield f"{those} {search.wanted} are where {request.performer} does not get at it"

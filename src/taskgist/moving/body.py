@@ -28,6 +28,8 @@ COMFORTABLE_SHARE = 0.88
 """Share of an arm's length that it stretches without the torso's help."""
 LEANS_RAD = np.radians(np.arange(0.0, 57.0, 3.0))
 TURNS_RAD = np.radians((0.0, 10.0, 20.0, 30.0))
+FAR_TURNS_RAD = np.radians(np.arange(-90.0, 91.0, 10.0))
+"""Turns to both sides, for who looks for something aside."""
 TURN_PRICE = 0.5
 """How much less people mind turning than leaning."""
 READY_AHEAD_SHARE, READY_DOWN_SHARE = 0.12, 0.10
@@ -56,6 +58,7 @@ class Body:
         scene: The scene.
         name: Name of the agent.
         at_rest: The state in which it rests: a hand that does nothing stays where it is there. None: the scene's.
+        turns_far: Whether it turns its torso as far as it goes, and to both sides, where less does not do.
 
     Attributes:
         agent: The agent.
@@ -64,8 +67,8 @@ class Body:
         ranges_rad: Their least and greatest angle, (n, 2).
     """
 
-    def __init__(self, scene: Scene, name: str, at_rest: State | None = None) -> None:
-        self.agent = scene.agent(name)
+    def __init__(self, scene: Scene, name: str, at_rest: State | None = None, *, turns_far: bool = False) -> None:
+        self.agent, self._turns_far = scene.agent(name), turns_far
         self._stage = Stage(scene)
         turn, lean = self.agent.profile.turn, self.agent.profile.lean
         if turn is None or lean is None or len(self.agent.arms) != 2:
@@ -121,14 +124,26 @@ class Body:
         return state.replace(dict(zip(self.columns[:2].tolist(), torso_rad.tolist(), strict=True)))
 
     def torso_for(self, state: State, side: str, palm: Array) -> Array:
-        """The least turn and lean (2,) with which an arm gets comfortably to a place; the most if none does."""
+        """The least turn and lean (2,) with which an arm gets comfortably to a place; the most if none does.
+
+        Who turns far gets as near as may be then.
+        """
         comfortable = COMFORTABLE_SHARE * self.agent.arm(side).profile.length_m
-        by_price = sorted(product(TURNS_RAD, LEANS_RAD), key=lambda pair: TURN_PRICE * pair[0] + pair[1])
-        for turn, lean in by_price:
-            torso = np.array([SIGNS[side] * turn, lean])
-            if np.linalg.norm(self.shoulder(self.with_torso(state, torso), side) - palm) <= comfortable:
-                return torso
-        return np.array([SIGNS[side] * TURNS_RAD[-1], LEANS_RAD[-1]])
+        most = np.array([SIGNS[side] * TURNS_RAD[-1], LEANS_RAD[-1]])
+        nearest = (math.inf, most)
+        for turns_rad in (TURNS_RAD, *((FAR_TURNS_RAD,) if self._turns_far else ())):
+            by_price = sorted(product(turns_rad, LEANS_RAD), key=lambda pair: TURN_PRICE * abs(pair[0]) + pair[1])
+            for turn, lean in by_price:
+                torso = np.array([SIGNS[side] * turn, lean])
+                away_m = self.away_m(state, side, palm, torso)
+                if away_m <= comfortable:
+                    return torso
+                nearest = min(nearest, (round(away_m, 6), torso), key=lambda each: each[0])
+        return nearest[1] if self._turns_far else most
+
+    def away_m(self, state: State, side: str, palm: Array, torso_rad: Array) -> float:
+        """How far a shoulder is from a place, with a turn and lean of the torso, (2,)."""
+        return float(np.linalg.norm(self.shoulder(self.with_torso(state, torso_rad), side) - palm))
 
     def reaching(
         self, state: State, side: str, hand: HandPose, torso_rad: Array, *, iterations: int
@@ -145,7 +160,7 @@ class Body:
         Returns:
             The state, and the distance in metres that the hand is still away.
         """
-        hands = {**self._at_rest, side: hand}
+        hands = {**self._other_hands(state, torso_rad), side: hand}
         points = {f"{of}_palm": pose.palm for of, pose in hands.items()}
         directions = {f"{of}_hand": pose.fingers for of, pose in hands.items()}
         directions |= {f"{of}_palm": pose.facing for of, pose in hands.items()}
@@ -153,6 +168,14 @@ class Body:
         points[f"{side}_elbow"] = self._elbow(leaning, side, hand)
         fit = self._fitter.fit(leaning, points=points, directions=directions, iterations=iterations)
         return fit.state, fit.errors_m[f"{side}_palm"]
+
+    def _other_hands(self, state: State, torso_rad: Array) -> dict[str, HandPose]:
+        """Where hands are that do nothing: as at rest, but that the torso takes them along once it turns far."""
+        farther = float(torso_rad[0] - np.clip(torso_rad[0], -TURNS_RAD[-1], TURNS_RAD[-1]))
+        if not self._turns_far or not farther:
+            return self._at_rest
+        middle = np.array([*state.qpos[self.agent.base][:2], 0.0])
+        return {side: hand.moved(-middle).turned(farther).moved(middle) for side, hand in self._at_rest.items()}
 
     def _elbow(self, state: State, side: str, hand: HandPose) -> Array:
         """Where the elbow would like to be: level with the arm's middle and out, so that it clears a table."""

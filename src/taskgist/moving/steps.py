@@ -143,11 +143,17 @@ class PutDown:
 
 @dataclass(frozen=True)
 class Withdraw:
-    """Take the empty hand back to rest."""
+    """Take the empty hand back to rest.
+
+    Attributes:
+        side: Which hand; None: that which acted last.
+    """
+
+    side: str | None = None
 
     def play(self, acting: Acting) -> None:
         """Take it off the thing and back, look at the target agent."""
-        body, side = acting.body, acting.acting_side
+        body, side = acting.body, self.side or acting.acting_side
         hand = body.hand(acting.state, side)
         way = sampled([hand, _open(hand), *reversed(body.raising(side))])[1:]
         acting.look(acting.target)

@@ -39,6 +39,7 @@ from taskgist.common.text import one_or_list
 from taskgist.performing.execution import Execution, phase_frames
 from taskgist.planning.gripper import Gripper
 from taskgist.planning.inverse_kinematics import chain_of_arm
+from taskgist.planning.persons import moves_itself
 from taskgist.planning.plan import RATE_HZ, Action, Cost, PhaseName, Plan
 from taskgist.recording.recording import Recording
 from taskgist.world.geometry.transforms import Pose, wxyz_from_matrix, yaw_of
@@ -74,9 +75,11 @@ def robot_trajectory(plan: Plan, execution: Execution) -> Document:
     Returns:
         ``joint_trajectories`` by group ("left_arm", "torso", "right_gripper", ...; those without joints are not
         there, and "body" is what moves beside them), ``base_trajectory``, and whose they are; ``helpers`` has the same
-        of each other agent that acts.
+        of each other agent that acts, and of a robot that takes what it is given.
     """
-    helpers = [name for name in plan.performers if name != plan.performer]
+    takers = [action.taker for action in plan.actions if action.taker is not None]
+    robots = [name for name in takers if not moves_itself(execution.recording.scene.agent(name))]
+    helpers = dict.fromkeys(name for name in (*plan.performers, *robots) if name != plan.performer)
     return {
         "format": FORMAT,
         "task": plan.task,

@@ -18,13 +18,15 @@ from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.grasping import Grasping
 from taskgist.planning.hand_ways import Gate
-from taskgist.planning.handing import Taker, sides_by_distance
+from taskgist.planning.handing import PersonTaker, Taker, sides_by_distance
 from taskgist.planning.judging import EXACT
 from taskgist.planning.motions import Motions, NoMotionError, NoPickError
+from taskgist.planning.people_colliding import pushing_into
 from taskgist.planning.performer import Performer
-from taskgist.planning.persons import moves_itself, phases_of, usable
+from taskgist.planning.persons import drawn_near, gets_to, moves_itself, phases_of, usable
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Phase, Purpose
+from taskgist.planning.robot_taking import taker_of
 from taskgist.planning.settling import settled
 from taskgist.planning.transfer import Picking, Transfers
 from taskgist.settings import Settings
@@ -86,6 +88,7 @@ class Actions:
         why_not: WhyNot,
         *,
         leaves: bool = False,
+        draws: bool = False,
         blockers: dict[str, None] | None = None,
     ) -> Action | str:
         """How an agent brings a thing to a place.
@@ -97,6 +100,7 @@ class Actions:
             candidate: What is brought where.
             why_not: What is asked of the end.
             leaves: Whether a robot drives back to where it was, to make room for somebody else, if it can.
+            draws: Whether a person who takes it draws it near, to make room for what follows, if it can.
             blockers: Filled with the things that are in the way of its hand.
 
         Returns:
@@ -108,9 +112,11 @@ class Actions:
         for side, attempt in self._attempts(state, name, candidate, robot, transfers):
             try:
                 phases = attempt()
+                if draws and candidate.means == "hand_over":
+                    phases = self._drawn_near(name, phases)
                 phases = self._ending_well(robot, state, name, phases, why_not, leaves)
             except NoMotionError as error:
-                failed = str(error)
+                failed = failed if failed and robot is None else str(error)  # of people, that of the nearer hand
                 if picking is not None and isinstance(error, NoPickError):
                     picking.give_up(error.transfer)
                 continue
@@ -154,10 +160,15 @@ class Actions:
     def out_of_reach(self, name: str, candidate: Candidate) -> str | None:
         """Why an agent does not get at a place, by its own effort; None if it does."""
         effort = self._efforts(name, candidate.state).effort(name, candidate.thing, "reach", self._usable(name))
-        if effort.is_known_to_do:
+        person = moves_itself(self._scene.agent(name))
+        if effort.is_known_to_do and not (person and not self._gets_to(name, candidate)):
             return None
-        stays = "from where it is, " if moves_itself(self._scene.agent(name)) else ""
-        return f"{stays}{name} does not reach so far"
+        return f"from where it is, {name} does not reach so far" if person else f"{name} does not reach so far"
+
+    def _gets_to(self, name: str, candidate: Candidate) -> bool:
+        stage = Stage(self._scene, candidate.state)
+        place = stage.body_position(self._scene.object_body(candidate.thing))
+        return gets_to(self._scene, candidate.state, name, candidate.thing, place)
 
     def _efforts(self, name: str, state: State) -> SceneEfforts:
         """Efforts in a state; from one state to the next only what changes is asked again."""
@@ -216,19 +227,34 @@ class Actions:
     def _attempts(
         self, state: State, name: str, candidate: Candidate, robot: Performer | None, transfers: Transfers | None
     ) -> Iterator[Attempt]:
-        taker = candidate.carrier if candidate.means == "hand_over" else self._target
+        whom = candidate.carrier if candidate.means == "hand_over" else self._target
+        taker = taker_of(self._scene, whom, state, self._settings, seed=self._seed)
         if robot is None or transfers is None:  # a person, the nearer hand first
             holding = [
                 hold.side for hold in state.holding or () if (hold.agent, hold.object) == (name, candidate.thing)
             ]
             rest, seed = self._start, self._seed
             for side in holding or sides_by_distance(self._scene, state.qpos, candidate.thing, name):
-                yield side, partial(phases_of, self._scene, state, name, taker, candidate, side, rest=rest, seed=seed)
+                acts = partial(phases_of, self._scene, state, name, whom, candidate, side, taker, rest=rest, seed=seed)
+                for into in _hands(taker, candidate, side):
+                    yield side, partial(acts, into=into)
             return
         motions = self._motions_of(robot)
-        takes = Taker(self._scene, taker, state)
         for transfer in islice(transfers, TRANSFERS_A_PLACE):
-            yield transfer.pick.side, partial(motions.of, transfer, candidate.means, takes)
+            yield transfer.pick.side, partial(motions.of, transfer, candidate.means, taker)
+
+    def _drawn_near(self, name: str, phases: tuple[Phase, ...]) -> tuple[Phase, ...]:
+        """The phases of a handover, and a person's drawing near what it has taken, if that meets nothing."""
+        last = phases[-1]
+        for hold in last.holds:
+            if hold.agent != name and moves_itself(self._scene.agent(hold.agent)):
+                try:
+                    drawn = drawn_near(self._scene, last, hold, self._start, seed=self._seed)
+                except NoMotionError:
+                    return phases
+                if pushing_into(self._scene, last.qpos[-1], [drawn], hold.agent) is None:
+                    return (*phases, drawn)
+        return phases
 
     def _ending_well(
         self,
@@ -242,8 +268,11 @@ class Actions:
         """The phases, and if the robot would spoil the end where it stands, its way back.
 
         Raises:
-            NoMotionError: The end will not do.
+            NoMotionError: A person would push into something, or the end will not do.
         """
+        met = pushing_into(self._scene, state.qpos, phases, name)
+        if met is not None:
+            raise NoMotionError(met)
         wrong, holds = why_not(_seen(state, phases)), phases[-1].holds
         if robot is not None and (leaves or wrong is not None) and all(hold.agent != name for hold in holds):
             motions = self._motions_of(robot)
@@ -256,6 +285,17 @@ class Actions:
         if wrong is not None:
             raise NoMotionError(wrong)
         return phases
+
+
+def _hands(taker: Taker, candidate: Candidate, side: str) -> tuple[str | None, ...]:
+    """Into which hands of a person a hand may hand a thing over; None: that is not the question, or all are full.
+
+    Of two who face one another both right hands come from two sides of the thing, a left and a right one from one.
+    """
+    if candidate.means != "hand_over" or not isinstance(taker, PersonTaker):
+        return (None,)
+    free = taker.sides(candidate.state.qpos, candidate.thing)
+    return tuple(sorted(free, key=lambda hand: hand != side)) or (None,)
 
 
 def _seen(state: State, phases: tuple[Phase, ...]) -> State:

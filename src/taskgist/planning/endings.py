@@ -25,6 +25,7 @@ from taskgist.planning.judging import Judge, Verdict
 from taskgist.planning.placing import Candidate, Means
 from taskgist.planning.requests import Request
 from taskgist.planning.resting import level_faces
+from taskgist.planning.robot_taking import taker_of
 from taskgist.settings import Settings
 from taskgist.world.contacts import rest_of
 from taskgist.world.scene import Scene
@@ -47,10 +48,10 @@ AWAY_M = 1e3
 
 
 class Judged(NamedTuple):
-    """A candidate, and what is found of its state; None: the target agent's hand does not get there to take it."""
+    """A candidate, and what is found of its state; or why the target agent does not take it there, in words."""
 
     candidate: Candidate
-    verdict: Verdict | None
+    verdict: Verdict | str
 
 
 class Endings:
@@ -126,7 +127,7 @@ class Endings:
     def moved(self, state: State, agent: str) -> Iterator[Judged]:
         """The thing itself elsewhere, in the order in which places are tried."""
         request, judge = self._request, self.judge(state)
-        takers = {name: Taker(self._scene, name, state) for name in request.targets}
+        takers = {name: self._taker(name, state) for name in request.targets}
         # Places on supports are the same for all; those before a face, or in a hand, are of one of them.
         means = {name: self._means(name) for name in request.targets}
         for name in request.also_for:
@@ -147,10 +148,13 @@ class Endings:
             if means[target]
         )
         for candidate in in_turn(list(asked)):
-            end: State | None = candidate.state
+            end: State | str = candidate.state
             if candidate.means == "hand_over":
                 end = takers[candidate.carrier].holding(candidate.state, request.thing)
-            yield Judged(candidate, None if end is None else judge.verdict(end))
+            yield Judged(candidate, end if isinstance(end, str) else judge.verdict(end))
+
+    def _taker(self, name: str, state: State) -> Taker:
+        return taker_of(self._scene, name, state, self._settings, seed=self._request.seed)
 
     def covered(self, state: State, agent: str, cover: str) -> Iterator[Judged]:
         """A cover over the thing, which stays where it is."""
@@ -183,7 +187,7 @@ class Endings:
 
     def handed(self, state: State, agent: str, helper: str) -> Iterator[Candidate]:
         """Where the thing may be handed over to a person who helps."""
-        request, taker = self._request, Taker(self._scene, helper, state)
+        request, taker = self._request, self._taker(helper, state)
         found = candidates(
             Stage(self._scene, state),
             request.thing,
@@ -193,7 +197,7 @@ class Endings:
             means=HANDED,
             seed=request.seed,
         )
-        return (candidate for candidate in found if taker.holding(candidate.state, request.thing) is not None)
+        return (each for each in found if isinstance(taker.holding(each.state, request.thing), State))
 
     def _judged(self, state: State, found: Iterator[Candidate]) -> Iterator[Judged]:
         judge = self.judge(state)

@@ -56,6 +56,7 @@ class Grasping:
         state: Where everything is.
         thing: What is grasped.
         goal: Where the thing's body is to be: position in metres and wxyz, (7,); None if it need not be put down.
+        rises: Whether the thing is lifted once it is grasped; what another hand holds is not.
 
     Attributes:
         tally: Where grasps failed until now, when the thing was to be picked up, once for each stand.
@@ -68,8 +69,10 @@ class Grasping:
         SceneError: It is in something.
     """
 
-    def __init__(self, performer: Performer, state: State, thing: str, goal: Array | None = None) -> None:
-        self.performer, self.thing = performer, thing
+    def __init__(
+        self, performer: Performer, state: State, thing: str, goal: Array | None = None, *, rises: bool = True
+    ) -> None:
+        self.performer, self.thing, self._rises = performer, thing, rises
         self.tally, self.place_tally = Tally(), Tally()
         scene = performer.scene
         self.thing_slice = scene.object_slice(thing)
@@ -429,6 +432,8 @@ class Grasping:
         """Joints of the chain upwards from the grasp, as far as it is free, at least 5 cm; None if that is blocked."""
         performer, positions = self.performer, self.performer.chain(side).positions
         way, last, blocked = [shut[positions]], shut, performer.blocking(shut, held)
+        if not self._rises and blocked is None:
+            return np.array(way)
         for up in np.arange(1, round(RISE_M / STEP_M) + 1) * STEP_M:
             if blocked is not None:
                 break

@@ -1,4 +1,4 @@
-"""Taking: what a person does to whom something is handed over.
+"""Taking: what somebody does to whom something is handed over; here, what a person does (a robot: ``robot_taking``).
 
 The motion is that of the engine's own moving bodies, which demonstrate handovers as well: the free hand comes up, opens
 beside the thing, and closes around it, the torso helping where the arm alone is too short.
@@ -6,7 +6,10 @@ beside the thing, and closes around it, the torso helping where the arm alone is
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -20,12 +23,47 @@ from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
+FULL = "its hands are full"
 ITERATIONS = 60
 """Most steps of the fit that brings a hand to a thing."""
 
 
-class Taker:
-    """Somebody to whom things are handed over.
+@dataclass(frozen=True, eq=False)
+class Taking:
+    """How somebody takes a thing that another hand holds where it is.
+
+    Attributes:
+        side: The hand.
+        coming: Frames, (n, nq), in which it comes; the thing is in the giver's hand alone.
+        shared: Frames, (m, nq), in which both hold it.
+    """
+
+    side: str
+    coming: Array
+    shared: Array
+
+
+class Taker(Protocol):
+    """Somebody to whom things are handed over."""
+
+    @property
+    def name(self) -> str:
+        """Who it is."""
+
+    def holding(self, state: State, thing: str) -> State | str:
+        """A state in which a hand of it is around a thing, where that is; or why there is none, in words."""
+
+    def takings(self, qpos: Array, thing: str) -> Iterator[Taking | str]:
+        """Ways to take a thing out of another hand, the best first; and why others fail, in words.
+
+        Args:
+            qpos: Where everything is, (nq,).
+            thing: The thing.
+        """
+
+
+class PersonTaker:
+    """A person to whom things are handed over.
 
     Args:
         scene: The scene.
@@ -49,9 +87,11 @@ class Taker:
         """
         return Body(self._scene, self.name, self._before)
 
-    def holding(self, state: State, thing: str) -> State | None:
-        """A state in which its hand is around a thing, where that is; None if neither hand gets there."""
+    def holding(self, state: State, thing: str) -> State | str:
+        """As ``Taker`` says."""
+        failed = FULL
         for side in self.sides(state.qpos, thing):
+            failed = f"its {side} hand does not get around the {thing}"
             try:
                 hand, torso_rad = taking(Stage(self._scene, state), self._body, thing, side)
                 reached, error_m = self._body.reaching(state, side, hand, torso_rad, iterations=ITERATIONS)
@@ -59,7 +99,7 @@ class Taker:
                 continue
             if error_m <= LARGEST_ERROR_M:
                 return reached
-        return None
+        return failed
 
     def sides(self, qpos: Array, thing: str) -> tuple[str, ...]:
         """Sides of its hands that are free to take a thing, the nearest first."""
@@ -67,13 +107,22 @@ class Taker:
         nearest = sides_by_distance(self._scene, qpos, thing, self.name)
         return tuple(side for side in nearest if side not in busy)
 
-    def motion(self, qpos: Array, thing: str, side: str) -> Array:
-        """Frames, (n, nq), in which a hand comes and closes around a thing that is held where it is.
+    def takings(self, qpos: Array, thing: str) -> Iterator[Taking | str]:
+        """As ``Taker`` says."""
+        sides = self.sides(qpos, thing)
+        if not sides:
+            yield FULL
+        for side in sides:
+            try:
+                frames = self._motion(qpos, thing, side)
+            except SceneError as error:
+                yield str(error)
+                continue
+            closing = len(frames) - round(CLOSING_S * RATE_HZ)
+            yield Taking(side, frames[:closing], frames[closing:])
 
-        Args:
-            qpos: Where everything is, (nq,).
-            thing: The thing.
-            side: The hand.
+    def _motion(self, qpos: Array, thing: str, side: str) -> Array:
+        """Frames, (n, nq), in which a hand comes and closes around a thing that is held where it is.
 
         Raises:
             SceneError: Its hand does not get there, or its body takes nothing.

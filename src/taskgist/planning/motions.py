@@ -16,10 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices
-from taskgist.errors import SceneError
-from taskgist.moving.steps import CLOSING_S
+from taskgist.moving.steps import SHARED_S
 from taskgist.planning.hand_ways import HandWay, PickPose
-from taskgist.planning.handing import Taker
+from taskgist.planning.handing import FULL, Taker, Taking
 from taskgist.planning.paths import base_path, joint_path
 from taskgist.planning.performer import TOLERANCE_M, Base, Grip, Performer, near_bases, with_values
 from taskgist.planning.placing import Means
@@ -119,6 +118,26 @@ class Motions:
         """
         return tuple(self._drive(_At(np.array(qpos), holds=holds), "withdraw", goal))
 
+    def taking(self, pick: PickPose, qpos: Array) -> Taking:
+        """How it takes a thing out of another hand: it opens its own, reaches out, comes along the line, and closes.
+
+        Args:
+            pick: Its grasp of the thing, where the other hand holds it.
+            qpos: Where everything is, (nq,).
+
+        Raises:
+            NoMotionError: One of these motions was not found.
+        """
+        at = _At(np.array(qpos))
+        phases = [
+            *self._fingers(at, "take", pick, pick.open_hand),
+            self._arm(at, "take", pick, pick.approach[0]),
+            self._line(at, "take", pick, pick.approach),
+            *self._fingers(at, "take", pick, pick.closed_hand, pick.grip),
+        ]
+        shared = np.repeat(at.qpos[None], round(SHARED_S * RATE_HZ), axis=0)
+        return Taking(pick.side, np.concatenate([phase.qpos for phase in phases]), shared)
+
     def _phases(self, transfer: Transfer, means: Means, taker: Taker) -> Iterator[Phase]:
         performer, pick, place = self._performer, transfer.pick, transfer.place
         thing, side = pick.thing, pick.side
@@ -142,7 +161,7 @@ class Motions:
             at.qpos = with_values(at.qpos, column, place.before[column])
             at.holds = frozenset()
         at.held = None
-        yield from self._fingers(at, "open", place, place.open_hand, place.grip)
+        yield from self._fingers(at, "open", place, place.open_hand, place.grip, taken_by=self._hands(at, thing))
         yield self._line(at, "retreat", place, place.retreat)
         yield from self._fold(at)
 
@@ -220,23 +239,21 @@ class Motions:
                 yield self._joints(at, "fold", side, goal, "fold its arm")
 
     def _taken(self, at: _At, thing: str, taker: Taker) -> Iterator[Phase]:
-        """The taker's hand comes and closes around the thing, by the hand that is nearer."""
+        """The taker's hand comes and closes around the thing."""
         grip = at.held.grip if at.held else None
-        failed = "its hands are full"
-        for side in taker.sides(at.qpos, thing):
-            try:
-                qpos = taker.motion(at.qpos, thing, side)
-            except SceneError as error:
-                failed = str(error)
+        failed = FULL
+        for found in taker.takings(at.qpos, thing):
+            if isinstance(found, str):
+                failed = found
                 continue
-            met = self._met_by(taker.name, side, at.qpos, qpos, grip)
+            met = self._met_by(taker.name, found.side, at.qpos, np.concatenate((found.coming, found.shared)), grip)
             if met is not None:
                 failed = met
                 continue
-            coming, at.qpos = len(qpos) - round(CLOSING_S * RATE_HZ), qpos[-1]
-            yield Phase("take", qpos[:coming], at.holds)
-            at.holds |= {Hold(taker.name, side, thing)}
-            yield Phase("take", qpos[coming:], at.holds)
+            at.qpos = found.shared[-1]
+            yield Phase("take", found.coming, at.holds)
+            at.holds |= {Hold(taker.name, found.side, thing)}
+            yield Phase("take", found.shared, at.holds)
             return
         raise NoMotionError(f"{taker.name} cannot take the {thing}: {failed}")
 
@@ -314,8 +331,20 @@ class Motions:
         sweep = self._performer.arm_sweep(at.qpos, hand_way.side, _grip(at))
         return self._timed(at, name, hand_way.side, way + math.tau * np.where(endless, turns, 0.0), sweep)
 
+    def _hands(self, at: _At, thing: str) -> Indices:
+        """Shapes of the hands that hold a thing."""
+        arms = [self._performer.scene.agent(hold.agent).arm(hold.side) for hold in at.holds if hold.object == thing]
+        return np.concatenate([np.empty(0, dtype=np.intp), *(arm.hand_geoms for arm in arms)])
+
     def _fingers(
-        self, at: _At, name: PhaseName, way: HandWay, goal: Array, grip: Grip | None = None
+        self,
+        at: _At,
+        name: PhaseName,
+        way: HandWay,
+        goal: Array,
+        grip: Grip | None = None,
+        *,
+        taken_by: Indices | None = None,
     ) -> Iterator[Phase]:
         """Open or close the hand; what it would push into ends the plan."""
         now = at.qpos[way.hand_positions]
@@ -324,7 +353,8 @@ class Motions:
         count = math.ceil(self._settings.closing_s * RATE_HZ - 1e-9)
         steps = now + np.linspace(0.0, 1.0, count + 1)[1:, None] * (goal - now)
         for values in steps:
-            blocked = self._performer.blocking(with_values(at.qpos, way.hand_positions, values), grip)
+            qpos = with_values(at.qpos, way.hand_positions, values)
+            blocked = self._performer.blocking(qpos, grip, taken_by=taken_by)
             if blocked is not None:
                 raise NoMotionError(f"its {blocked.part} would push into {blocked.other}, closing or opening")
         yield self._phase(at, name, way.hand_positions, steps)

@@ -173,7 +173,9 @@ class _Export:
             ends += [self._endings.covered(self._state, who, thing)] if "cover" in request.means else []
             ends += [self._endings.cleared(self._state, who, thing)] if "clear" in request.means else []
         for end in ends:
-            good = (judged.candidate for judged in islice(end, MOST) if judged.verdict and judged.verdict.holds is True)
+            good = (
+                each for each, verdict in islice(end, MOST) if not isinstance(verdict, str) and verdict.holds is True
+            )
             for candidate in islice(good, ENOUGH):
                 yield candidate, True
         between = {"relay"} if thing == request.thing else {"clear"}

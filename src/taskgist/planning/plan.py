@@ -30,6 +30,7 @@ PhaseName = Literal[
     "transfer",
     "lower",
     "take",
+    "draw near",
     "retreat",
     "fold",
     "withdraw",

@@ -38,8 +38,9 @@ MOST_PLACES = 1400
 """Candidates that are judged at most: so many that some on seats and floors are among them."""
 SPARED_AMONG = 40
 """Of those that satisfy the goal so many are ordered by effort, if somebody's is to be spared."""
-MOST_TRIED = 8
-"""Of those that satisfy the goal, so many are tried with the robot (ours)."""
+MOST_TRIED, MOST_TRIED_BY_PEOPLE = 8, 40
+"""Of those that satisfy the goal, so many are tried with the robot; and with a person, whose motions are not planned
+around things, and quickly found (ours)."""
 
 
 class Planner:
@@ -84,6 +85,7 @@ class Planner:
         lets_go: bool = False,
     ) -> None:
         self.scene, self._state, self.request, self._settings = scene, state, request, settings
+        self._lets_go = lets_go
         refuse_held(scene, state, request.performer, request.thing, settings)
         self._actions = Actions(scene, state, settings, thing=request.thing, target=request.target, seed=request.seed)
         self.performer = self._actions.robot(request.performer, state)
@@ -141,14 +143,16 @@ class Planner:
         if self.search.out_of_hold:
             return
         for candidate in self._in_order(self._wanted(progress)):
-            if self.search.tried == MOST_TRIED:
+            if self.search.tried == self._most_tried:
                 return
             if self._actions.out_of_reach(who, candidate):
                 self.search.out_of_reach += 1
                 continue
             self.search.tried += 1
             progress(f"how {who} gets the {self.request.thing} there", self._share())
-            action = self._actions.plan(self._state, who, "move", candidate, why_not, blockers=blocked)
+            action = self._actions.plan(
+                self._state, who, "move", candidate, why_not, draws=self._lets_go, blockers=blocked
+            )
             if not isinstance(action, str):
                 yield action
                 continue
@@ -162,16 +166,21 @@ class Planner:
                 self.search.out_of_hold = cannot
                 return
 
+    @property
+    def _most_tried(self) -> int:
+        return MOST_TRIED_BY_PEOPLE if self.performer is None else MOST_TRIED
+
     def _share(self) -> float:
-        return min(1.0, max(self.search.places / MOST_PLACES, self.search.tried / MOST_TRIED))
+        return min(1.0, max(self.search.places / MOST_PLACES, self.search.tried / self._most_tried))
 
     def _wanted(self, progress: Progress) -> Iterator[Candidate]:
         """Candidates that satisfy the goal."""
         search = self.search
         for candidate, verdict in islice(self._endings.moved(self._state, self.request.performer), MOST_PLACES):
             search.places += 1
-            if verdict is None:
+            if isinstance(verdict, str):
                 search.out_of_hand += 1
+                search.not_taken[verdict] += 1
                 continue
             if verdict.failed is not None:
                 search.missed[verdict.failed] += 1

@@ -104,6 +104,7 @@ class Search:
         places: How many were judged.
         missed: How many failed at each literal.
         out_of_hand: How many are where the target agent's hand does not get to take the thing.
+        not_taken: Why not, each with its number.
         nearest: The nearest miss at each literal whose attribute is a number or a level.
         unknown: Of how many it is not known whether they do: something that decides is not tracked.
         wanted: How many satisfy the goal.
@@ -121,6 +122,7 @@ class Search:
     missed: Counter[Literal] = field(default_factory=Counter)
     nearest: dict[Literal, Missed] = field(default_factory=dict)
     out_of_hand: int = 0
+    not_taken: Counter[str] = field(default_factory=Counter)
     unknown: int = 0
     wanted: int = 0
     out_of_hold: str = ""

@@ -43,6 +43,8 @@ MOST_PLACES = {"move": 300, "cover": 120, "clear": 300, "relay": 300}
 """Places that are judged for a step at most, by what it is for."""
 MOST_TRIED = {"move": 4, "cover": 6, "clear": 6, "relay": 10}
 """Of those that will do, so many are tried with the body of whoever acts."""
+BY_PEOPLE = 3
+"""So many times as many are tried with a person, whose motions are quickly found, and not planned around things."""
 MOST_HANDED = 30
 """Places before a person who helps where the thing is handed over."""
 MOST_PLANS = 3
@@ -230,7 +232,8 @@ class Sequences:
                 return None if able else f"{then.agent} does not get hold of the {then.thing} then"
 
         leaves = bool(rest) and rest[0].agent != step.agent
-        for candidate in islice(self._places(state, step, rest, trial), MOST_TRIED[step.purpose]):
+        most = MOST_TRIED[step.purpose] * (BY_PEOPLE if moves_itself(self._scene.agent(step.agent)) else 1)
+        for candidate in islice(self._reached(state, step, rest, trial), most):
             action = self._action(state, step, candidate, why_not, leaves=leaves, blockers=blockers)
             if isinstance(action, str):
                 trial.why = action
@@ -259,9 +262,6 @@ class Sequences:
         blockers: dict[str, None],
     ) -> Action | str:
         """A step carried out; or why not: whoever stands in something by then, say, carries out nothing."""
-        out = self._actions.out_of_reach(step.agent, candidate)
-        if out is not None:
-            return out
         try:
             return self._actions.plan(
                 state, step.agent, step.purpose, candidate, why_not, leaves=leaves, blockers=blockers
@@ -284,6 +284,15 @@ class Sequences:
         else:
             return True
         return False
+
+    def _reached(self, state: State, step: Step, rest: Sketch, trial: _Trial) -> Iterator[Candidate]:
+        """Of the places to which a step brings its thing those at which its agent gets."""
+        for candidate in self._places(state, step, rest, trial):
+            out = self._actions.out_of_reach(step.agent, candidate)
+            if out is None:
+                yield candidate
+            else:
+                trial.why = trial.why or out
 
     def _places(self, state: State, step: Step, rest: Sketch, trial: _Trial) -> Iterator[Candidate]:
         """Places to which a step brings its thing: at the last the goal holds, before it the next one can be done."""
@@ -315,8 +324,8 @@ class Sequences:
         """Final places of what the last step moves with which the goal holds."""
         for found in islice(self._ends(state, step), MOST_PLACES[step.purpose]):
             trial.places += 1
-            if found.verdict is None:
-                trial.why = trial.why or f"{self._request.target} could not take it"
+            if isinstance(found.verdict, str):
+                trial.why = trial.why or f"{self._request.target} could not take it: {found.verdict}"
             elif found.verdict.holds is True:
                 yield found.candidate
             elif found.verdict.failed is not None:

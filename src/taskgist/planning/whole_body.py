@@ -93,7 +93,10 @@ class WholeBody:
         self.own: Indices = np.intersect1d(agent.geoms, scene.solid_geoms)
         self._others = np.setdiff1d(stage.solid_geoms(), agent.geoms)
         self._things = {name: scene.solid_geoms_of(name) for name in scene.objects}
-        possible, usual_m = _own_pairs(scene, agent, self.own)
+        others = (scene.agent(name) for name in scene.agents if name != agent.name)
+        hands = [arm.hand_geoms for other in others for arm in other.arms]
+        self._others_hands = np.concatenate([np.empty(0, dtype=np.intp), *hands])
+        possible, usual_m = own_pairs(scene, agent, self.own)
         self._own_pairs = possible
         self._usual_m: dict[Pair, float] = {
             (int(self.own[a]), int(self.own[b])): depth_m for (a, b), depth_m in usual_m.items()
@@ -165,22 +168,29 @@ class WholeBody:
     def touches(self, qpos: Array, thing: str) -> dict[Pair, float]:
         """How deep a thing, where it is, overlaps with all that is not the robot, metres, by pairs of shapes.
 
-        What is deeper than ``SUNK_M`` counts as no deeper: a thing that is to lie like that is in something.
+        What is deeper than ``SUNK_M`` counts as no deeper: a thing that is to lie like that is in something. Somebody
+        else's hand that holds it may be ``IN_HAND_M`` in it.
         """
         stage = self.show(qpos)
         rest = np.setdiff1d(self._others, self._things[thing])
         overlaps = stage.overlaps(self._things[thing], rest, deeper_than_m=0.0)
-        return {(geom, other): min(depth_m, SUNK_M) for geom, other, depth_m in overlaps}
+        return {(geom, other): min(depth_m, self._sunk_m(other)) for geom, other, depth_m in overlaps}
+
+    def _sunk_m(self, other: int) -> float:
+        """How deep a thing may be in another shape where it is."""
+        return IN_HAND_M if other in self._others_hands else SUNK_M
 
     def refuse_sunk(self, qpos: Array, thing: str) -> None:
-        """See that a thing lies as things lie.
+        """See that a thing lies as things lie, or is held as things are held.
 
         Raises:
-            SceneError: It is deeper than ``SUNK_M`` in something.
+            SceneError: It is deeper than ``SUNK_M`` in something, or than ``IN_HAND_M`` in a hand.
         """
         stage = self.show(qpos)
         rest = np.setdiff1d(self._others, self._things[thing])
         for _, other, depth_m in stage.overlaps(self._things[thing], rest, deeper_than_m=SUNK_M):
+            if depth_m <= self._sunk_m(other):
+                continue
             raise SceneError(
                 f"the {thing} is {1000 * depth_m:.1f} mm deep in {self.called(other)}",
                 where=self.scene.name,
@@ -213,8 +223,8 @@ class WholeBody:
         links = np.intersect1d(self.own, moving)
         with_others = [(int(g), int(o)) for g in links for o in others if (int(g), int(o)) not in self._on_floor]
         with_others += [(int(g), int(o)) for g in np.intersect1d(load, moving) for o in others]
-        own_pairs = self.own[self._own_pairs]
-        with_own = own_pairs[np.isin(own_pairs, moving).any(axis=1)].tolist()
+        possible = self.own[self._own_pairs]
+        with_own = possible[np.isin(possible, moving).any(axis=1)].tolist()
         if grip is not None:
             free_of = np.setdiff1d(self.own, self.agent.arm(grip.side).hand_geoms)
             with_own += [(int(g), int(o)) for g in load for o in free_of]
@@ -306,7 +316,7 @@ def near_of(table: Array, pairs: Indices, limit_m: float) -> Indices:
 # --- Which of a robot's own shapes may collide with one another.
 
 
-def _own_pairs(scene: Scene, agent: Agent, own: Indices) -> tuple[Indices, Mapping[Pair, float]]:
+def own_pairs(scene: Scene, agent: Agent, own: Indices) -> tuple[Indices, Mapping[Pair, float]]:
     """Pairs of own shapes, by their places among them, that count, (n, 2); and what is usual at the neutral one.
 
     They are found once for each form of a robot.

@@ -32,8 +32,8 @@ from taskgist.observe.attributes import resting_snapshot
 from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.goal import Goal
-from taskgist.planning.handing import Taker
 from taskgist.planning.judging import Attention, Judge
+from taskgist.planning.robot_taking import taker_of
 from taskgist.settings import DEFAULT
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
@@ -259,7 +259,7 @@ class _Sampler:
             place = eye.position + far * _direction(ahead + math.radians(aside), math.radians(below))
             for state in self._held(place):
                 yield "held up", state.with_holding([Hold(self._performer, performer_side, self._thing)])
-        efforts, taker = SceneEfforts(Stage(scene)), Taker(scene, self._target, scene.initial)
+        efforts, taker = SceneEfforts(Stage(scene)), taker_of(scene, self._target, scene.initial, DEFAULT)
         for arm in agent.arms:
             shoulder = stage.shoulder(arm)
             ahead = math.atan2(shoulder.matrix[1, 0], shoulder.matrix[0, 0])
@@ -272,7 +272,7 @@ class _Sampler:
                     if level is None or level > TORSO_LEVEL:
                         continue
                     there = taker.holding(state, self._thing)
-                    if there is not None:
+                    if isinstance(there, State):
                         yield "handed over", there
 
     def _held(self, place: Array) -> Iterator[State]:
