@@ -37,7 +37,7 @@ SURFACE: dict[str, set[str]] = {
     },
     "evaluate": {
         *("experiments", "--pool", "--demonstrations", "-n", "--seed", "--runs"),
-        *("--source", "--processes", "--out", "-o", "--replace", "--rooms", "--robot", "--task"),
+        *("--source", "--processes", "--out", "-o", "--replace", "--rooms", "--robot", "--task", "--kept"),
     },
     "map": {
         *("where", "--agent", "--ability", "--level", "--where", "--size"),

@@ -29,7 +29,7 @@ def chest() -> Array:
     """A point in the middle of P1's torso."""
     stage = Stage(scene(), scene().initial)
     shoulders = [stage.shoulder(arm).position for arm in scene().agent("P1").arms]
-    return np.mean(shoulders, axis=0) - (0.0, 0.0, 0.1)
+    return np.asarray(np.mean(shoulders, axis=0) - (0.0, 0.0, 0.1))
 
 
 def with_cup(place: Array) -> Array:
