@@ -187,6 +187,13 @@ class Carrying:
     """Weight of the slip beside the gap: fingers move before a hand lets go, and after it has closed."""
     idle_m_s: float = 0.1
     """Speed of hands that have nothing to do with a thing, where the thing stands still."""
+    still_m_s: float = 0.05
+    """Speed below which a thing stands still."""
+    passes_m_s: float = 0.3
+    """Slip above which a hand goes along a thing that stands still, and does not hold it (where slips have larger
+    errors, three deviations)."""
+    passes: float = 2.0
+    """Against such a hand."""
     further_hand: float = 1.5
     """Against each hand beside the first of the same person."""
     further_person: float = 2.0

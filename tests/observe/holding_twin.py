@@ -40,6 +40,8 @@ def log_ratio(near: NearHand, speed_m_s: float, gap_noise_m: float, slip_noise: 
     ratio = math.log(stats.t.pdf(outside_m, 3, scale=gap_noise_m) / other)
     if near.slip_m_s is None:
         return ratio
+    if speed_m_s < settings.still_m_s and near.slip_m_s > settings.passes_m_s and near.slip_m_s > 3 * slip_noise:
+        return -settings.passes
     idle = slip_noise**2 + (settings.idle_m_s**2 + speed_m_s**2) / 3
     there = np.array([near.slip_m_s, 0.0, 0.0])
     held, not_held = (

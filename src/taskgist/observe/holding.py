@@ -168,7 +168,8 @@ def hand_score(near: NearHand, speed_m_s: float, noise: Noise) -> float:
 
     ln T₁(g⁺; σg) − ln p(g) + w · ln(½ + ½ · T₃(r; σr) / T₃(r; σb)), with g the gap and r the slip. p is exponential in
     the gap, and falls with the depth of an overlap. The slip of a hand that has nothing to do with the thing has the
-    deviation σb, for it goes as fast as the thing goes away from it: σb² = σr² + (0.1² + u²) / 3.
+    deviation σb, for it goes as fast as the thing goes away from it: σb² = σr² + (0.1² + u²) / 3. A hand that goes
+    along a thing that stands still does not hold it.
 
     Args:
         near: The hand.
@@ -182,6 +183,8 @@ def hand_score(near: NearHand, speed_m_s: float, noise: Noise) -> float:
     if near.slip_m_s is None:
         return score
     held = noise.slip_m_s
+    if speed_m_s < settings.still_m_s and near.slip_m_s > max(settings.passes_m_s, 3.0 * held):
+        return -settings.passes  # it goes, and the thing stays
     idle = math.sqrt(held**2 + (settings.idle_m_s**2 + speed_m_s**2) / 3.0)
     ratio = student(near.slip_m_s, held, 3) / student(near.slip_m_s, idle, 3)
     return score + settings.slip_weight * math.log(0.5 + 0.5 * ratio)
