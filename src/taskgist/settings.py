@@ -131,17 +131,11 @@ class Efforts:
 
 @dataclass(frozen=True)
 class Contact:
-    """Holding, support, containment and motion (5.2.2, 5.3)."""
+    """Holding, support and containment in one state (5.2.2, 5.3)."""
 
     grip_m: float = 0.03
-    """Largest gap between hand and a held object (ours: fit errors of tracked hands are of this order)."""
-    slip_start_m_s: float = 0.15
-    """A near hand begins to hold when it moves slower than this against the object (ours: against the grip forces of
-    real handovers, docs/research/recordings.md)."""
-    slip_stop_m_s: float = 0.30
-    """A hand lets go when it moves faster than this (ours: above the noise of tracked orientations)."""
-    slip_window_s: float = 0.2
-    """Window over which that speed is measured (ours)."""
+    """Largest gap between hand and a held object in one state (ours: fit errors of tracked hands are of this
+    order); over time see ``carrying``."""
     support_m: float = 0.015
     """Largest gap between an object and what it rests on (ours)."""
     lift_m: float = 0.05
@@ -402,7 +396,7 @@ class Checks:
     """An object whose shapes are all smaller was mostly shrunk a thousandfold (ours: nobody grasps a smaller)."""
 
 
-UNSHAPING = ("carrying", "relations", "following", "maps", "planning", "learning", "limits", "checks")
+UNSHAPING = ("relations", "following", "maps", "planning", "learning", "limits", "checks")
 """Stages whose settings shape no facts: they stay out of the digest."""
 
 BANDS: dict[str, tuple[tuple[int, int], tuple[int, int]]] = {

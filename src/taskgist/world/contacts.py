@@ -389,8 +389,9 @@ def holding_of(
     state = stage.state
     if not state.known([name]):
         return None
+    decided = state.holding is not None and any(hold.object == name for hold in state.holding)
     rest = resting(stage, name) if resting else rest_of(stage, name, settings)
-    if rest.container or rest.support:
+    if (rest.container or rest.support) and not decided:
         return Holding((), rest.support, rest.container, complete=True)
     hands, complete = [], all(state.known([other]) for other in stage.scene.objects)
     for agent_name in stage.scene.agents:
