@@ -155,7 +155,7 @@ class Carrying:
     """Who carries a thing over time: how what is seen in each frame speaks for each answer, in natural logarithms.
 
     All are ours, found on noisy synthetic handovers and held against the grip forces of real ones
-    (docs/research/recordings.md).
+    (docs/research/holding.md).
     """
 
     near_m: float = 0.3
@@ -203,7 +203,7 @@ class Carrying:
     """For nobody, where a thing falls freely."""
     fall_m_s2: float = 3.0
     """Largest difference from the acceleration of gravity in a free fall."""
-    change_hand: float = 3.0
+    change_hand: float = 2.0
     """Against each hand that takes or lets go."""
     change_rest: float = 2.0
     """The same where the thing is taken from a support, or put onto one; or from or to a hand that is not seen."""

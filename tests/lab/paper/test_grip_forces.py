@@ -1,4 +1,4 @@
-"""Who holds by geometry agrees in time with who grips by force, on the real handovers (docs/research/recordings.md)."""
+"""Who holds by geometry agrees in time with who grips by force, on the real handovers (docs/research/holding.md)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def in_air() -> dict[str, tuple[GripCheck, ...]]:
 
 
 def grip_figures() -> Figures:
-    """The figures that docs/research/recordings.md states."""
+    """The figures that docs/research/holding.md states."""
     differences = [abs(each.difference_ms) for checks in in_air().values() for each in checks]
     return Figures(len(differences), float(np.mean(differences)), max(differences))
 
