@@ -6,7 +6,6 @@ It rests on something, lies in it, is held by hands, touches somebody's body, or
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -375,24 +374,21 @@ class Holding:
     complete: bool
 
 
-def holding_of(
-    stage: Stage, name: str, settings: Contact, resting: Callable[[Stage, str], Rest] | None = None
-) -> Holding | None:
+def holding_of(stage: Stage, name: str, settings: Contact) -> Holding | None:
     """Who holds an object, and what it rests on or lies in; None if the object was not tracked.
 
     Args:
-        stage: The scene in a state.
+        stage: The scene in a state. What was decided over time to be held does not rest, as near as it may be.
         name: The object.
         settings: Distances.
-        resting: Finds what it rests on and lies in, such as a ``RestingMemory``; found at once if left out.
     """
     state = stage.state
     if not state.known([name]):
         return None
-    decided = state.holding is not None and any(hold.object == name for hold in state.holding)
-    rest = resting(stage, name) if resting else rest_of(stage, name, settings)
-    if (rest.container or rest.support) and not decided:
-        return Holding((), rest.support, rest.container, complete=True)
+    if not any(hold.object == name for hold in state.holding or ()):
+        rest = rest_of(stage, name, settings)
+        if rest.container or rest.support:
+            return Holding((), rest.support, rest.container, complete=True)
     hands, complete = [], all(state.known([other]) for other in stage.scene.objects)
     for agent_name in stage.scene.agents:
         agent = stage.scene.agent(agent_name)
