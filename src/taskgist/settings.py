@@ -131,17 +131,11 @@ class Efforts:
 
 @dataclass(frozen=True)
 class Contact:
-    """Holding, support, containment and motion (5.2.2, 5.3)."""
+    """Holding, support and containment in one state (5.2.2, 5.3)."""
 
     grip_m: float = 0.03
-    """Largest gap between hand and a held object (ours: fit errors of tracked hands are of this order)."""
-    slip_start_m_s: float = 0.15
-    """A near hand begins to hold when it moves slower than this against the object (ours: against the grip forces of
-    real handovers, docs/research/recordings.md)."""
-    slip_stop_m_s: float = 0.30
-    """A hand lets go when it moves faster than this (ours: above the noise of tracked orientations)."""
-    slip_window_s: float = 0.2
-    """Window over which that speed is measured (ours)."""
+    """Largest gap between hand and a held object in one state (ours: fit errors of tracked hands are of this
+    order); over time see ``carrying``."""
     support_m: float = 0.015
     """Largest gap between an object and what it rests on (ours)."""
     lift_m: float = 0.05
@@ -154,6 +148,67 @@ class Contact:
     """Farthest wall of a container from what is inside (ours)."""
     sitting_thigh_rad: float = math.radians(45.0)
     """Thighs inclined further than this from the vertical sit (ours)."""
+
+
+@dataclass(frozen=True)
+class Carrying:
+    """Who carries a thing over time: how what is seen in each frame speaks for each answer, in natural logarithms.
+
+    All are ours, found on noisy synthetic handovers and held against the grip forces of real ones
+    (docs/research/holding.md).
+    """
+
+    near_m: float = 0.3
+    """Farthest gap at which a hand may still hold a thing, trackers being as far off; also the mean gap of hands that
+    pass by."""
+    hands: int = 3
+    """As many hands at once hold a thing at most."""
+    window_s: float = 0.2
+    """Window over which speeds, slips and falls are measured."""
+    delay_s: float = 0.5
+    """How long after a frame it is decided live."""
+    independent_s: float = 0.15
+    """Time after which what is seen is news, and not the error of the frames before."""
+    gap_noise_m: tuple[float, float] = (0.012, 0.10)
+    """Least and greatest error of gaps that is believed, estimated where a thing travels."""
+    slip_noise_m_s: tuple[float, float] = (0.03, 0.4)
+    """The same of slips: speeds of a palm in the thing's frame."""
+    pressed_m: float = 0.02
+    """How much deeper a hand is in a thing for it to be e times as likely the one that holds."""
+    pressed_most_m: float = 0.06
+    """Beyond that depth nothing is added."""
+    slip_weight: float = 0.5
+    """Weight of the slip beside the gap: fingers move before a hand lets go, and after it has closed."""
+    idle_m_s: float = 0.1
+    """Speed of hands that have nothing to do with a thing, where the thing stands still."""
+    still_m_s: float = 0.05
+    """Speed below which a thing stands still."""
+    passes_m_s: float = 0.3
+    """Slip above which a hand goes along a thing that stands still, and does not hold it (where slips have larger
+    errors, three deviations)."""
+    passes: float = 2.0
+    """Against such a hand."""
+    further_hand: float = 1.5
+    """Against each hand beside the first of the same person."""
+    further_person: float = 2.0
+    """Against each person beside the first."""
+    closing_s: float = 0.3
+    """How long fingers are around a thing that another hand holds, before they press and after they have let go (grip
+    forces of real handovers)."""
+    nobody: float = 0.5
+    """Against a thing that nobody carries and that stands still in the air."""
+    nobody_travels: float = 2.0
+    """Against a thing that nobody carries, faster than 0.1 m/s."""
+    falls: float = 20.0
+    """For nobody, where a thing falls freely."""
+    fall_m_s2: float = 3.0
+    """Largest difference from the acceleration of gravity in a free fall."""
+    change_hand: float = 2.0
+    """Against each hand that takes or lets go."""
+    change_rest: float = 2.0
+    """The same where the thing is taken from a support, or put onto one; or from or to a hand that is not seen."""
+    change_nobody: float = 3.0
+    """Against a thing that is thrown, dropped or caught, in addition."""
 
 
 @dataclass(frozen=True)
@@ -363,6 +418,7 @@ class Settings:
     grasp: Grasp = field(default_factory=Grasp)
     efforts: Efforts = field(default_factory=Efforts)
     contact: Contact = field(default_factory=Contact)
+    carrying: Carrying = field(default_factory=Carrying)
     timing: Timing = field(default_factory=Timing)
     relations: Relations = field(default_factory=Relations)
     following: Following = field(default_factory=Following)

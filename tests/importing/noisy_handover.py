@@ -35,14 +35,33 @@ class Handover:
     mug: Array
 
 
-def handover(*, noise_m: float = 0.0, hidden_s: tuple[float, float] = (0.0, 0.0), seed: int = 0) -> Handover:
-    """The handover, with noise, with points of the face that come and go, and wrists hidden for a while."""
+def handover(
+    *,
+    noise_m: float = 0.0,
+    hidden_s: tuple[float, float] = (0.0, 0.0),
+    seed: int = 0,
+    hands_m: float = 0.0,
+    correlated_s: float = 0.0,
+) -> Handover:
+    """The handover, with noise, with points of the face that come and go, and wrists hidden for a while.
+
+    Args:
+        noise_m: White noise of each point.
+        hidden_s: From when to when the points of the hands are lost.
+        seed: Of the noise.
+        hands_m: Noise of each hand as a whole, as of hands that a depth camera guesses.
+        correlated_s: How long that noise lasts: 0 is white.
+    """
     rng = np.random.default_rng(seed)
     mug = _path([(0.0, START), (LIFTED_S, START), (1.3, MEET), (LET_GO_S + 0.1, MEET), (2.6, KEPT)])
     first = _body(-0.5, 0.0, grips=mug, closes_s=0.0, opens_s=LET_GO_S)
     second = _body(0.5, np.pi, grips=mug, closes_s=TAKEN_S, opens_s=np.inf)
     keypoints = np.stack([first, second], axis=1)
     keypoints += noise_m * rng.normal(size=keypoints.shape)
+    hands = [_lasting(rng, hands_m, correlated_s) for _ in range(4)]
+    for number, side in enumerate(("LEFT", "RIGHT", "LEFT", "RIGHT")):
+        for name in HIDDEN if hands_m else ():
+            keypoints[:, number // 2, NAMES.index(f"{side}_{name}")] += hands[number]
     if noise_m:
         for name in ("NOSE", "LEFT_EAR", "RIGHT_EYE"):
             start = rng.integers(len(TIMES_S) - 20)
@@ -52,6 +71,15 @@ def handover(*, noise_m: float = 0.0, hidden_s: tuple[float, float] = (0.0, 0.0)
         for side in ("LEFT", "RIGHT"):
             keypoints[hidden, :, NAMES.index(f"{side}_{name}")] = np.nan
     return Handover(keypoints, mug)
+
+
+def _lasting(rng: np.random.Generator, deviation_m: float, correlated_s: float) -> Array:
+    """Noise whose correlation falls by a factor of e in a while, (frames, 3)."""
+    kept = np.exp(-1.0 / RATE_HZ / correlated_s) if correlated_s > 0.0 else 0.0
+    noise = rng.normal(0.0, deviation_m, (len(TIMES_S), 3)) if deviation_m else np.zeros((len(TIMES_S), 3))
+    for frame in range(1, len(noise)):
+        noise[frame] = kept * noise[frame - 1] + np.sqrt(1.0 - kept**2) * noise[frame]
+    return noise
 
 
 def _path(knots: list[tuple[float, tuple[float, float, float]]]) -> Array:

@@ -136,8 +136,9 @@ def test_who_held_the_mug_when(tmp_path: Path, layout: Layout) -> None:
     first, second = grips_of(observer, "mug")
     assert (first.agent, first.side, second.agent, second.side) == ("P1", "right", "P2", "right")
     assert truth.LIFTED_S <= first.start_s < truth.LIFTED_S + 0.25
-    assert first.end_s == pytest.approx(truth.LET_GO_S, abs=0.15)
-    assert second.start_s == pytest.approx(truth.TAKEN_S, abs=0.15)
+    # Both hands are around it for 0.4 s: it changes hands in between.
+    assert first.end_s == pytest.approx((truth.TAKEN_S + truth.LET_GO_S) / 2, abs=0.1)
+    assert second.start_s == pytest.approx((truth.TAKEN_S + truth.LET_GO_S) / 2, abs=0.1)
     label = propose_label(recording, observer)
     assert (label.task, label.performing_agent, label.target_agent) == ("give", "P1", "P2")
 

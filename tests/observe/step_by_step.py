@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bisect
 from collections import deque
-from collections.abc import Callable, Hashable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -13,10 +13,12 @@ import numpy as np
 from taskgist.common.arrays import Array
 from taskgist.facts import vocabulary as v
 from taskgist.observe import HandStatus, Interval, Placement, velocity
+from taskgist.observe.holding import Carrier, Evidence, NearHand, NoHand, pressed
 from taskgist.settings import DEFAULT, Contact, Settings, Timing
-from taskgist.world import Hold, Holding, Scene, Stage, State, hand_known, holding_of, posture_of, rests_on
-from taskgist.world.contacts import POINT_SPACING_M, hook_of, object_points, possible_holds, wearer_of
+from taskgist.world import Hold, Holding, Scene, Stage, State, hand_gap_m, hand_known, posture_of, rests_on
+from taskgist.world.contacts import POINT_SPACING_M, Rest, hook_of, object_points, rest_of, wearer_of
 from taskgist.world.geometry.transforms import Pose
+from tests.observe import holding_twin
 
 H = TypeVar("H", bound=Hashable)
 T = TypeVar("T")
@@ -174,56 +176,133 @@ class MotionWatch:
 
 
 @dataclass(frozen=True, eq=False)
-class Hands:
-    """A state, its hands that are near to objects, and where palms and objects are, as far as they were tracked."""
+class Seen:
+    """One frame: what was tracked of a thing and of the hands, what is beneath it, and how far hands are from it."""
 
-    state: State
-    near: frozenset[Hold]
+    time_s: float
+    pose: Pose | None
     palms: dict[tuple[str, str], Array]
-    objects: dict[str, Pose]
-
-    def place(self, hold: Hold) -> Array | None:
-        palm, thing = self.palms.get((hold.agent, hold.side)), self.objects.get(hold.object)
-        return None if palm is None or thing is None else thing.to_local(palm)
-
-
-def hands_of(stage: Stage, settings: Contact) -> Hands:
-    scene, state = stage.scene, stage.state
-    agents = [scene.agent(name) for name in scene.agents]
-    palms = {
-        (agent.name, arm.profile.side): stage.site(arm.palm_site).position
-        for agent in agents
-        for arm in agent.arms
-        if hand_known(stage, agent, arm)
-    }
-    objects = {name: stage.body(scene.object_body(name)) for name in scene.objects if state.known([name])}
-    return Hands(state, possible_holds(stage, settings), palms, objects)
+    rest: Rest
+    gaps_m: dict[tuple[str, str], float]
 
 
 class HoldingWatch:
-    """Takes states and gives them back, half a window later, with who holds what decided."""
+    """Takes all states, and says for each what carries one thing: every frame is looked at, and every story tried."""
 
-    def __init__(self, settings: Contact) -> None:
-        self._settings = settings
-        self._window: SlidingWindow[Hands] = SlidingWindow(settings.slip_window_s)
-        self._held: frozenset[Hold] = frozenset()
+    def __init__(self, scene: Scene, name: str, settings: Settings) -> None:
+        self._scene, self._name, self._settings = scene, name, settings
+        self._stage = Stage(scene)
+        self._local = _middle(self._stage, name)
+        self._hands = [(who, arm.profile.side) for who in scene.agents for arm in scene.agent(who).arms]
 
-    def update(self, stage: Stage) -> Iterator[State]:
-        hands = hands_of(stage, self._settings)
-        yield from map(self._decided, self._window.push(stage.state.time_s, hands))
+    def decided(self, states: Sequence[State]) -> list[Carrier]:
+        """Of each state; where the thing was not tracked, whatever comes out."""
+        seen = [self._look(state) for state in states]
+        times_s = [each.time_s for each in seen]
+        beneath = {each.rest.container or each.rest.support for each in seen} & set(self._scene.objects)
+        under = {other: self._velocities(states, other) for other in beneath if other}
+        frames = [self._evidence(seen, index, under) for index in range(len(seen))]
+        stories: dict[tuple[int, int], list[Carrier]] = {}
+        found = list[Carrier]()
+        for index, time_s in enumerate(times_s):
+            # Back and forth to where it rests, or to five seconds beyond the ten seconds to which the frame belongs.
+            start_s = times_s[0] + 10.0 * int((time_s - times_s[0]) / 10.0)
+            first = last = index
+            while first > 0 and not frames[first].rests and times_s[first - 1] >= start_s - 5.0:
+                first -= 1
+            while last < len(times_s) - 1 and not frames[last].rests and times_s[last + 1] <= start_s + 15.0:
+                last += 1
+            if (first, last) not in stories:
+                story = holding_twin.likeliest(frames[first : last + 1], self._settings.carrying)
+                stories[first, last] = pressed(story, times_s[first : last + 1], self._settings.carrying.closing_s)
+            found.append(NoHand.SUPPORT if frames[index].rests else stories[first, last][index - first])
+        return found
 
-    def finish(self) -> Iterator[State]:
-        yield from map(self._decided, self._window.finish())
+    def _look(self, state: State) -> Seen:
+        stage, scene = self._stage.show(state), self._scene
+        arms = {hand: (scene.agent(hand[0]), scene.agent(hand[0]).arm(hand[1])) for hand in self._hands}
+        known = {hand: arm for hand, (agent, arm) in arms.items() if hand_known(stage, agent, arm)}
+        palms = {hand: stage.site(arm.palm_site).position for hand, arm in known.items()}
+        if not state.known([self._name]):
+            return Seen(state.time_s, None, palms, Rest(None, None), {})
+        gaps_m = {hand: hand_gap_m(stage, arm, self._name, limit_m=0.3) for hand, arm in known.items()}
+        rest = rest_of(stage, self._name, self._settings.contact)
+        return Seen(state.time_s, stage.body(scene.object_body(self._name)), palms, rest, gaps_m)
 
-    def _decided(self, around: Around[Hands]) -> State:
-        self._held = frozenset(hold for hold in around.item.near if self._stays(hold, around.items))
-        return around.item.state.with_holding(self._held)
+    def _velocities(self, states: Sequence[State], name: str) -> list[Array | None]:
+        local, body = _middle(self._stage, name), self._scene.object_body(name)
+        places = [
+            self._stage.show(state).body(body).to_world(local) if state.known([name]) else None for state in states
+        ]
+        return [_velocity([state.time_s for state in states], places, index) for index in range(len(states))]
 
-    def _stays(self, hold: Hold, window: Iterable[Hands]) -> bool:
-        places = [(hands.state.time_s, place) for hands in window if (place := hands.place(hold)) is not None]
-        slip = velocity([time_s for time_s, _ in places], [place for _, place in places])
-        limit_m_s = self._settings.slip_stop_m_s if hold in self._held else self._settings.slip_start_m_s
-        return slip is None or float(np.linalg.norm(slip)) < limit_m_s
+    def _evidence(self, seen: list[Seen], index: int, under: dict[str, list[Array | None]]) -> Evidence:
+        frame, times_s = seen[index], [each.time_s for each in seen]
+        after = max(index, 1)
+        dt_s = times_s[after] - times_s[after - 1] if len(seen) > 1 else self._settings.carrying.independent_s
+        if frame.pose is None:
+            return Evidence(dt_s, tracked=False)
+        places = [None if each.pose is None else each.pose.to_world(self._local) for each in seen]
+        moving, beneath = _velocity(times_s, places, index), frame.rest.container or frame.rest.support
+        if beneath:
+            along = under[beneath][index] if beneath in under else None
+            up_m_s = 0.0 if moving is None else moving[2] - (0.0 if along is None else along[2])
+            if abs(up_m_s) <= self._settings.timing.moving_m_s:
+                return Evidence(dt_s, touches=True, rests=True)
+        return Evidence(
+            dt_s,
+            touches=beneath is not None,
+            speed_m_s=None if moving is None else float(np.linalg.norm(moving)),
+            falls=_falls(times_s, places, index),
+            near=tuple(
+                NearHand(hand, gap_m, self._slip(seen, hand, index))
+                for hand, gap_m in frame.gaps_m.items()
+                if gap_m < self._settings.carrying.near_m
+            ),
+            lost=frozenset(self._hands) - set(frame.palms),
+        )
+
+    def _slip(self, seen: list[Seen], hand: tuple[str, str], index: int) -> float | None:
+        places = [
+            (each.time_s, each.pose.to_local(each.palms[hand]))
+            for each in (seen[at] for at in _window([each.time_s for each in seen], index))
+            if each.pose is not None and hand in each.palms
+        ]
+        slip = velocity([time_s for time_s, _ in places], [place for _, place in places]) if places else None
+        return None if slip is None else float(np.linalg.norm(slip))
+
+
+def _middle(stage: Stage, name: str) -> Array:
+    at_first = stage.show(stage.scene.initial)
+    local = at_first.body(stage.scene.object_body(name)).to_local(object_points(at_first, name, POINT_SPACING_M))
+    return np.asarray(local.mean(axis=0))
+
+
+def _window(times_s: Sequence[float], index: int) -> list[int]:
+    """Frames within a tenth of a second, and the neighbours."""
+    near = [at for at, time_s in enumerate(times_s) if abs(time_s - times_s[index]) <= 0.1 + ROUNDING_S]
+    return sorted({*near, *(at for at in (index - 1, index + 1) if 0 <= at < len(times_s))})
+
+
+def _around(places: Sequence[Array | None], window: Sequence[int], index: int) -> list[int]:
+    """Those frames of the window between which nothing was lost."""
+    return [
+        at for at in window if all(places[between] is not None for between in range(min(at, index), max(at, index) + 1))
+    ]
+
+
+def _velocity(times_s: Sequence[float], places: Sequence[Array | None], index: int) -> Array | None:
+    frames = _around(places, _window(times_s, index), index)
+    return velocity([times_s[at] for at in frames], np.array([places[at] for at in frames])) if frames else None
+
+
+def _falls(times_s: Sequence[float], places: Sequence[Array | None], index: int) -> bool:
+    frames = _around(places, _window(times_s, index), index)
+    if len(frames) < 4:
+        return False
+    since_s = np.array([times_s[at] for at in frames]) - times_s[index]
+    bends = np.polyfit(since_s, np.array([places[at] for at in frames]), 2)[0]
+    return bool(np.linalg.norm(2 * bends - np.array([0.0, 0.0, -9.81])) < 3.0)
 
 
 class Watching:
@@ -232,7 +311,6 @@ class Watching:
     def __init__(self, scene: Scene, settings: Settings = DEFAULT) -> None:
         self.scene, self._settings, self._stage = scene, settings, Stage(scene)
         minimum_s = settings.timing.minimum_s
-        self._holding = HoldingWatch(settings.contact)
         self._watches = {name: MotionWatch(settings.timing) for name in scene.objects}
         at_first = self._stage.show(scene.initial)
         self._points = {
@@ -253,20 +331,18 @@ class Watching:
     @classmethod
     def of(cls, scene: Scene, states: Iterable[State], settings: Settings = DEFAULT) -> Watching:
         """One that has seen all of these states, and knows that no more will come."""
-        watching = cls(scene, settings)
-        for state in states:
-            for decided in watching._holding.update(watching._stage.show(state)):
-                watching._take(decided)
-        for decided in watching._holding.finish():
-            watching._take(decided)
+        watching, states = cls(scene, settings), list(states)
+        carriers = {name: HoldingWatch(scene, name, settings).decided(states) for name in scene.objects}
+        for index, state in enumerate(states):
+            watching._take(state, {name: found[index] for name, found in carriers.items()})
         for name, watch in watching._watches.items():
             for at_s, motion in watch.finish():
                 watching._motions[name].update(at_s, motion)
         return watching
 
-    def _take(self, state: State) -> None:
+    def _take(self, state: State, carriers: dict[str, Carrier]) -> None:
         stage, contact, time_s = self._stage.show(state), self._settings.contact, state.time_s
-        held = {name: holding_of(stage, name, contact) for name in self.scene.objects}
+        held = {name: holding_by(stage, name, carrier, contact) for name, carrier in carriers.items()}
         for name, holding in held.items():
             self._placements[name].update(time_s, placement_by(stage, name, holding, contact))
         for who, side in self._hands:
@@ -301,6 +377,23 @@ class Watching:
 
     def with_holding(self, state: State) -> State:
         return state.with_holding(self.holds(state.time_s))
+
+
+def holding_by(stage: Stage, name: str, carrier: Carrier, settings: Contact) -> Holding | None:
+    """What the carrier of a thing in a state says of who holds it."""
+    scene, state = stage.scene, stage.state
+    if not state.known([name]):
+        return None
+    if carrier is NoHand.SUPPORT:
+        rest = rest_of(stage, name, settings)
+        return Holding((), rest.support, rest.container, complete=True)
+    hands = [(who, arm.profile.side) for who in scene.agents for arm in scene.agent(who).arms]
+    known = [hand for hand in hands if hand_known(stage, scene.agent(hand[0]), scene.agent(hand[0]).arm(hand[1]))]
+    if isinstance(carrier, frozenset):
+        holding = tuple(hand for hand in known if hand in carrier)
+        return Holding(holding, None, None, complete=bool(holding))
+    all_known = known == hands and state.known(scene.objects)
+    return Holding((), None, None, complete=carrier is NoHand.NOBODY and all_known)
 
 
 def held(status: HandStatus) -> tuple[str | None, bool, str | None]:

@@ -46,7 +46,7 @@ def test_the_story_is_told_in_order(room: Scene, carried: list[State]) -> None:
     assert [i.value.symbol for i in observer.placement("cup").intervals] == ["On_Support", "In_Hand", "In_Air"]
     held = observer.placement("cup").intervals[1]
     assert held.value.by == ("P1's right hand",)
-    assert held.start_s == pytest.approx(1.1, abs=0.15)
+    assert held.start_s == pytest.approx(1.0, abs=0.15)
     assert held.end_s == pytest.approx(3.0, abs=0.15)
     assert [i.value for i in observer.motion("cup").intervals] == ["Static", "Moving", "Static"]
     assert {i.value.symbol for i in observer.hand("P2", "left").intervals} == {"Free_of_Object"}
@@ -154,17 +154,15 @@ def test_the_story_does_not_depend_on_the_frame_rate(room: Scene, carried: list[
     assert [i.value for i in observer.motion("cup").intervals] == ["Static", "Moving", "Static"]
 
 
-def test_a_hand_that_only_slows_down_does_not_begin_to_hold(room: Scene) -> None:
-    """Slower than what lets go, faster than what takes hold."""
-    contact = DEFAULT.contact
-    speed = (contact.slip_start_m_s + contact.slip_stop_m_s) / 2
+@pytest.mark.parametrize("speed_m_s", [0.35, 0.45, 0.6])
+def test_a_hand_that_only_slows_down_does_not_begin_to_hold(room: Scene, speed_m_s: float) -> None:
+    """It goes on, along a thing that stays where it is."""
     fitter, states = Fitter(room, "P1", moving="arms"), []
     for frame in range(30):
         time = frame / RATE_HZ
-        palm = (-0.3, -0.15 + speed * (time - 0.75), 1.1)
+        palm = (-0.3, -0.15 + speed_m_s * (time - 0.75), 1.1)
         fit = fitter.fit(room.initial, points={"right_palm": palm})
-        states.append(
-            State(fit.state.replace(at=room.object_slice("cup"), to=(-0.3, -0.15, 1.1, 1, 0, 0, 0)).qpos, time)
-        )
+        at = (-0.3, -0.15, 1.1, 1, 0, 0, 0)
+        states.append(State(fit.state.replace(at=room.object_slice("cup"), to=at).qpos, time))
     observer = Observer(room, States(states))
     assert "Holding_Object" not in {i.value.symbol for i in observer.hand("P1", "right").intervals}

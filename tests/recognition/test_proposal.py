@@ -40,10 +40,12 @@ def grips_of_baton(name: str) -> tuple[Grip, ...]:
 
 
 @pytest.mark.parametrize("name", HANDOVERS)
-def test_the_shipped_labels_are_what_would_be_proposed(name: str) -> None:
+def test_the_shipped_labels_begin_where_would_be_proposed_and_end_when_it_has_changed_hands(name: str) -> None:
+    """They were set when a hand held the baton as long as its fingers were around it: up to 0.4 s longer."""
     proposed = propose_label(recording(name), observer(name))
     assert proposed.start_s == pytest.approx(label(name).start_s, abs=1 / 60)
-    assert proposed.end_s == pytest.approx(label(name).end_s, abs=1 / 60)
+    assert 0.0 <= label(name).end_s - proposed.end_s < 0.4
+    assert observer(name).holds(label(name).end_s) == observer(name).holds(proposed.end_s)
 
 
 @pytest.mark.parametrize("name", ["hide_a", "show_d"])

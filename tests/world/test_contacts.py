@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from taskgist.settings import DEFAULT
-from taskgist.world import Fitter, Scene, Stage, State, container_of, holding_of, overlaps, rests_on, support_of
+from taskgist.world import Fitter, Hold, Scene, Stage, State, container_of, holding_of, overlaps, rests_on, support_of
 from taskgist.world.geometry.shapes import lowest_point, surface_points
 from taskgist.world.geometry.transforms import about_z
 from tests.scenes import TABLE, agent, box, cylinder, scene
@@ -105,6 +105,16 @@ def test_nothing_that_rests_on_a_support_is_held() -> None:
     assert holding is not None
     assert holding.hands == ()
     assert holding.support == "table"
+
+
+def test_what_was_decided_over_time_to_be_held_does_not_rest() -> None:
+    """It is being lifted: near to the table still, and in the hand."""
+    room = scene(TABLE, cylinder("cup", 0, 0, TOP + 0.055), agents=agent("P1", -0.75, 0))
+    fit = Fitter(room, "P1", moving="upper_body").fit(room.initial, points={"right_palm": (-0.02, -0.03, TOP + 0.06)})
+    for decided, held in (([Hold("P1", "right", "cup")], True), ([], False), (None, False)):
+        holding = holding_of(Stage(room, fit.state.with_holding(decided)), "cup", CONTACT)
+        assert holding is not None
+        assert (holding.hands, holding.support) == (((("P1", "right"),), None) if held else ((), "table"))
 
 
 def test_an_untracked_hand_might_hold() -> None:

@@ -60,7 +60,7 @@ STEPS = st.tuples(
 )
 
 
-@settings(max_examples=12)
+@settings(max_examples=30)
 @given(st.lists(STEPS, min_size=1, max_size=12))
 def test_the_memory_says_what_is_found_at_once(
     room: Scene, flat_hand: State, steps: list[tuple[str, float, float, frozenset[str]]]
@@ -107,6 +107,21 @@ def test_little_is_measured_while_only_people_move(room: Scene) -> None:
         spent.append(stage.counts["rays"] - before)
     assert spent[0] > 0
     assert spent[1:] == [0, 0]
+
+
+def test_nothing_is_measured_anew_while_something_else_moves_far_away(room: Scene) -> None:
+    """Only what the box comes near to is decided anew, and what is carried."""
+    memory, stage, column = RestingMemory(room, DEFAULT.contact), Stage(room), room.object_slice("box").start
+    agrees(memory, stage)
+    for along_m, anew in ((0.05, {"box"}), (0.1, {"box"}), (-0.45, {"box", "cup"}), (-1.5, {"box", "cup"})):
+        stage.show(room.initial.replace({column: 0.2 + along_m}))
+        spent = {}
+        for name in room.objects:
+            before = stage.counts["rays"]
+            memory(stage, name)
+            spent[name] = stage.counts["rays"] - before
+        assert {name for name, rays in spent.items() if rays} == anew
+        agrees(memory, stage)
 
 
 @pytest.mark.parametrize("name", ["handover_4", "hide_b"])

@@ -55,12 +55,13 @@ class FrameSequence:
         times_s: Times of the frames in seconds.
         state: Gives the state in a frame, by its index.
         settled: How many frames, from the first one on, have complete windows: all, if no more will come.
+        whole: Whether all frames were there from the beginning.
     """
 
     def __init__(self, window_s: float, frames: Frames | None = None) -> None:
         self._window_s = window_s
         self._appended: list[State] = []
-        self._complete = frames is not None
+        self.whole = self._complete = frames is not None
         self.times_s: list[float] = [] if frames is None else frames.times_s.tolist()
         self.state: Callable[[int], State] = (
             self._appended.__getitem__ if frames is None else lru_cache(KEPT_STATES)(frames.state)

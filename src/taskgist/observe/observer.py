@@ -200,12 +200,14 @@ class Observer:
     def __init__(self, scene: Scene, frames: Frames | None = None, settings: Settings = DEFAULT) -> None:
         self.scene = scene
         timing, self._contact = settings.timing, settings.contact
-        self._frames = FrameSequence(max(timing.motion_window_s, self._contact.slip_window_s), frames)
+        self._frames = FrameSequence(timing.motion_window_s, frames)
+        # Who carries what is said half a second later: by then it is clear what a hand has come for.
+        self._later = FrameSequence(max(timing.motion_window_s, 2 * settings.carrying.delay_s), frames)
         self._stage = Stage(scene)
-        self._carrying = Carrying(self._stage, self._frames, self._contact)
+        self._carrying = Carrying(self._stage, self._later, settings)
         minimum_s = timing.minimum_s
         self._placements = {
-            name: Refined(self._frames, partial(self._placement, name), minimum_s, kind=lambda placed: placed.symbol)
+            name: Refined(self._later, partial(self._placement, name), minimum_s, kind=lambda placed: placed.symbol)
             for name in scene.objects
         }
         self._motions = {
@@ -213,7 +215,7 @@ class Observer:
         }
         hands: list[Confirmed[HandStatus]] = []
         self._hands = {
-            (agent, side): Refined(self._frames, partial(self._hand, agent, side), minimum_s, held, hands)
+            (agent, side): Refined(self._later, partial(self._hand, agent, side), minimum_s, held, hands)
             for agent in scene.agents
             for side in scene.agent(agent).sides
         }
@@ -228,10 +230,12 @@ class Observer:
             RecordingError: It is not later than the last one, or no more frames were to come.
         """
         self._frames.append(state)
+        self._later.append(state)
 
     def finish(self) -> None:
         """Say that no more frames will come: the last ones count, too."""
         self._frames.finish()
+        self._later.finish()
 
     def placement(self, name: str) -> Refined[Placement]:
         """Placement of an object over time.
@@ -286,11 +290,11 @@ class Observer:
 
     def _placement(self, name: str, index: int) -> Placement:
         holding = self._carrying.holding(index, name)
-        return placement_in(self._stage.show(self._frames.state(index)), name, holding, self._contact)
+        return placement_in(self._stage.show(self._later.state(index)), name, holding, self._contact)
 
     def _hand(self, name: str, side: str, index: int) -> HandStatus:
         thing = self._carrying.held(index, name, side)
-        return hand_status_in(self._stage.show(self._frames.state(index)), name, side, thing, self._contact)
+        return hand_status_in(self._stage.show(self._later.state(index)), name, side, thing, self._contact)
 
     def _motion_of(self, name: str, timing: Timing) -> Callable[[int], str | None]:
         stage, body = self._stage.show(self.scene.initial), self.scene.object_body(name)

@@ -114,9 +114,9 @@ class RelationsOverTime:
     ) -> None:
         self._progress = progress
         self.scene, self._observer, self._settings = observer.scene, observer, settings
-        timing, slip_s = settings.timing, settings.contact.slip_window_s
+        timing, delay_s = settings.timing, settings.carrying.delay_s
         # by then the observer has confirmed who holds what in a settled frame
-        holding_s = 2 * timing.minimum_s + max(timing.motion_window_s, slip_s)
+        holding_s = 2 * timing.minimum_s + max(timing.motion_window_s, 2 * delay_s)
         self._frames = FrameSequence(max(settings.relations.approach_window_s, holding_s), frames)
         self._stage = Stage(self.scene)
         self._moment = lru_cache(KEPT_FRAMES)(self._moment_in)

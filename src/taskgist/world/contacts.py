@@ -6,7 +6,6 @@ It rests on something, lies in it, is held by hands, touches somebody's body, or
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -256,19 +255,25 @@ def overlaps(stage: Stage, *, deeper_than_m: float) -> dict[tuple[str, str], flo
 # things of the room are; what it rests on, too, unless a part of somebody's body is where its points are dropped.
 
 
+NEARBY_M = 0.1
+"""Things farther apart than this, and their sizes, neither carry each other nor stand in each other's way."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Found:
     """What was found for an object while the things of the room were somewhere.
 
     Attributes:
-        things: Where they were, and what was not tracked.
+        things: Where they were, by their part of ``qpos``.
+        untracked: What was not tracked.
         container: What it lay in.
         drop: Its points.
         support: What these met.
         alone: Whether nobody's body was there that they might have met.
     """
 
-    things: tuple[bytes, frozenset[str]]
+    things: Array
+    untracked: frozenset[str]
     container: str | None
     drop: Drop
     support: str | None = None
@@ -277,6 +282,8 @@ class _Found:
 
 class RestingMemory:
     """Says what objects of a scene rest on and lie in: the same as ``rest_of``, mostly sooner.
+
+    What one thing does changes nothing for those that are far from it, before and after.
 
     Args:
         scene: The scene.
@@ -288,21 +295,58 @@ class RestingMemory:
         bodies = [np.r_[scene.base_slice(name), scene.joint_indices(name)] for name in scene.agents]
         self._things = np.setdiff1d(np.arange(scene.nq), np.concatenate([*bodies, np.empty(0, dtype=np.intp)]))
         self._of_agents = np.isin(scene.owners, scene.agents)
+        self._rows = {name: row for row, name in enumerate(scene.objects)}
+        columns = [np.arange(scene.nq)[scene.object_slice(name)] for name in scene.objects]
+        self._columns = np.searchsorted(self._things, np.array(columns, dtype=np.intp).reshape(-1, 7))
+        self._others = np.setdiff1d(np.arange(len(self._things)), self._columns)
+        self._radii_m = np.array([_radius_m(scene, name) for name in scene.objects])
         self._found: dict[str, _Found] = {}
 
     def __call__(self, stage: Stage, name: str) -> Rest:
         """What an object rests on and lies in, in the state that a stage shows."""
-        things = (stage.state.qpos[self._things].tobytes(), stage.state.untracked)
+        things, untracked = stage.state.qpos[self._things], stage.state.untracked
         found = self._found.get(name)
-        if found is None or found.things != things:
+        if found is None or found.untracked != untracked or not self._as_before(name, found.things, things):
             container = container_of(stage, name, self._settings)
-            found = _Found(things, container, Drop.of(stage, name, self._settings))
+            found = _Found(things, untracked, container, Drop.of(stage, name, self._settings))
         around = found.drop.around(stage, self._settings)
         alone = not self._of_agents[around].any()
         if not (alone and found.alone):
             found = replace(found, support=found.drop.meets(stage, around, self._settings), alone=alone)
-            self._found[name] = found
+        self._found[name] = replace(found, things=things)
         return Rest(found.support, found.container)
+
+    def _as_before(self, name: str, before: Array, now: Array) -> bool:
+        """Whether an object, and all that is near to it or was, is where it was."""
+        moved = before != now
+        if not moved.any():
+            return True
+        row, moved_things = self._rows[name], moved[self._columns].any(axis=1)
+        if moved_things[row] or moved[self._others].any():
+            return False
+        here, near_m = now[self._columns[row, :3]], self._radii_m + self._radii_m[row] + NEARBY_M
+        return not any(
+            (np.linalg.norm(there[self._columns[:, :3]] - here, axis=1) < near_m)[moved_things].any()
+            for there in (before, now)
+        )
+
+
+def _radius_m(scene: Scene, name: str) -> float:
+    """Radius of a ball about the frame of an object that holds all of its shapes, however its own joints are turned."""
+    model, root = scene.model, scene.object_body(name)
+    reach_m = 0.0
+    for geom in scene.geoms_of(name).tolist():
+        if model.geom_rbound[geom] == 0.0:
+            return math.inf  # endless
+        body, far_m = (
+            int(model.geom_bodyid[geom]),
+            float(np.linalg.norm(model.geom_pos[geom]) + model.geom_rbound[geom]),
+        )
+        while body != root:
+            far_m += float(np.linalg.norm(model.body_pos[body]))
+            body = int(model.body_parentid[body])
+        reach_m = max(reach_m, far_m)
+    return reach_m
 
 
 # --- Who holds an object in one state: decided here for hand status, placement and effort 0 alike.
@@ -330,23 +374,21 @@ class Holding:
     complete: bool
 
 
-def holding_of(
-    stage: Stage, name: str, settings: Contact, resting: Callable[[Stage, str], Rest] | None = None
-) -> Holding | None:
+def holding_of(stage: Stage, name: str, settings: Contact) -> Holding | None:
     """Who holds an object, and what it rests on or lies in; None if the object was not tracked.
 
     Args:
-        stage: The scene in a state.
+        stage: The scene in a state. What was decided over time to be held does not rest, as near as it may be.
         name: The object.
         settings: Distances.
-        resting: Finds what it rests on and lies in, such as a ``RestingMemory``; found at once if left out.
     """
     state = stage.state
     if not state.known([name]):
         return None
-    rest = resting(stage, name) if resting else rest_of(stage, name, settings)
-    if rest.container or rest.support:
-        return Holding((), rest.support, rest.container, complete=True)
+    if not any(hold.object == name for hold in state.holding or ()):
+        rest = rest_of(stage, name, settings)
+        if rest.container or rest.support:
+            return Holding((), rest.support, rest.container, complete=True)
     hands, complete = [], all(state.known([other]) for other in stage.scene.objects)
     for agent_name in stage.scene.agents:
         agent = stage.scene.agent(agent_name)

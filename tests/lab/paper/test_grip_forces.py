@@ -1,4 +1,4 @@
-"""Who holds by geometry agrees in time with who grips by force, on the real handovers (docs/research/recordings.md)."""
+"""Who holds by geometry agrees in time with who grips by force, on the real handovers (docs/research/holding.md)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from taskgist.errors import RecordingError
 from taskgist_lab.paper import GripCheck, check_grips
 from tests.shipped import names_of, observer, recording
 
-LARGEST_MS, MEAN_MS, FRAME_MS = 400.0, 208.0, 1000 / 30
+LARGEST_MS, MOST_MS = 250.0, 120.0
 TRACKED = ("handover_1", "handover_2", "handover_3", "handover_4")
 """In the fifth, the right hands were not tracked."""
 
@@ -32,7 +32,7 @@ def in_air() -> dict[str, tuple[GripCheck, ...]]:
 
 
 def grip_figures() -> Figures:
-    """The figures that docs/research/recordings.md states."""
+    """The figures that docs/research/holding.md states."""
     differences = [abs(each.difference_ms) for checks in in_air().values() for each in checks]
     return Figures(len(differences), float(np.mean(differences)), max(differences))
 
@@ -41,7 +41,7 @@ def test_geometry_and_force_agree_in_the_air() -> None:
     figures = grip_figures()
     assert figures.events >= 2 * len(TRACKED), "in each, P2 takes and P1 lets go"
     assert figures.largest_ms < LARGEST_MS
-    assert figures.mean_ms == pytest.approx(MEAN_MS, abs=FRAME_MS)
+    assert figures.mean_ms <= MOST_MS
 
 
 @pytest.mark.parametrize("name", TRACKED)
