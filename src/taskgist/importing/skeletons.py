@@ -274,17 +274,15 @@ OPENPOSE_BODY_25 = Skeleton(
 
 SMPL_X = Skeleton(
     title="SMPL-X, its 22 body joints",
-    source="Pavlakos et al. 2019, Expressive Body Capture; offsets from the joints of the mean neutral body",
+    source="Pavlakos et al. 2019, Expressive Body Capture: the first 22 joints, those of SMPL, too",
     names=(
         *("pelvis", "left_hip", "right_hip", "spine1", "left_knee", "right_knee", "spine2", "left_ankle"),
         *("right_ankle", "spine3", "left_foot", "right_foot", "neck", "left_collar", "right_collar", "head"),
         *("left_shoulder", "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist"),
     ),
     sides=("left", "right"),
-    middle={
-        "pelvis": Beside(("pelvis",), "pelvis", (2.4, 0.0, 9.8)),  # over the hips and before them
-        "head": Beside(("head",), "head", (0.0, 0.0, -4.0)),  # between the ears' lower ends
-    },
+    # of the mean body, to the centimetre (ours); its pelvis lies 9 to 10 cm over the hips, which are there themselves
+    middle={"head": Beside(("head",), "head", (0.0, 0.0, -4.0))},
     sided={
         **_joints("{side}_{joint}"),
         "toe": Beside(("{side}_foot",), "ankle", (11.9, 4.3, -5.9)),  # the ball of the foot
