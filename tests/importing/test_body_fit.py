@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from taskgist.importing import import_recording, load_mapping
-from taskgist.importing.bodies import estimate_size, stands
+from taskgist.importing.sizes import estimate_size, stands
 from taskgist.recording import Recording, read, write
 from taskgist.settings import DEFAULT
 from taskgist.world import Fitter, Scene, Stage, posture_of
@@ -45,7 +45,7 @@ def keypoints(room: Scene, states: np.ndarray) -> np.ndarray:
     return np.array(truth) + noise.normal(scale=NOISE_M, size=(len(states), len(NAMES), 3))
 
 
-def imported(folder: Path, points: np.ndarray, names: list[str] = NAMES, extra: str = "") -> Recording:
+def imported(folder: Path, points: np.ndarray, names: list[str] = NAMES, extra: str = "", after: str = "") -> Recording:
     np.savez(folder / "points.npz", points=points)
     mapping = folder / "mapping.toml"
     mapping.write_text(
@@ -55,6 +55,7 @@ def imported(folder: Path, points: np.ndarray, names: list[str] = NAMES, extra: 
         + extra
         + "[people.P1.points]\n"
         + "".join(f'{name} = "{name}"\n' for name in names)
+        + after
     )
     return import_recording(load_mapping(mapping))
 
@@ -85,13 +86,29 @@ def test_hands_gaze_size_and_posture_come_back(known: tuple[str, Scene, np.ndarr
     assert errors["right_wrist"]["median"] < 1.5
 
 
+LEGLESS = [n for n in NAMES if not n.endswith(("knee", "ankle", "heel", "toe"))]
+SEAT = """
+[supports.stool]
+size_m = [0.4, 0.4, 0.05]
+position_m = [-0.95, 0.0, 0.43]
+"""
+
+
 def test_legs_that_were_not_tracked_are_estimated(known: tuple[str, Scene, np.ndarray], tmp_path: Path) -> None:
     posture, room, states = known
-    legless = [n for n in NAMES if not n.endswith(("knee", "ankle", "heel", "toe"))]
-    recording = imported(tmp_path, keypoints(room, states), legless)
+    recording = imported(tmp_path, keypoints(room, states), LEGLESS, after=SEAT if posture == "sitting" else "")
     fitted = Stage(recording.scene, recording.state(5))
     assert posture_of(fitted, recording.scene.agent("P1"), DEFAULT.contact) == posture
     assert any("legs" in note and "estimated" in note for note in recording.provenance.notes)
+
+
+def test_low_hips_over_no_seat_do_not_sit(tmp_path: Path) -> None:
+    """They may crouch, or the floor is elsewhere: the posture is unknown, and a note says so."""
+    room, states = person("sitting")
+    recording = imported(tmp_path, keypoints(room, states), LEGLESS)
+    fitted = Stage(recording.scene, recording.state(5))
+    assert posture_of(fitted, recording.scene.agent("P1"), DEFAULT.contact) is None
+    assert any("no seat beneath" in note for note in recording.provenance.notes)
 
 
 def test_lost_parts_are_unknown_in_their_frames_only(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from taskgist.importing import load_mapping, read_tracks
 from taskgist.importing.mapping_people import DIRECTIONS, LANDMARKS, PARTS
+from taskgist.importing.skeletons import SKELETONS
 from tests.importing.skeletons import NAMES, TIMES_S, cup_position, cup_wxyz, keypoints, mapping_file, write_csv
 
 PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "import.md").read_text(encoding="utf-8")
@@ -38,5 +39,5 @@ def test_shipped_examples() -> None:
 def test_every_name_is_explained() -> None:
     lefts = {name for name in LANDMARKS if not name.startswith("right_")}
     axes = {axis for part in DIRECTIONS.values() for axis in part}
-    for name in lefts | set(PARTS) | set(DIRECTIONS) | axes:
+    for name in lefts | set(PARTS) | set(DIRECTIONS) | axes | set(SKELETONS):
         assert f"`{name}`" in PAGE, name

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,147 +11,18 @@ import mujoco
 import numpy as np
 
 from taskgist.common.arrays import Array, Mask
-from taskgist.errors import SceneError
+from taskgist.importing.mapping import Between
 from taskgist.importing.mapping_people import SIDES
+from taskgist.importing.sizes import Points
 from taskgist.importing.tracks import PersonTrack
+from taskgist.settings import DEFAULT
 from taskgist.world.bodies.agent import Agent, legs_for
-from taskgist.world.bodies.human import SHARES, HumanSize
-from taskgist.world.fit import ARMS, Fitter
-from taskgist.world.geometry.transforms import about_z
+from taskgist.world.bodies.human import HumanSize
+from taskgist.world.fit import ARMS, AXES, Axis, Fitter, Marker
+from taskgist.world.geometry.transforms import about_z, rotate, wxyz_from_matrix
 from taskgist.world.scene import Scene
 from taskgist.world.scene_file import AgentEntry
 from taskgist.world.state import State
-
-# --- How large a tracked person is: stature and segment lengths, from the distances between landmarks.
-
-Points = Mapping[str, Array]
-
-SEGMENTS: Mapping[str, tuple[tuple[str, str], ...]] = {
-    "upper_arm_m": (("left_shoulder", "left_elbow"), ("right_shoulder", "right_elbow")),
-    "forearm_m": (("left_elbow", "left_wrist"), ("right_elbow", "right_wrist")),
-    "hand_m": (("left_wrist", "left_fingertip"), ("right_wrist", "right_fingertip")),
-    "thigh_m": (("left_hip", "left_knee"), ("right_hip", "right_knee")),
-    "shank_m": (("left_knee", "left_ankle"), ("right_knee", "right_ankle")),
-    "shoulder_breadth_m": (("left_shoulder", "right_shoulder"),),
-    "hip_breadth_m": (("left_hip", "right_hip"),),
-}
-"""Pairs of landmarks between which each segment is measured."""
-
-HEAD_HEIGHTS = {
-    "head_base": 1 - SHARES["head"],
-    "head": 1 - 0.5 * SHARES["head"],
-    "head_top": 1.0,
-    "nose": 1 - 0.60 * SHARES["head"],
-    "left_eye": 1 - 0.492 * SHARES["head"],
-    "right_eye": 1 - 0.492 * SHARES["head"],
-}
-"""Height of landmarks of the head on a standing body, as shares of the stature, most trusted first."""
-
-HIP_SHARE = SHARES["foot_height"] + SHARES["shank"] + SHARES["thigh"]
-STANDING_TRUNKS = 1.45
-"""Height of the hips in lengths of the trunk: 1.84 standing, 1.08 on a chair; between them lies the border (ours)."""
-STANDING_HEADS = 0.56
-"""The same in heights of the head's base, for who has no tracked shoulders: 0.61 standing, 0.48 on a chair (ours)."""
-STRETCHED_PERCENTILE = 90.0
-"""A trunk bends and then looks shorter; this percentile of its lengths is taken for the stretched one (ours)."""
-UPRIGHT_RAD = math.radians(15.0)
-"""Inclination of the trunk up to which heights tell the stature."""
-
-
-def estimate_size(points: Points, stature_m: float | None) -> HumanSize:
-    """Size of a person's body.
-
-    Args:
-        points: Landmarks over time, metres, (N, 3) each, NaN where unknown.
-        stature_m: The stature, where somebody measured it; else it is estimated from the height of the head.
-
-    Raises:
-        SceneError: A length is not one of a human body: units or landmarks are wrong.
-    """
-    measured = {name: length for name, pairs in SEGMENTS.items() if (length := _length(points, pairs)) is not None}
-    trunk = _between(_hips(points), _shoulders(points), STRETCHED_PERCENTILE)
-    if trunk is not None:
-        measured["trunk_m"] = trunk
-    neck = _neck(points)
-    if neck is not None:
-        measured["neck_m"] = neck
-    stature = stature_m if stature_m is not None else _stature(points, measured)
-    return HumanSize.from_stature(stature, **measured)
-
-
-def stands(points: Points) -> Mask:
-    """Whether the person stands in each frame, by the height of the hips, (N,); False where unknown."""
-    hips, shoulders, head = _hips(points), _shoulders(points), _head(points)
-    trunk = _between(hips, shoulders, STRETCHED_PERCENTILE)
-    if hips is None or (trunk is None and head is None):
-        return np.zeros(_count(points), dtype=bool)
-    if trunk is not None:
-        return np.asarray(hips[:, 2] > STANDING_TRUNKS * trunk)
-    assert head is not None
-    return np.asarray(hips[:, 2] / head[0][:, 2] * head[1] / HEAD_HEIGHTS["head_base"] > STANDING_HEADS)
-
-
-def _stature(points: Points, measured: Mapping[str, float]) -> float:
-    """From heights while the person is upright, else from the lengths of the segments."""
-    head, hips = _head(points), _hips(points)
-    if head is not None and hips is not None:
-        upright = _upright(hips, head[0])
-        standing = upright & stands(points)
-        if standing.any():
-            return float(np.median(head[0][standing, 2])) / head[1]
-        if upright.any():
-            return float(np.median((head[0] - hips)[upright, 2])) / (head[1] - HIP_SHARE)
-    ratios = [length / SHARES[name.removesuffix("_m")] for name, length in measured.items()]
-    if not ratios:
-        raise SceneError("too few landmarks to tell how large the person is", field="stature_m", hint="give stature_m")
-    return float(np.median(ratios))
-
-
-def _upright(hips: Array, head: Array) -> Mask:
-    rise = head - hips
-    return np.asarray(rise[:, 2] > np.cos(UPRIGHT_RAD) * np.linalg.norm(rise, axis=1))
-
-
-def _neck(points: Points) -> float | None:
-    """From the line of the shoulders to the base of the head."""
-    return _between(_shoulders(points), points.get("head_base"))
-
-
-def _shoulders(points: Points) -> Array | None:
-    return _middle(points, "left_shoulder", "right_shoulder")
-
-
-def _hips(points: Points) -> Array | None:
-    middle = _middle(points, "left_hip", "right_hip")
-    return middle if middle is not None else points.get("pelvis")
-
-
-def _head(points: Points) -> tuple[Array, float] | None:
-    return next(((points[name], share) for name, share in HEAD_HEIGHTS.items() if name in points), None)
-
-
-def _middle(points: Points, a: str, b: str) -> Array | None:
-    return (points[a] + points[b]) / 2 if a in points and b in points else None
-
-
-def _length(points: Points, pairs: tuple[tuple[str, str], ...]) -> float | None:
-    lengths = [length for a, b in pairs if (length := _between(points.get(a), points.get(b))) is not None]
-    return float(np.mean(lengths)) if lengths else None
-
-
-def _between(a: Array | None, b: Array | None, percentile: float = 50.0) -> float | None:
-    """Distance in metres over the frames in which both are known: the median, or another percentile."""
-    if a is None or b is None:
-        return None
-    distances = np.linalg.norm(a - b, axis=1)
-    known = distances[np.isfinite(distances)]
-    length = float(np.percentile(known, percentile)) if len(known) else 0.0
-    return length if length > 0 else None
-
-
-def _count(points: Points) -> int:
-    return len(next(iter(points.values()))) if points else 0
-
 
 WEIGHTS: Mapping[str, float] = {
     "left_wrist": 2.0,
@@ -174,6 +45,8 @@ the feet, lie elsewhere for each tracker and count little; so do fingertips, for
 FIRST_ITERATIONS, ITERATIONS = 200, 20
 HEAD_POINTS = ("head_base", "head", "head_top", "nose", "left_eye", "right_eye", "left_ear", "right_ear")
 TRUNK_POINTS = ("left_shoulder", "right_shoulder", "chest", "neck")
+BENT_RAD = math.radians(45.0)
+"""Inclination of the trunk from which the first fit does not start upright (ours)."""
 RELAXED = {"shoulder_abduction": 0.12, "elbow": 0.3}
 """Angles in radians of an arm that nobody tracked."""
 
@@ -186,6 +59,7 @@ class BodyTrack:
         base: Position in metres and wxyz of the pelvis, (N, 7).
         joints_rad: Angles of its joints, (N, joints), in the order of ``Scene.joints``.
         tracked: Frames in which each part was tracked, by part, (N,).
+        low: Frames in which the hips are too low for who stands, but no legs were tracked to say more, (N,).
         report: Error of the fit by landmark (centimetres) and direction (degrees): median, 95th percentile, largest.
         notes: What was estimated.
     """
@@ -193,6 +67,7 @@ class BodyTrack:
     base: Array
     joints_rad: Array
     tracked: Mapping[str, Mask]
+    low: Mask
     report: Mapping[str, Any]
     notes: tuple[str, ...]
 
@@ -210,16 +85,26 @@ def fit_person(name: str, size: HumanSize, person: PersonTrack, progress: Callab
     tracked = tracked_parts(person)
     count = len(tracked["torso"])
     legs_tracked = bool(tracked["legs"].any())
+    trunk = trunk_directions(person)
+    markers = {key: _of_stature(marker, size.stature_m) for key, marker in person.markers.items()}
     fitter = Fitter(
-        scene, name, moving="body" if legs_tracked else _without_legs(scene, name), weights=WEIGHTS, root=True
+        scene,
+        name,
+        moving="body" if legs_tracked else _without_legs(scene, name),
+        weights={**WEIGHTS, **(dict.fromkeys((*trunk, HELD), PELVIS_WEIGHT) if trunk else {})},
+        root=True,
+        markers=markers,
+        axes=_axes_of(scene, name, {**person.lines, **{key: TRUNK_LINES[key] for key in trunk}}, markers),
     )
     rest = state = _start(scene, name, person)
+    up: Array | None = None
     states = np.empty((count, scene.nq))
     errors_m: dict[str, list[float]] = {}
     errors_rad: dict[str, list[float]] = {}
     for frame in range(count):
         points = {key: track[frame] for key, track in person.points.items()}
         directions = {key: track[frame] for key, track in person.directions.items()}
+        directions |= _held_up({key: track[frame] for key, track in trunk.items()}, up)
         fit = fitter.fit(
             state,
             points=points,
@@ -228,18 +113,127 @@ def fit_person(name: str, size: HumanSize, person: PersonTrack, progress: Callab
             iterations=FIRST_ITERATIONS if frame == 0 else ITERATIONS,
         )
         state = fit.state
+        up = rotate(state.qpos[scene.base_slice(name)][3:], (0.0, 0.0, 1.0))
         _collect(errors_m, fit.errors_m)
-        _collect(errors_rad, fit.errors_rad)
+        _collect(errors_rad, {key: error for key, error in fit.errors_rad.items() if key in person.directions})
         states[frame] = state.qpos
         progress((frame + 1) / count)
     notes: tuple[str, ...] = ()
+    low = np.zeros(count, dtype=bool)
     if not legs_tracked and tracked["torso"].any():
-        _estimate_legs(scene, name, states)
+        low = _estimate_legs(scene, name, states) & tracked["torso"]
         if "legs" not in person.unknown:
             tracked = {**tracked, "legs": tracked["torso"]}
             notes = (f"{name}'s legs are estimated from the height of the hips",)
     base, joints = states[:, scene.base_slice(name)], states[:, scene.joint_indices(name)]
-    return BodyTrack(base, joints, tracked, _report(errors_m, errors_rad), notes)
+    return BodyTrack(base, joints, tracked, low, _report(errors_m, errors_rad), notes)
+
+
+# --- Upright pelvis, leaning trunk: what holds the pelvis where no direction of it is tracked.
+#
+# Shoulders and hips leave the pelvis free to pitch: it and the torso would turn against each other, by 15 to 35°, only
+# to bring the points of a face one or two centimetres forward on a neck that does not bend. So the pelvis is drawn to
+# between upright and where the trunk points, from the hips to the shoulders. Who bends does so with the back first and
+# with the hips then (the lumbar-pelvic rhythm [Esola 1996]), and who lies, lies with the pelvis, too: the more the
+# trunk is inclined, the less counts upright. Hips flex as far as they can: in who crouches, the back bends.
+
+HIPS, SHOULDERS = ("left_hip", "right_hip"), ("left_shoulder", "right_shoulder")
+TRUNK_LINES: Mapping[str, Between] = {
+    f"{'hips' if low is HIPS else 'pelvis'} to {'shoulders' if high is SHOULDERS else 'neck'}": Between(low, high)
+    for high in (SHOULDERS, ("neck",))
+    for low in (HIPS, ("pelvis",))
+}
+"""Lines up the trunk, the most trusted first."""
+HELD = "pelvis_up"
+UPRIGHT_SHARE = 0.7
+"""How much upright counts beside a trunk that is upright, too; else times the squared cosine of its inclination (ours).
+The pelvis so takes a third of a lean of 20°, half of one of 45° and two thirds of one of 60°."""
+PELVIS_WEIGHT = 3.0
+"""Weight of that direction in the fit (ours; 1 to 3 make little difference)."""
+MOST_FLEXED_RAD = math.radians(125.0)
+"""How far hips flex: the range of the body's own [AAOS 1965]."""
+
+
+def trunk_directions(person: PersonTrack) -> dict[str, Array]:
+    """Which way the pelvis is to point up in each frame, (N, 3) by line of ``TRUNK_LINES``.
+
+    Each frame has the direction of one line at most, and NaN in the others. There is none at all where the mapping
+    gives a direction of the pelvis.
+    """
+    if {"pelvis", "pelvis_up"} & person.directions.keys():
+        return {}
+    thigh = _line(person.points, HIPS, ("left_knee", "right_knee"))
+    found: dict[str, Array] = {}
+    known: Mask | None = None
+    for name, rule in TRUNK_LINES.items():
+        line = _line(person.points, rule.start, rule.end)
+        if line is None:
+            continue
+        up = _between_upright_and(line)
+        up = up if thigh is None else _flexed(up, thigh)
+        found[name] = up if known is None else np.where(known[:, None], np.nan, up)
+        finite: Mask = np.asarray(np.isfinite(up).all(axis=1))
+        known = finite if known is None else np.asarray(known | finite)
+    return found
+
+
+def _line(points: Points, start: Sequence[str], end: Sequence[str]) -> Array | None:
+    """Unit vectors from the middle of some points to that of others, (N, 3); None if one of them is not there."""
+    if not {*start, *end} <= points.keys():
+        return None
+    line = np.mean([points[name] for name in end], axis=0) - np.mean([points[name] for name in start], axis=0)
+    length = np.linalg.norm(line, axis=1, keepdims=True)
+    return np.asarray(line / np.where(length > 0.0, length, np.nan))
+
+
+def _between_upright_and(trunk: Array) -> Array:
+    """Unit vectors between upright and directions of the trunk, (N, 3)."""
+    upright = UPRIGHT_SHARE * np.maximum(trunk[:, 2:], 0.0) ** 2 * np.array((0.0, 0.0, 1.0))
+    drawn = upright + (1.0 - UPRIGHT_SHARE) * trunk
+    return np.asarray(drawn / np.linalg.norm(drawn, axis=1, keepdims=True))
+
+
+def _flexed(trunk: Array, thigh: Array) -> Array:
+    """The trunk's directions, those nearer to the thighs than hips flex turned away from them, (N, 3)."""
+    nearest = np.pi - MOST_FLEXED_RAD
+    along = np.sum(trunk * thigh, axis=1, keepdims=True)
+    across = trunk - along * thigh
+    width = np.linalg.norm(across, axis=1, keepdims=True)
+    turned = np.cos(nearest) * thigh + np.sin(nearest) * across / np.where(width > 0.0, width, np.nan)
+    return np.where((along > np.cos(nearest)) & np.isfinite(turned), turned, trunk)
+
+
+def _held_up(trunk: Mapping[str, Array], last: Array | None) -> dict[str, Array]:
+    """The direction that the pelvis is drawn to in one frame; as it was fitted last, if that is unknown."""
+    known = {name: up for name, up in trunk.items() if np.isfinite(up).all()}
+    return {HELD: last} if trunk and not known and last is not None else known
+
+
+def _of_stature(marker: Marker, stature_m: float) -> Marker:
+    x, y, z = (share * stature_m for share in marker.offset_m)
+    return Marker(marker.landmark, (x, y, z), marker.axes)
+
+
+def _axes_of(scene: Scene, name: str, lines: Mapping[str, Between], markers: Mapping[str, Marker]) -> dict[str, Axis]:
+    """The axes of the body that correspond to lines between points: where these lead on it in its zero configuration.
+
+    Its parts stand there along the axes of the world, so that a direction in the world is one in each part.
+    """
+    model, data = scene.model, mujoco.MjData(scene.model)
+    mujoco.mj_kinematics(model, data)
+
+    def place(point: str) -> Array:
+        marker = markers.get(point, Marker(point, (0.0, 0.0, 0.0)))
+        return np.asarray(data.site(f"{name}/{marker.landmark}").xpos + np.array(marker.offset_m))
+
+    axes = {}
+    for key, rule in lines.items():
+        line = np.mean([place(point) for point in rule.end], axis=0) - np.mean(
+            [place(point) for point in rule.start], axis=0
+        )
+        x, y, z = (float(value) for value in line / np.linalg.norm(line))
+        axes[key] = (AXES[HELD if key in TRUNK_LINES else key][0], (x, y, z))
+    return axes
 
 
 def _lost_sides(tracked: Mapping[str, Mask], frame: int) -> list[str]:
@@ -291,11 +285,14 @@ def _without_legs(scene: Scene, name: str) -> list[str]:
 
 
 def _start(scene: Scene, name: str, person: PersonTrack) -> State:
-    """Upright at the first known pelvis (or trunk), facing where the line of the shoulders says, arms relaxed."""
+    """At the first known pelvis (or trunk), facing where the line of the shoulders says, arms relaxed.
+
+    Upright, but for who lies or bends far: the first frame has a long way to go else.
+    """
     agent = scene.agent(name)
     place = _first(person, ("pelvis", "left_hip", "right_hip", "abdomen", "chest", "neck", "head", "head_base"))
     height = place[2] if "pelvis" in person.points else scene.initial.qpos[agent.base][2]
-    state = scene.initial.replace(at=agent.base, to=(place[0], place[1], height, *about_z(_heading(person))))
+    state = scene.initial.replace(at=agent.base, to=(place[0], place[1], height, *_turned(person)))
     return state.replace(
         {index: RELAXED[key] for joint, index in agent.joints.items() for key in RELAXED if joint.endswith(key)}
     )
@@ -308,6 +305,22 @@ def _first(person: PersonTrack, names: tuple[str, ...]) -> Array:
             if known.any():
                 return np.asarray(person.points[name][np.argmax(known)])
     return np.zeros(3)
+
+
+def _turned(person: PersonTrack) -> Array:
+    """Orientation wxyz of the pelvis to start from, (4,)."""
+    upright = about_z(_heading(person))
+    up = next(
+        (up[known][0] for up in trunk_directions(person).values() if (known := np.isfinite(up).all(axis=1)).any()), None
+    )
+    if up is None or up[2] > math.cos(BENT_RAD):
+        return upright
+    across = _line(person.points, (SHOULDERS[1],), (SHOULDERS[0],))
+    if across is None or not (known := np.isfinite(across).all(axis=1)).any():
+        return upright
+    left = across[known][0] - (across[known][0] @ up) * up
+    left /= np.linalg.norm(left)
+    return wxyz_from_matrix(np.column_stack([np.cross(left, up), left, up]))
 
 
 def _heading(person: PersonTrack) -> float:
@@ -327,13 +340,23 @@ def _heading(person: PersonTrack) -> float:
     return 0.0
 
 
-def _estimate_legs(scene: Scene, name: str, states: Array) -> None:
-    """Bend the legs so that the soles stand on the floor beneath hips of the tracked height."""
+def _estimate_legs(scene: Scene, name: str, states: Array) -> Mask:
+    """Bend the legs so that the soles stand on the floor beneath hips of the tracked height.
+
+    Returns:
+        Frames in which the thighs are so inclined that the body would sit, (N,).
+    """
     agent = scene.agent(name)
-    for row in states:
+    low = np.zeros(len(states), dtype=bool)
+    for frame, row in enumerate(states):
         angles, _ = legs_for(scene.model, agent, hip_height_m=float(row[agent.base][2]))
+        low[frame] = angles[agent.profile.legs.hips[0]] > DEFAULT.contact.sitting_thigh_rad
+        pitch = math.asin(np.clip(-rotate(row[agent.base][3:], (1.0, 0.0, 0.0))[2], -1.0, 1.0))
         for joint, angle in angles.items():
-            row[agent.joints[joint]] = angle
+            index = agent.joints[joint]
+            flexed = angle + (pitch if joint in agent.profile.legs.hips else 0.0)  # legs do not tilt as the pelvis does
+            row[index] = np.clip(flexed, *scene.model.joint(f"{name}/{joint}").range)
+    return low
 
 
 def _collect(collected: dict[str, list[float]], errors: Mapping[str, float]) -> None:

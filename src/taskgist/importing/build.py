@@ -11,12 +11,14 @@ import numpy as np
 from taskgist.common.files import read_whole
 from taskgist.common.workers import Progress, silent
 from taskgist.errors import MappingError, SceneError
-from taskgist.importing.bodies import BodyTrack, entry_of, estimate_size, fit_person
+from taskgist.importing.bodies import BodyTrack, entry_of, fit_person
+from taskgist.importing.checks import floor_notes
 from taskgist.importing.mapping import ImportMapping, Shape, Support
+from taskgist.importing.sizes import estimate_size
 from taskgist.importing.tracks import ObjectTrack, Tracks, read_tracks
 from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT
-from taskgist.world.bodies.human import HumanSize
+from taskgist.world.bodies.human import GROUP, HumanSize
 from taskgist.world.geometry.transforms import about_z
 from taskgist.world.scene import Scene
 
@@ -55,16 +57,23 @@ def import_recording(mapping: ImportMapping, progress: Progress = silent) -> Rec
             progress(f"fitting {name}", (number + share) / len(tracks.people))
 
         bodies[name] = fit_person(name, sizes[name], person, of_this)
+    qpos = _positions(scene, tracks, bodies)
+    doubtful = {name: _doubtful_legs(scene, qpos, name, body) for name, body in bodies.items()}
     about = replace(
         mapping.about,
-        notes=(*tracks.notes, *(note for body in bodies.values() for note in body.notes)),
+        notes=(
+            *tracks.notes,
+            *(note for body in bodies.values() for note in body.notes),
+            *(_doubt(name, frames) for name, frames in doubtful.items() if frames.any()),
+            *floor_notes({name: person.points for name, person in tracks.people.items()}, sizes),
+        ),
         fit={name: dict(body.report) for name, body in bodies.items()},
     )
     return Recording(
         scene=scene,
         times_s=tracks.times_s,
-        qpos=_positions(scene, tracks, bodies),
-        tracked=_tracked(tracks, bodies),
+        qpos=qpos,
+        tracked=_tracked(tracks, bodies, doubtful),
         label=mapping.label,
         provenance=about,
         name=mapping.name,
@@ -75,7 +84,7 @@ def import_recording(mapping: ImportMapping, progress: Progress = silent) -> Rec
 def _size(mapping: ImportMapping, name: str, tracks: Tracks) -> HumanSize:
     person = tracks.people[name]
     try:
-        return estimate_size(person.points, person.stature_m)
+        return estimate_size(person.points, person.stature_m, person.markers)
     except SceneError as error:
         hint = "check units and which points are which landmarks, or give stature_m"
         raise MappingError(
@@ -159,8 +168,45 @@ def _filled(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     return np.asarray(values[np.where(last < 0, np.argmax(known), last)])
 
 
-def _tracked(tracks: Tracks, bodies: Mapping[str, BodyTrack]) -> dict[str, np.ndarray]:
+# --- Legs that nobody tracked, under hips too low for who stands: sitting, crouching, kneeling, or a floor elsewhere?
+#
+# The height of the hips alone does not tell. A seat beneath them does.
+
+SEAT_SLACK_M = 0.12
+"""How much higher than on a firm seat hips may be over one that was estimated (ours)."""
+NOT_PEOPLE = np.array([group != GROUP for group in range(mujoco.mjNGROUP)], dtype=np.uint8)
+"""Groups of shapes that a seat is looked for among."""
+
+
+def _doubtful_legs(scene: Scene, qpos: np.ndarray, name: str, body: BodyTrack) -> np.ndarray:
+    """Frames in which a person's estimated legs are not to be believed, (N,)."""
+    doubtful = np.array(body.low & body.tracked["legs"])
+    agent, data = scene.agent(name), mujoco.MjData(scene.model)
+    most_m = agent.profile.legs.seat_share * agent.stature_m + SEAT_SLACK_M
+    geom = np.zeros(1, dtype=np.int32)
+    for frame in np.flatnonzero(doubtful):
+        data.qpos[:] = qpos[frame]
+        mujoco.mj_kinematics(scene.model, data)
+        pelvis = data.xpos[agent.root_body]
+        down = mujoco.mj_ray(scene.model, data, pelvis, np.array((0.0, 0.0, -1.0)), NOT_PEOPLE, 1, -1, geom)
+        on_seat = 0.0 <= down <= most_m and scene.model.geom_bodyid[geom[0]] > 0  # 0 is the room itself: its floor
+        doubtful[frame] = not on_seat
+    return doubtful
+
+
+def _doubt(name: str, frames: np.ndarray) -> str:
+    share = f"{100 * frames.mean():.0f} % of the frames"
+    return (
+        f"{name}'s legs are unknown in {share}: nobody tracked them, and the hips are too low for who stands, with no "
+        f"seat beneath; add the seat as [supports.NAME], or check the height of the floor"
+    )
+
+
+def _tracked(
+    tracks: Tracks, bodies: Mapping[str, BodyTrack], doubtful: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
     tracked = {name: track.known for name, track in tracks.objects.items()}
     for name, body in bodies.items():
         tracked |= {f"{name}/{part}": known for part, known in body.tracked.items()}
+        tracked[f"{name}/legs"] = body.tracked["legs"] & ~doubtful[name]
     return {name: known for name, known in tracked.items() if not known.all()}

@@ -12,9 +12,11 @@ from taskgist.common.arrays import Array
 from taskgist.errors import MappingError
 from taskgist.importing.mapping import PointRef
 from taskgist.importing.mapping_fields import UNITS_M
-from taskgist.importing.mapping_people import HEAD_POINTS, PARTS
+from taskgist.importing.mapping_people import HEAD_POINTS, LEG_POINTS, PARTS
+from taskgist.importing.sizes import OFF_THE_FLOOR_M, height_of_soles_m
 from taskgist.importing.table_values import Track
 from taskgist.importing.tables import Samples
+from taskgist.world.bodies.human import HumanSize
 
 PERSON_EXTENT_M = (0.1, 3.0)
 """Across all points of a person in one frame: few points of a child, to outstretched arms over head."""
@@ -28,6 +30,7 @@ FARTHEST_OBJECT_M = 20.0
 FARTHEST_CLOCKS_S = 60.0
 """Between the end of one source and the beginning of another (ours)."""
 
+_KNEES = frozenset({"left_knee", "right_knee"})
 _BELOW_HEAD = frozenset({"pelvis", "abdomen", "left_hip", "right_hip", "chest"})
 
 
@@ -89,13 +92,42 @@ def check_person(file: Path, name: str, points: Mapping[str, Array], units_m: Se
         _check_extent(file, field, _median_extent_m(points), units_m)
     head_z = _median_z(points, HEAD_POINTS)
     below_z = _median_z(points, _BELOW_HEAD)
-    if head_z - below_z < 0.05:
+    if is_low(points) or _bends(points):
+        return
+    if head_z - below_z < LEAST_RISE_M:
         hint = 'check axes: our x is forward, y left, z up, as axes = { x = "-z", y = "-x", z = "y" } for y up'
         value = f"{head_z - below_z:+.2f} m along our z axis"
         raise MappingError("the head is not above the trunk", where=file, field=field, value=value, hint=hint)
     if not np.isnan(head_z) and not HEAD_HEIGHT_M[0] <= head_z <= HEAD_HEIGHT_M[1]:
         hint = "the floor must be z = 0: shift the source, as transform = { position_m = [0, 0, 1.1] }"
         raise MappingError("the head is not at a person's height", where=file, field=field, value=head_z, hint=hint)
+
+
+LEAST_RISE_M = 0.05
+"""Between trunk and head of who neither lies nor bends far."""
+LYING_M = (-0.15, 1.2)
+"""Heights between which all of somebody lies, from the floor to a high bed (ours)."""
+LYING_EXTENT_M, LYING_RISE_M = 0.7, 0.3
+"""Vertical extent of somebody who lies, and of the head over the trunk, or below it (ours)."""
+BENT_RISE_M, STANDING_RISE_M = -0.7, 0.3
+"""Least height of the head over the trunk in who bends down, and of the hips over the feet (ours)."""
+
+
+def is_low(points: Mapping[str, Array]) -> bool:
+    """Whether somebody lies for most of the time, or bends far where no legs are known: the body is level and low."""
+    rise_m = _median_z(points, HEAD_POINTS) - _median_z(points, _BELOW_HEAD)
+    if not abs(rise_m) < LYING_RISE_M:
+        return False
+    heights = np.concatenate([values[:, 2] for values in points.values()])
+    low, high = np.nanpercentile(heights, (5.0, 95.0))
+    return bool(low >= LYING_M[0] and high <= LYING_M[1] and high - low < LYING_EXTENT_M)
+
+
+def _bends(points: Mapping[str, Array]) -> bool:
+    """Whether the head is down while the hips are over the feet, for most of the time."""
+    rise_m = _median_z(points, HEAD_POINTS) - _median_z(points, _BELOW_HEAD)
+    legs_m = _median_z(points, {"pelvis", "left_hip", "right_hip"}) - _median_z(points, LEG_POINTS - _KNEES)
+    return bool(BENT_RISE_M < rise_m < LEAST_RISE_M and legs_m > STANDING_RISE_M)
 
 
 def check_objects(file: Path, positions: Mapping[str, Array], people: list[Array]) -> None:
@@ -188,10 +220,13 @@ SIDES = (("left_shoulder", "right_shoulder"), ("left_hip", "right_hip"))
 FORWARD = (("left_heel", "left_toe"), ("right_heel", "right_toe"))
 MOST_TURNED = -0.5
 """Cosine between where face and feet point and what the sides say is forward; people turn their heads, not round."""
+ALWAYS = 90.0
+"""Percentage of the frames in which a mirrored person faces backwards: all, but for noise. Who looks back does so for a
+while, and trackers of images exchange the sides of somebody who turns round until they see the face again (ours)."""
 
 
 def check_not_mirrored(file: Path, name: str, points: Mapping[str, Array], face: Array | None) -> None:
-    """Refuse a person that faces backwards.
+    """Refuse a person that faces backwards all the time.
 
     Args:
         file: The mapping, for messages.
@@ -217,10 +252,32 @@ def check_not_mirrored(file: Path, name: str, points: Mapping[str, Array], face:
 
 
 def _level_cosine(a: Array, b: Array) -> float:
-    """Median cosine between horizontal directions over time; NaN if they are never known together."""
+    """Cosine between horizontal directions that they seldom exceed (``ALWAYS``); NaN if never known together."""
     level_a, level_b = a[:, :2], b[:, :2]
     lengths = np.linalg.norm(level_a, axis=1) * np.linalg.norm(level_b, axis=1)
     known = np.isfinite(lengths) & (lengths > 0.0)
     if not known.any():
         return float("nan")
-    return float(np.median(np.sum(level_a[known] * level_b[known], axis=1) / lengths[known]))
+    return float(np.percentile(np.sum(level_a[known] * level_b[known], axis=1) / lengths[known], ALWAYS))
+
+
+# --- People under or over the floor: it was taken to be elsewhere.
+
+
+def floor_notes(people: Mapping[str, Mapping[str, Array]], sizes: Mapping[str, HumanSize]) -> list[str]:
+    """What to tell about people under or over the floor, and the shift that would mend it.
+
+    Args:
+        people: Points of each person by landmark, metres, (N, 3) each.
+        sizes: How large they are.
+    """
+    notes = []
+    for name, points in people.items():
+        height_m = height_of_soles_m(points, sizes[name].hip_height_m)
+        if abs(height_m) > OFF_THE_FLOOR_M:
+            where = "over" if height_m > 0.0 else "under"
+            notes.append(
+                f"{name}'s feet are {abs(height_m):.2f} m {where} the floor for most of the time: unless something is "
+                f"there to stand on, add {-height_m:+.2f} to z of the source's transform = {{ position_m = [x, y, z] }}"
+            )
+    return notes

@@ -189,6 +189,8 @@ class Person:
         token: What ``{person}`` stands for in the source.
         directions: By their names in the fit of a body, such as "face" and "left_palm".
         unknown: Part of the body and why it is unknown.
+        skeleton: The name of the skeleton (``skeletons.SKELETONS``) that the mapping gives, or "".
+        preset: Landmarks whose points are those of the skeleton.
     """
 
     name: str
@@ -197,6 +199,8 @@ class Person:
     directions: tuple[tuple[str, LocalAxis | Between], ...]
     unknown: tuple[tuple[str, str], ...]
     stature_m: float | None
+    skeleton: str = ""
+    preset: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Collection, Mapping
 from collections.abc import Mapping as AnyMapping
+from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -30,6 +31,7 @@ from taskgist.importing.mapping import (
 from taskgist.importing.mapping_fields import read_column, read_columns, read_frame
 from taskgist.importing.mapping_people import read_person
 from taskgist.importing.mapping_things import read_support, read_thing
+from taskgist.importing.skeletons import SKELETONS
 from taskgist.recording.recording import Label, Provenance
 from taskgist.settings import DEFAULT, Limits
 
@@ -308,6 +310,7 @@ def load_mapping(
     sources = {name: read_source(name, section) for name, section in top.tables_by_name("sources").items()}
     about = top.table("about")
     people = {name: read_person(name, section, sources) for name, section in top.tables_by_name("people").items()}
+    sources = _named_points(top, sources, people)
     things = {name: read_thing(name, section, sources, base) for name, section in top.tables_by_name("objects").items()}
     mapping = ImportMapping(
         name=about.text("name", clean_name(file.stem) or "recording"),
@@ -325,6 +328,19 @@ def load_mapping(
     )
     _check_whole(top, mapping.people, mapping.objects, mapping.supports)
     return mapping
+
+
+def _named_points(top: TomlTable, sources: dict[str, Source], people: AnyMapping[str, Person]) -> dict[str, Source]:
+    """The sources, those that list no names with the names of the skeleton that is mapped from them."""
+    named = dict(sources)
+    for person in people.values():
+        for ref in (ref for point in person.points if point.landmark in person.preset for ref in point.refs):
+            names = SKELETONS[person.skeleton].names
+            if not sources[ref.source].names and named[ref.source].names not in ((), names):
+                hint = "list the source's names: names = [...]"
+                raise top.error("two skeletons are mapped from one source", f"sources.{ref.source}.names", hint=hint)
+            named[ref.source] = replace(sources[ref.source], names=sources[ref.source].names or names)
+    return named
 
 
 def _about(section: TomlTable, text: str) -> Provenance:

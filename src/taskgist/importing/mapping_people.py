@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from taskgist.common.toml import TomlTable
 from taskgist.errors import UnknownNameError
-from taskgist.importing.mapping import Between, LocalAxis, Name, Person, Point, PointRef
+from taskgist.importing.mapping import Between, LocalAxis, Name, Person, Point, PointRef, Source
 from taskgist.importing.mapping_fields import local_axis
+from taskgist.importing.skeletons import Skeleton, skeleton_named
 
 # --- The names that an import mapping gives to tracked points of a person, and the parts of the body they belong to.
 
@@ -51,30 +52,80 @@ DIRECTIONS: dict[str, dict[str, str]] = {
 Directions = dict[str, LocalAxis | Between]
 
 
-def read_person(name: str, section: TomlTable, sources: Collection[str]) -> Person:
+def read_person(name: str, section: TomlTable, sources: Mapping[str, Source]) -> Person:
     """One person.
+
+    Args:
+        name: The person's name.
+        section: The [people.NAME] table.
+        sources: The mapping's sources, by name.
 
     Raises:
         MappingError: A field is missing, unknown or out of range.
-        UnknownNameError: A landmark, part or source that does not exist.
+        UnknownNameError: A landmark, part, source or skeleton that does not exist.
     """
     default_source = section.text("source", None)
-    points = tuple(
-        Point(landmark, _refs(section.table("points"), landmark, default_source, sources))
+    given = {
+        landmark: _refs(section.table("points"), landmark, default_source, sources)
         for landmark in _known_keys(section, "points", LANDMARKS, "landmark")
-    )
+    }
+    preset: dict[str, tuple[PointRef, ...]] = {}
+    axes: Mapping[str, Mapping[str, str]] = {}
+    skeleton = section.text("skeleton", None)
+    if skeleton is not None:
+        source = sources[_source(section, default_source, sources)]
+        known = skeleton_named(skeleton, f"{section.place}.skeleton")
+        preset = {key: refs for key, refs in _preset(section, known, source).items() if key not in given}
+        axes = known.axes_by_up.get(_up(source), {}) if source.rotation else {}
+    points = tuple(Point(landmark, refs) for landmark, refs in {**preset, **given}.items() if refs)
     if not points:
-        raise section.error("names no points", "points", hint='as points = { head = "Head", ... }')
+        hint = 'as points = { head = "Head", ... }, or skeleton = "zed_body_34"'
+        raise section.error("names no points", "points", hint=hint)
     person = Person(
         name=name,
         token=_token(section, name),
         points=points,
-        directions=tuple(_directions(section, {point.landmark for point in points}).items()),
+        directions=tuple(_directions(section, {point.landmark for point in points}, axes).items()),
         unknown=_unknown(section),
         stature_m=section.number("stature_m", None, least=0.5, most=2.5),
+        skeleton=skeleton or "",
+        preset=tuple(preset),
     )
     section.done()
     return person
+
+
+def _preset(section: TomlTable, skeleton: Skeleton, source: Source) -> dict[str, tuple[PointRef, ...]]:
+    """The points of a skeleton as the source calls them, by landmark; those that it does not list are left out.
+
+    Names are alike whatever their case and what stands between their words: LEFT_EYE is "Left eye", too. A source that
+    lists no names is taken to have the skeleton's own, in the skeleton's order.
+    """
+    listed = source.names or skeleton.names
+    spelled = {_folded(name): name for name in listed}
+    found = {
+        landmark: tuple(PointRef(source.name, spelled.get(_folded(point), point)) for point in at.points)
+        for landmark, at in skeleton.points().items()
+        if not listed or all(_folded(point) in spelled for point in at.points)
+    }
+    if not found:
+        theirs = ", ".join(point for at in list(skeleton.points().values())[:6] for point in at.points)
+        raise section.error(
+            "the source's names are not those of this skeleton",
+            "skeleton",
+            section.values["skeleton"],
+            f"its points are called {theirs}, ...: name them so in the source, or map them by points = {{ ... }}",
+        )
+    return found
+
+
+def _folded(name: str) -> str:
+    return "".join(letter for letter in name.casefold() if letter.isalnum())
+
+
+def _up(source: Source) -> str:
+    """The source's axis that points up, "y" or "z"; empty for another one."""
+    return {(0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}.get(source.frame.axes[2], "")
 
 
 def read_point_ref(section: TomlTable, default_source: str | None, sources: Collection[str]) -> PointRef:
@@ -92,6 +143,8 @@ def _refs(
     points: TomlTable, landmark: str, default_source: str | None, sources: Collection[str]
 ) -> tuple[PointRef, ...]:
     value = points.any(landmark)
+    if value is False:
+        return ()
     if isinstance(value, dict) and "mean" in value:
         section = points.table(landmark)
         items = section.any("mean")
@@ -132,12 +185,14 @@ def _token(section: TomlTable, name: str) -> Name:
     return _point_name(section, "person", section.any("person", name))
 
 
-def _directions(section: TomlTable, mapped: Collection[str]) -> Directions:
+def _directions(section: TomlTable, mapped: Collection[str], preset: Mapping[str, Mapping[str, str]]) -> Directions:
     given = section.table("directions")
     directions: Directions = {}
     for part in DIRECTIONS:
         if part in given:
             directions |= _given(given.table(part), part, mapped)
+        elif part in preset and _usual_frame(part, mapped) in mapped:
+            directions |= _given(given.inner(preset[part], part), part, mapped)
         else:
             directions |= _usual(part, mapped)
     given.done()

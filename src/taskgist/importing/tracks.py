@@ -4,14 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from collections.abc import Mapping as AnyMapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.errors import InputError, MappingError
-from taskgist.importing.checks import check_clocks, check_duplicates, check_not_mirrored, check_objects, check_person
+from taskgist.importing.checks import (
+    check_clocks,
+    check_duplicates,
+    check_not_mirrored,
+    check_objects,
+    check_person,
+    is_low,
+)
 from taskgist.importing.mapping import (
     Between,
     FixedPose,
@@ -26,10 +33,12 @@ from taskgist.importing.mapping import (
     Thing,
 )
 from taskgist.importing.mapping_people import HEAD_POINTS, PARTS
+from taskgist.importing.skeletons import SKELETONS
 from taskgist.importing.table_values import Track
 from taskgist.importing.tables import Samples, Tables
 from taskgist.recording.recording import Signal
 from taskgist.settings import DEFAULT
+from taskgist.world.fit import Marker
 from taskgist.world.geometry.transforms import IDENTITY_WXYZ, about_z, changed_frame, matrix_from_wxyz, slerp
 
 # --- Tracked motion: what a mapping makes of someone's tables, in our axes, units and frames.
@@ -47,12 +56,16 @@ class PersonTrack:
         directions: Unit vectors in the world by name ("face", "left_hand", ...), (N, 3) each; NaN where unknown.
         unknown: Parts of the body that are not to be believed, and why. None of their landmarks is in ``points``.
         stature_m: Height of the person, if the mapping gives it.
+        markers: Those of the points that are no landmarks of ours but lie beside one; offsets in statures.
+        lines: Directions that lead from points to points of the mapping's skeleton: the names of both.
     """
 
     points: Mapping[str, Array]
     directions: Mapping[str, Array]
     unknown: Mapping[str, str]
     stature_m: float | None
+    markers: Mapping[str, Marker] = field(default_factory=lambda: MappingProxyType({}))
+    lines: Mapping[str, Between] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,11 +279,19 @@ def tracked_person(person: Person, samples: Samples, frames_s: Array, mapping: I
     }
     for values in (*points.values(), *directions.values()):
         values.flags.writeable = False
+    markers = SKELETONS[person.skeleton].markers() if person.skeleton else {}
+    lines = {
+        name: rule
+        for name, rule in person.directions
+        if isinstance(rule, Between) and not rule.raise_rad and {*rule.start, *rule.end} <= {*person.preset}
+    }
     return PersonTrack(
         points=MappingProxyType(points),
         directions=MappingProxyType(directions),
         unknown=MappingProxyType(dict(person.unknown)),
         stature_m=person.stature_m,
+        markers=MappingProxyType({name: markers[name] for name in person.preset if name in markers}),
+        lines=MappingProxyType({name: rule for name, rule in lines.items() if name in directions}),
     )
 
 
@@ -494,10 +515,13 @@ def _unseen(person: PersonTrack) -> list[str]:
 def _notes(mapping: ImportMapping, people: AnyMapping[str, PersonTrack]) -> tuple[str, ...]:
     unknown = [f"{p.name}: {part} is unknown: {reason}" for p in mapping.people for part, reason in p.unknown]
     unseen = [f"{name}: never seen: {', '.join(lost)}" for name, person in people.items() if (lost := _unseen(person))]
+    low = [
+        f"{name} lies, or bends far, all the time: if not, check axes" for name in people if is_low(people[name].points)
+    ]
     estimated = [
         f"{item.name} is estimated" + (f": {item.note}" if item.note else "")
         for items in (mapping.objects, mapping.supports)
         for item in items
         if item.estimated
     ]
-    return (*mapping.about.notes, *unknown, *unseen, *estimated)
+    return (*mapping.about.notes, *unknown, *unseen, *low, *estimated)

@@ -18,7 +18,7 @@ from taskgist.recording.recording import Label, Recording
 from taskgist.settings import DEFAULT, Checks, Settings
 from taskgist.world.contacts import overlaps
 from taskgist.world.scene import Scene
-from taskgist.world.stage import Stage
+from taskgist.world.stage import Stage, gap_under_feet_m
 
 Severity = Literal["unfit", "warning", "note"]
 
@@ -31,6 +31,8 @@ OVERLAP_M = 0.03
 SOFT_M = 0.05
 """Bodies and furniture: flesh and cushions give by as much."""
 OVERLAP_EVERY_S = 0.2
+OFF_THE_FLOOR_M, FLOOR_FRAMES = 0.15, 40
+"""How far feet may be from what is beneath them, and in how many frames that is looked at (ours)."""
 POOR_FIT_CM = 5.0
 """Median error of a fitted landmark above which facts of contact are doubtful."""
 SPINE = ("chest", "abdomen", "neck", "pelvis")
@@ -82,6 +84,7 @@ def check(recording: Recording, settings: Settings = DEFAULT, progress: Progress
         *_poor_fits(recording),
         *_jumps(recording, settings.checks),
         *_sizes(recording.scene, settings.checks),
+        *_off_the_floor(recording),
         *_overlaps(recording, progress),
         *_label(recording, Observer(recording.scene, recording, settings), settings),
         *_estimated(recording),
@@ -171,6 +174,25 @@ def _sizes(scene: Scene, limits: Checks) -> Iterator[Finding]:
             yield Finding("warning", name, f"is {longest_m:.3g} m long: in millimetres?", remedy)
         elif longest_m < limits.smallest_m:
             yield Finding("warning", name, f"is {1000 * longest_m:.2g} mm long: shrunk a thousandfold?", remedy)
+
+
+def _off_the_floor(recording: Recording) -> Iterator[Finding]:
+    """People whose feet are deep in the floor, or far over whatever is beneath them, for most of the time."""
+    scene, stage = recording.scene, Stage(recording.scene)
+    frames = np.linspace(0, len(recording) - 1, min(len(recording), FLOOR_FRAMES), dtype=int)
+    for name in scene.agents:
+        agent = scene.agent(name)
+        states = [state for state in map(recording.state, frames) if state.known([f"{name}/legs", name])]
+        if not agent.profile.legs.feet or not states:
+            continue
+        gap_m = float(np.median([gap_under_feet_m(stage.show(state), agent) for state in states]))
+        if gap_m < -OFF_THE_FLOOR_M:
+            problem = f"the feet are {-gap_m:.2f} m under the floor for most of the time"
+            yield Finding("unfit", name, problem, f"shift people by {-gap_m:.2f} m up, or the floor as far down")
+        elif gap_m > OFF_THE_FLOOR_M:
+            problem = f"the feet are {gap_m:.2f} m over what is beneath them for most of the time"
+            remedy = f"shift people by {gap_m:.2f} m down, or add what they stand on, or their feet rest on"
+            yield Finding("warning", name, problem, remedy)
 
 
 def _overlaps(recording: Recording, progress: Progress) -> Iterator[Finding]:

@@ -109,30 +109,74 @@ DAMPING = 1e-3
 """Share of the squared error that is added to the diagonal: steps stay short while the targets are far."""
 
 
+@dataclass(frozen=True)
+class Marker:
+    """A point that is fixed to a body near one of its landmarks: a marker on the skin, another tracker's joint.
+
+    Attributes:
+        landmark: The landmark beside which it lies.
+        offset_m: From there to it, metres, along the axes that the body has in its zero configuration.
+        axes: The landmark with whose body the offset turns; empty: the same landmark.
+    """
+
+    landmark: str
+    offset_m: tuple[float, float, float]
+    axes: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class FixedPoints:
+    """Points that are fixed to bodies, n of them.
+
+    Attributes:
+        sites: The site beside which each lies.
+        frames: The site with whose axes its offset turns.
+        offsets_m: From the one to the point, in the axes of the other, metres, (n, 3).
+    """
+
+    sites: tuple[int, ...]
+    frames: tuple[int, ...]
+    offsets_m: Array
+
+    def places(self, data: mujoco.MjData) -> Array:
+        """Where they are in the world, metres, (n, 3)."""
+        return np.asarray(data.site_xpos[list(self.sites)] + self.levers(data))
+
+    def levers(self, data: mujoco.MjData) -> Array:
+        """The offsets in the world, metres, (n, 3)."""
+        matrices = data.site_xmat[list(self.frames)].reshape(-1, 3, 3)
+        return np.asarray((matrices @ self.offsets_m[:, :, None])[:, :, 0])
+
+
 class PointsTask(mink.Task):
-    """Sites at places.
+    """Points of bodies at places.
 
     Args:
-        sites: Indices of the sites, n of them.
+        points: The points, n of them.
         targets_m: Where they should be in the world, metres, (n, 3).
         costs: Weight of each, (n,).
     """
 
-    def __init__(self, sites: Sequence[int], targets_m: Array, costs: Array) -> None:
+    def __init__(self, points: FixedPoints, targets_m: Array, costs: Array) -> None:
         super().__init__(cost=np.repeat(costs, 3), lm_damping=DAMPING)
-        self._sites = list(sites)
+        self._points = points
         self._targets_m = targets_m
 
     def compute_error(self, configuration: mink.Configuration) -> Array:
-        """Site minus target, metres, (3 n,)."""
-        return np.asarray((configuration.data.site_xpos[self._sites] - self._targets_m).ravel())
+        """Point minus target, metres, (3 n,)."""
+        return np.asarray((self._points.places(configuration.data) - self._targets_m).ravel())
 
     def compute_jacobian(self, configuration: mink.Configuration) -> Array:
-        """How it changes with the configuration, (3 n, nv)."""
-        model, data = configuration.model, configuration.data
-        jacobian = np.zeros((3 * len(self._sites), model.nv))
-        for row, site in enumerate(self._sites):
-            mujoco.mj_jacSite(model, data, jacobian[3 * row : 3 * row + 3], None, site)
+        """How it changes with the configuration, (3 n, nv): that of the site, and that of the lever, turn × lever."""
+        model, data, points = configuration.model, configuration.data, self._points
+        jacobian = np.zeros((3 * len(points.sites), model.nv))
+        turn = np.zeros((3, model.nv))
+        for row, (site, frame, lever) in enumerate(zip(points.sites, points.frames, points.levers(data), strict=True)):
+            rows = jacobian[3 * row : 3 * row + 3]
+            mujoco.mj_jacSite(model, data, rows, None, site)
+            if lever.any():
+                mujoco.mj_jacSite(model, data, None, turn, frame)
+                rows -= _cross_matrix(lever) @ turn
         return jacobian
 
 
@@ -197,7 +241,10 @@ MOVING: Mapping[str, tuple[str, ...]] = {
 }
 """Named sets of joints that a fit may move, by words in the joints' names; ``body`` moves everything, the root too."""
 
-AXES: Mapping[str, tuple[str, tuple[float, float, float]]] = {
+Axis = tuple[str, tuple[float, float, float]]
+"""A landmark, and an axis in its frame."""
+
+AXES: Mapping[str, Axis] = {
     "face": ("eye", (1.0, 0.0, 0.0)),
     "head_up": ("eye", (0.0, 0.0, 1.0)),
     "left_hand": ("left_wrist", (0.0, 0.0, -1.0)),
@@ -294,6 +341,9 @@ class Fitter:
         moving: A name of ``fit_words.MOVING``, ``"body"``, or the names of the joints that may move.
         root: Whether the root moves too; by default with ``"body"`` only.
         weights: Relative cost of a landmark or direction; 1 where none is given.
+        markers: Points that are no landmarks of the body but lie beside one, by the names that ``fit`` gets them under.
+        axes: Directions of the body that differ from ``AXES``, or are not among them: a landmark, and the axis in its
+            frame, of length 1.
         damping: Pull of a step towards none; less than by default where the targets are exact.
     """
 
@@ -305,9 +355,13 @@ class Fitter:
         moving: str | Collection[str] = "body",
         root: bool | None = None,
         weights: Mapping[str, float] | None = None,
+        markers: Mapping[str, Marker] | None = None,
+        axes: Mapping[str, Axis] | None = None,
         damping: float = STEP_DAMPING,
     ) -> None:
         self._damping = damping
+        self._markers = dict(markers or {})
+        self._axes = {**AXES, **(axes or {})}
         self._alone = alone(scene, agent)
         self._agent = self._alone.agent
         self._weights = dict(weights or {})
@@ -387,7 +441,15 @@ class Fitter:
         if not points:
             return []
         costs = np.array([self._weights.get(name, 1.0) for name in points])
-        return [PointsTask([self._site(name) for name in points], np.array(list(points.values())), costs)]
+        return [PointsTask(self._fixed(points), np.array(list(points.values())), costs)]
+
+    def _fixed(self, names: Iterable[str]) -> FixedPoints:
+        markers = [self._markers.get(name, Marker(name, (0.0, 0.0, 0.0))) for name in names]
+        return FixedPoints(
+            sites=tuple(self._site(marker.landmark) for marker in markers),
+            frames=tuple(self._site(marker.axes or marker.landmark) for marker in markers),
+            offsets_m=np.array([marker.offset_m for marker in markers]),
+        )
 
     def _direction_tasks(self, directions: Mapping[str, Array]) -> list[DirectionsTask]:
         if not directions:
@@ -399,8 +461,12 @@ class Fitter:
         return [DirectionsTask([self._site(site) for site in sites], np.array(axes), targets, costs)]
 
     def _point_errors(self, points: Mapping[str, Array]) -> dict[str, float]:
-        places = self._configuration.data.site_xpos
-        return {name: float(np.linalg.norm(places[self._site(name)] - p)) for name, p in points.items()}
+        if not points:
+            return {}
+        places = self._fixed(points).places(self._configuration.data)
+        return {
+            name: float(np.linalg.norm(at - target)) for at, (name, target) in zip(places, points.items(), strict=True)
+        }
 
     def _direction_errors(self, directions: Mapping[str, Array]) -> dict[str, float]:
         errors = {}
@@ -411,10 +477,10 @@ class Fitter:
             errors[name] = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
         return errors
 
-    def _axis(self, name: str) -> tuple[str, tuple[float, float, float]]:
-        if name not in AXES:
-            raise UnknownNameError("direction", name, AXES, where=self._agent.name)
-        return AXES[name]
+    def _axis(self, name: str) -> Axis:
+        if name not in self._axes:
+            raise UnknownNameError("direction", name, self._axes, where=self._agent.name)
+        return self._axes[name]
 
     def _site(self, landmark: str) -> int:
         site = int(mujoco.mj_name2id(self._model, mujoco.mjtObj.mjOBJ_SITE, f"{self._agent.name}/{landmark}"))

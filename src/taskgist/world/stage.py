@@ -113,6 +113,12 @@ class Stage:
         """Position of a body's frame in metres, (3,)."""
         return np.array(self._data.xpos[body])
 
+    def down_m(self, body: int) -> float | None:
+        """From a body's frame straight down to the first shape of another body, metres; None if there is none."""
+        start, down = self._data.xpos[body], np.array((0.0, 0.0, -1.0))
+        distance = mujoco.mj_ray(self.scene.model, self._data, start, down, None, 1, body, np.zeros(1, np.int32))
+        return None if distance < 0.0 else float(distance)
+
     def body_axis(self, body: int, axis: int) -> Array:
         """One axis of a body's frame in the world, (3,)."""
         return np.array(self._data.xmat[body].reshape(3, 3)[:, axis])
@@ -316,6 +322,23 @@ def floor_height_m(stage: Stage, agent: Agent) -> float:
     model = stage.scene.model
     ankles = [stage.body_position(body_index(model, agent, foot))[2] for foot in agent.profile.legs.feet]
     return float(min(ankles)) - ankle_height_m(model, agent)
+
+
+def gap_under_feet_m(stage: Stage, agent: Agent) -> float:
+    """From the sole of the lower foot down to what is beneath it, metres; negative where the foot is deep in the floor.
+
+    0 where there is nothing beneath at all, and no floor.
+    """
+    model = stage.scene.model
+    floors = [float(stage.geom(geom).position[2]) for geom in range(model.ngeom) if stage.is_plane(geom)]
+    gaps = []
+    for name in agent.profile.legs.feet:
+        foot = body_index(model, agent, name)
+        down_m = stage.down_m(foot)
+        if down_m is None and floors:  # rays meet floors from above only
+            down_m = float(stage.body_position(foot)[2]) - max(floors)
+        gaps.append(0.0 if down_m is None else down_m - ankle_height_m(model, agent))
+    return min(gaps)
 
 
 def seat_position(stage: Stage, agent: Agent) -> Array:
