@@ -315,6 +315,7 @@ rotation = {{ kind = "wxyz", columns = [3, 4, 5, 6] }}
 [people.P1]
 source = "body"
 person = 0
+skeleton = "mediapipe_pose"
 [people.P1.points]
 {_POINTS}
 """ + _REST.format(second=1, cup="")

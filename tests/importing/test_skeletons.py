@@ -10,6 +10,7 @@ import pytest
 
 from taskgist.errors import MappingError, UnknownNameError
 from taskgist.importing import ImportMapping, import_recording, load_mapping, read_tracks
+from taskgist.importing.mapping import LocalAxis
 from taskgist.importing.mapping_people import LANDMARKS
 from taskgist.importing.skeletons import SKELETONS, Skeleton
 from taskgist.world import Scene, Stage
@@ -163,5 +164,5 @@ skeleton = "optitrack"
     (one,) = load_mapping(mapping_file(tmp_path, text)).people
     directions = dict(one.directions)
     sign = -1.0 if forward.startswith("-") else 1.0
-    assert directions["face"].axis == tuple(sign * np.eye(3)["xyz".index(forward[-1])])
+    assert directions["face"] == LocalAxis("head_base", tuple(sign * np.eye(3)["xyz".index(forward[-1])]))
     assert {"face", "head_up", "pelvis", "pelvis_up", "left_palm", "right_thumb"} <= directions.keys()
