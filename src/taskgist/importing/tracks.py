@@ -28,7 +28,7 @@ from taskgist.importing.mapping import (
 from taskgist.importing.mapping_people import HEAD_POINTS, PARTS
 from taskgist.importing.table_values import Track
 from taskgist.importing.tables import Samples, Tables
-from taskgist.recording.recording import Signal
+from taskgist.recording.signals import Signal
 from taskgist.settings import DEFAULT
 from taskgist.world.geometry.transforms import IDENTITY_WXYZ, about_z, changed_frame, matrix_from_wxyz, slerp
 
