@@ -229,6 +229,19 @@ class Timing:
 
 
 @dataclass(frozen=True)
+class Gaze:
+    """Where the eyes of people look in recordings that do not say it (docs/how/gaze.md)."""
+
+    inferred: bool = True
+    """Whether eyes turn towards what the hands take, hold and work on; otherwise the gaze is the head's direction."""
+    range_rad: float = math.radians(35.0)
+    """How far eyes turn in the head, at most (in healthy people 44 ± 7° to each side, 47 ± 8° down, 28 ± 8° up [Lee et
+    al. 2019]: nine in ten get as far as 35° to the sides and down; that is where displays end, too [LaValle 2023])."""
+    before_s: float = 0.5
+    """How long before a hand holds or moves a thing the eyes are at it (0.56 s on average [Land et al. 1999])."""
+
+
+@dataclass(frozen=True)
 class Relations:
     """Relations that are asked for, beside the tree. They shape no fact of the tree and stay out of the digest."""
 
@@ -420,6 +433,7 @@ class Settings:
     contact: Contact = field(default_factory=Contact)
     carrying: Carrying = field(default_factory=Carrying)
     timing: Timing = field(default_factory=Timing)
+    gaze: Gaze = field(default_factory=Gaze)
     relations: Relations = field(default_factory=Relations)
     following: Following = field(default_factory=Following)
     maps: Maps = field(default_factory=Maps)

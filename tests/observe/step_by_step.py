@@ -6,6 +6,7 @@ import bisect
 from collections import deque
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy as np
 from taskgist.common.arrays import Array
 from taskgist.facts import vocabulary as v
 from taskgist.observe import HandStatus, Interval, Placement, velocity
+from taskgist.observe.eyes import turned_towards
 from taskgist.observe.holding import Carrier, Evidence, NearHand, NoHand, pressed
 from taskgist.settings import DEFAULT, Contact, Settings, Timing
 from taskgist.world import Hold, Holding, Scene, Stage, State, hand_gap_m, hand_known, posture_of, rests_on
@@ -327,11 +329,13 @@ class Watching:
             for side in scene.agent(agent).sides
         }
         self._postures = {name: Confirmation[str | None](minimum_s) for name in scene.agents}
+        self._states, self._times_s = list[State](), list[float]()
 
     @classmethod
     def of(cls, scene: Scene, states: Iterable[State], settings: Settings = DEFAULT) -> Watching:
         """One that has seen all of these states, and knows that no more will come."""
         watching, states = cls(scene, settings), list(states)
+        watching._states, watching._times_s = states, [state.time_s for state in states]
         carriers = {name: HoldingWatch(scene, name, settings).decided(states) for name in scene.objects}
         for index, state in enumerate(states):
             watching._take(state, {name: found[index] for name, found in carriers.items()})
@@ -375,8 +379,50 @@ class Watching:
             if status and status.thing and status.symbol == v.HOLDING_OBJECT
         )
 
-    def with_holding(self, state: State) -> State:
-        return state.with_holding(self.holds(state.time_s))
+    def as_confirmed(self, state: State) -> State:
+        eyes = dict(state.eyes)
+        for name in self.scene.agents:
+            if name in eyes or not self._settings.gaze.inferred or not state.known([f"{name}/head"]):
+                continue
+            thing = self._regarded(name, state.time_s)
+            if thing is not None and state.known([thing]):
+                stage = self._stage.show(state)
+                middle = stage.geom_centers(self.scene.seen_geoms(thing)).mean(axis=0)
+                ahead = stage.site(self.scene.agent(name).eye_site)
+                eyes[name] = turned_towards(ahead, middle, thing, self._settings.gaze.range_rad)
+        return state.with_holding(self.holds(state.time_s)).with_eyes(eyes)
+
+    def _regarded(self, name: str, time_s: float) -> str | None:
+        """Of all that the agent's hands ever have, what is had now or half a second later and began nearest to now."""
+        now_s = max((each for each in self._times_s if each <= time_s + ROUNDING_S), default=-np.inf)
+        spans = [span for side in self.scene.agent(name).sides for span in self._spans[name, side]]
+        near = [(abs(now_s - a), -a, thing) for thing, a, b in spans if a - 0.5 - ROUNDING_S <= now_s <= b + ROUNDING_S]
+        return min(near)[2] if near else None
+
+    @cached_property
+    def _spans(self) -> dict[tuple[str, str], list[tuple[str, float, float]]]:
+        """What each hand has, one after the other: the thing, from when to when."""
+        found: dict[tuple[str, str], list[tuple[str, float, float]]] = {}
+        for hand in self._hands:
+            spans, before = found.setdefault(hand, []), None
+            for state in self._states:
+                thing = self._handled(hand, state)
+                if thing is not None:
+                    start_s = spans.pop()[1] if thing == before else state.time_s
+                    spans.append((thing, start_s, state.time_s))
+                before = thing
+        return found
+
+    def _handled(self, hand: tuple[str, str], state: State) -> str | None:
+        status = self._hands[hand].at(state.time_s)
+        if status is None or status.symbol is None or status.symbol == v.HOLDING_OBJECT:
+            return status.thing if status and status.symbol else None
+        arm, stage = self.scene.agent(hand[0]).arm(hand[1]), self._stage.show(state)
+        for name in sorted(self.scene.objects):
+            gap_m = stage.closest(arm.hand_geoms, self.scene.solid_geoms_of(name), limit_m=1.0)[0]
+            if gap_m < self._settings.contact.support_m and self._motions[name].at(state.time_s) == v.MOVING:
+                return name
+        return None
 
 
 def holding_by(stage: Stage, name: str, carrier: Carrier, settings: Contact) -> Holding | None:

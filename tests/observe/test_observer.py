@@ -70,8 +70,8 @@ def test_holding_is_the_same_for_facts_and_perspective(room: Scene, carried: lis
     held = snapshot(Stage(room, carried[50]), observer, agent="P1", name="cup")
     assert held["reach.effort"].value == held["grasp.effort"].value == "No_Effort_Required"
     assert held["hands"].value == {"left": "Free_of_Object", "right": "Holding_Object"}
-    assert observer.with_holding(carried[50]).holding == frozenset({Hold("P1", "right", "cup")})
-    assert observer.with_holding(carried[5]).holding == frozenset()
+    assert observer.as_confirmed(carried[50]).holding == frozenset({Hold("P1", "right", "cup")})
+    assert observer.as_confirmed(carried[5]).holding == frozenset()
 
 
 def test_what_stands_is_not_held_however_the_hand_trembles_at_it(room: Scene, carried: list[State]) -> None:

@@ -11,6 +11,7 @@ from taskgist.errors import UnknownNameError
 from taskgist.facts import STANDARD_TREE, Predicate, predicate_subtree
 from taskgist.observe import Observer, snapshot
 from taskgist.pipeline import Timeline, attribute_nodes, timeline
+from taskgist.settings import DEFAULT
 from taskgist.world import Stage
 from tests.pipeline.small import FRAMES, small
 from tests.shipped import excerpt, label
@@ -90,3 +91,14 @@ def test_unknown_agents() -> None:
     still = small()
     with pytest.raises(UnknownNameError, match="no agent 'P3'; did you mean 'P2'"):
         timeline(still, Observer(still.scene, still), agent="P3", name="cup")
+
+
+def test_what_was_assumed_of_eyes_is_in_it(line: Timeline) -> None:
+    """P2's eyes are at the baton from half a second before its hand is; sampled every 0.6 s."""
+    (gaze,) = line.gaze
+    taken_s = line.rows["hands"][-1].start_s
+    assert gaze.towards == "baton"
+    assert taken_s - 1.0 <= gaze.start_s <= taken_s + 0.1, "its hand touches it a little before it holds it"
+    assert gaze.end_s == line.rows["hands"][-1].end_s
+    least_rad, most_rad = gaze.turned_rad
+    assert 0.0 < least_rad <= most_rad <= DEFAULT.gaze.range_rad + 1e-9

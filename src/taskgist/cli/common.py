@@ -205,13 +205,20 @@ def check_target(
         raise InputError(f"{what} are {suffix[1:].upper()}", where=path, field=option, hint=f"name it {suffix}")
 
 
-def open_stage(where: Path, at: float | None) -> Stage:
+def open_stage(where: Path, at: float | None, *, confirmed: bool = True) -> Stage:
     """A scene as it is placed, or as it was at a time of a recording.
+
+    Args:
+        where: The scene, or the recording.
+        at: When, seconds; the recording's begin if left out.
+        confirmed: Whether it is decided over time who holds what then and where eyes look, as for the recording's
+            facts; otherwise one moment decides, and eyes look where heads do.
 
     Raises:
         SceneError: The scene cannot be read.
         RecordingError: The recording cannot be read or does not have that time, or a scene is asked for one.
     """
+    from taskgist.observe.observer import Observer
     from taskgist.recording.mcap import read
     from taskgist.world.scene import Scene
     from taskgist.world.stage import Stage
@@ -222,4 +229,6 @@ def open_stage(where: Path, at: float | None) -> Stage:
                 raise RecordingError("a scene has no time", where=where, field="--at", value=at, hint="leave --at out")
             return Stage(Scene.load(where))
         recording = read(where)
-        return Stage(recording.scene, recording.at(float(recording.times_s[0]) if at is None else at))
+        state = recording.at(float(recording.times_s[0]) if at is None else at)
+        observer = Observer(recording.scene, recording)
+        return Stage(recording.scene, observer.as_confirmed(state) if confirmed else state.with_eyes({}))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import math
 from dataclasses import replace
 from itertools import product
 from typing import Annotated, Any
@@ -153,7 +155,9 @@ def _tell_over_time(
         _print_timeline(line)
         _print_effect(effect)
     rows = {attribute: intervals_document(intervals) for attribute, intervals in line.rows.items()}
-    return {"agent": agent, "object": name, "every_s": every_s, "timeline": rows, "effect": _effect_document(effect)}
+    gaze = [dataclasses.asdict(each) for each in line.gaze]
+    document = {"agent": agent, "object": name, "every_s": every_s, "timeline": rows, "gaze": gaze}
+    return {**document, "effect": _effect_document(effect)}
 
 
 def _value_text(value: Any) -> str:
@@ -168,6 +172,14 @@ def _print_timeline(line: Timeline) -> None:
         if attribute.endswith(".state"):
             continue  # joint angles: --at shows them
         print_intervals(attribute, intervals)
+    if line.gaze:
+        console.print(Text(f"  gaze of {line.agent}, inferred", style="bold"))
+    for each in line.gaze:
+        least, most = (f"{math.degrees(angle_rad):.0f}" for angle_rad in each.turned_rad)
+        turned = f"{most}°" if least == most else f"{least} to {most}°"
+        console.print(
+            f"    {each.start_s:6.2f} - {each.end_s:6.2f} s  the eyes turned {turned} towards the {each.towards}"
+        )
 
 
 def _print_effect(effect: Explanation | None) -> None:

@@ -142,7 +142,7 @@ def perform(
     check_pddl(pddl, replace=replace)
     clause = _clause(knowledge, task)
     time_s, place = when_and_where(at or [])
-    stage = open_stage(where, time_s)
+    stage = open_stage(where, time_s, confirmed=False)  # whoever is planned for holds still, and looks as is assumed
     from taskgist.pipeline.performing import perform as performed
     from taskgist.planning.requests import Request, check_one_problem
 

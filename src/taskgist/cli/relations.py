@@ -14,6 +14,7 @@ from taskgist.observe.frames import Interval
 from taskgist.observe.observer import Observer
 from taskgist.observe.relations import distance, distance_change
 from taskgist.observe.relations_over_time import Relations, RelationsOverTime, relations_of
+from taskgist.perspective.effort import assumed_gaze
 from taskgist.recording.recording import Recording
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
@@ -70,7 +71,7 @@ def _text(value: str | bool | None) -> str:
 
 def _of_moment(recording: Recording, observer: Observer, agent: str, name: str, state: State) -> Relations:
     """What is so in one state, and, as confirmed by then, what needs time."""
-    found = relations_of(Stage(recording.scene, observer.with_holding(state)), agent, name)
+    found = relations_of(Stage(recording.scene, observer.as_confirmed(state)), agent, name)
     for relation, value in RelationsOverTime(observer, recording).at(agent, name, state.time_s).items():
         found.setdefault(relation, Observation(UNKNOWN if value is None else value))
     return found
@@ -98,7 +99,9 @@ def _evidence_text(evidence: Any) -> str:
         bearing = math.degrees(evidence["bearing_rad"])
         parts.append(f"{abs(bearing):.0f}° to the {'right' if bearing < 0 else 'left'}")
     if evidence.get("off_rad") is not None:
-        parts.append(f"{math.degrees(evidence['off_rad']):.0f}° beside the head's direction")
+        parts.append(f"{math.degrees(evidence['off_rad']):.0f}° beside the gaze")
+    if "eyes_towards" in evidence:
+        parts.append(assumed_gaze(evidence["eyes_towards"], evidence["eyes_rad"]))
     return ", ".join(parts)
 
 

@@ -19,7 +19,7 @@ from taskgist.cli.common import (
     open_stage,
     print_json,
 )
-from taskgist.perspective.effort import Visibility, evidence_document
+from taskgist.perspective.effort import Visibility, assumed_gaze, evidence_document
 from taskgist.perspective.image import visibility
 
 
@@ -73,6 +73,8 @@ def _sentence(visible: Visibility | None) -> str:
             return f"not visible: hidden by {hidden_by}"
         return f"not visible: {'too small' if visible.unoccluded_px else 'out of the field of view'}"
     where = "in the gaze cone" if visible.in_gaze_cone else "beside the gaze cone"
+    if visible.eyes_towards is not None:
+        where += f" ({assumed_gaze(visible.eyes_towards, visible.eyes_rad)})"
     unoccluded = _percent(visible.visible_share, 0)
     return f"visibility score {_percent(visible.score, 2)}, {where}, {unoccluded} of it unoccluded"
 

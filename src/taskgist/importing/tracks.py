@@ -36,7 +36,7 @@ from taskgist.importing.mapping_people import HEAD_POINTS, PARTS
 from taskgist.importing.skeletons import SKELETONS
 from taskgist.importing.table_values import Track
 from taskgist.importing.tables import Samples, Tables
-from taskgist.recording.recording import Signal
+from taskgist.recording.signals import Signal
 from taskgist.settings import DEFAULT
 from taskgist.world.fit import Marker
 from taskgist.world.geometry.transforms import IDENTITY_WXYZ, about_z, changed_frame, matrix_from_wxyz, slerp

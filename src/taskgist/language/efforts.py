@@ -10,6 +10,7 @@ from taskgist.perspective.effort import (
     CROUCH,
     LEAN,
     LIFT,
+    LOOK,
     MOVE,
     NO_ACTION,
     NO_KNOWN_LEVEL,
@@ -26,6 +27,7 @@ from taskgist.perspective.effort import (
     Occlusion,
     Reason,
     Visibility,
+    assumed_gaze,
 )
 
 VERBS: Mapping[str, str] = {"see": "sees", "reach": "reaches", "grasp": "grasps"}
@@ -58,6 +60,7 @@ def gerunds(effort: Effort) -> list[str]:
     telling: Mapping[str, Callable[[], str]] = {
         PAN: lambda: f"turning the head {_degrees(turns[PAN])}",
         TILT: lambda: f"tilting the head {_degrees(turns[TILT])}",
+        LOOK: lambda: "turning the eyes ahead",
         TURN: lambda: f"turning the torso {_degrees(turns[TURN])}",
         LEAN: lambda: f"leaning {'forward' if turns[LEAN] > 0 else 'back'} {_degrees(turns[LEAN])}",
         STAND: lambda: "standing up",
@@ -90,7 +93,8 @@ def _now(effort: Effort) -> str:
         return f"it is in {effort.agent}'s {found.arm} hand"
     assert isinstance(found, Visibility), "what is not held at level 0 is seen"
     shown = "all" if found.visible_px == found.unoccluded_px else _number(found.visible_px)
-    return f"it is in the gaze cone, and {shown} of its {_number(found.unoccluded_px)} pixels are visible"
+    assumed = "" if found.eyes_towards is None else f" ({assumed_gaze(found.eyes_towards, found.eyes_rad)})"
+    return f"it is in the gaze cone{assumed}, and {shown} of its {_number(found.unoccluded_px)} pixels are visible"
 
 
 def _number(pixels: float) -> str:

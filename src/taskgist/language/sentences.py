@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from fractions import Fraction
+from typing import cast
 
 from taskgist.language.phrases import ABILITIES, listed, phrase, topic
 from taskgist.learning.estimate import Verdict
@@ -59,6 +61,7 @@ def why(understanding: Understanding, node: str) -> str:
     if judgement.counts:
         parts.append(_observed(understanding, judgement))
     parts.extend(_divided(judgement, each) for each in judgement.divided)
+    parts.append(_assumed(understanding, judgement))
     parts.append(_answered(judgement) if judgement.answer else _figures(judgement))
     return " ".join(part for part in parts if part)
 
@@ -79,6 +82,7 @@ def _behind(choice: Choice) -> str:
     return "; ".join([*whole, *single])
 
 
+ENDS = {1: "at the start", 2: "at the end"}
 SPOKEN_ORDER = ("see", "visibility", "reach", "grasp", "hands", "placement", "motion", "posture")
 """What people say first about a task; a user's own predicates come last."""
 
@@ -141,6 +145,22 @@ def _observed(understanding: Understanding, judgement: Judgement) -> str:
         names = [each.demonstration for each in understanding.demonstrations(name, value)]
         told.append(f"{value} in {n} of {judgement.estimate.N} ({', '.join(names)})")
     return f"Observed: {'; '.join(told)}."
+
+
+def _assumed(understanding: Understanding, judgement: Judgement) -> str:
+    """Where the gaze behind the values was inferred, and towards what."""
+    subtree, instant = judgement.node.name.partition(".")[0], judgement.node.instant
+    told = dict[str, None]()
+    for explanation in sorted(understanding.experience.explanations.values(), key=lambda each: each.demonstration):
+        for node in understanding.tree.nodes:
+            if node.name.partition(".")[0] != subtree or node.instant is None or instant not in (None, node.instant):
+                continue
+            evidence = explanation.nodes[node.name].evidence if node.name in explanation.nodes else {}
+            if (thing := evidence.get("eyes_towards")) is not None:
+                when, turned_rad = ENDS[node.instant], cast(float, evidence["eyes_rad"])
+                turned = f"{math.degrees(turned_rad):.0f}° towards the {thing}"
+                told[f"{turned} in {explanation.demonstration} {when}"] = None
+    return f"The gaze was inferred, the eyes turned {', '.join(told)}." if told else ""
 
 
 def _divided(judgement: Judgement, explanation: Explanation) -> str:

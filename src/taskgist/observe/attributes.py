@@ -33,6 +33,7 @@ from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.contacts import holding_of
 from taskgist.world.stage import Stage, posture_of
+from taskgist.world.state import HEADS_ALONE
 
 Snapshot = dict[str, Observation[Raw]]
 """What was observed at one instant, by attribute."""
@@ -102,14 +103,14 @@ def snapshot(
     """Every attribute from one agent's perspective of one object, in the state that the stage shows.
 
     Args:
-        stage: The scene in a state; afterwards it shows the same state with who holds what decided.
+        stage: The scene in a state; afterwards it shows the same one with holding and gazes decided.
         observer: What is confirmed over time: in a whole recording, or in the states up to this one.
         agent: From whose perspective.
         name: The object.
         settings: All settings.
         predicates: A user's own predicates to observe too.
     """
-    stage.show(observer.with_holding(stage.state))
+    stage.show(observer.as_confirmed(stage.state))
     observations = ability_observations(stage, agent, name, settings)
     observations |= status_observations(observer, agent, name, stage.state.time_s)
     return observations | _predicate_observations(predicates, stage, agent, name)
@@ -196,7 +197,7 @@ def resting_snapshot(
         settings: All settings.
         predicates: A user's own predicates to observe too.
     """
-    stage.show(stage.state.with_holding(None))
+    stage.show(stage.state.with_holding(None).with_eyes(HEADS_ALONE))
     observations = ability_observations(stage, agent, name, settings)
     for attribute, observe in RESTING.items():
         observations[attribute] = observe(stage, agent, name, settings)

@@ -23,11 +23,13 @@ import numpy as np
 from taskgist.common.arrays import Array
 from taskgist.facts import vocabulary as v
 from taskgist.observe.carrying import Carrying
+from taskgist.observe.eyes import Eyes
 from taskgist.observe.frames import KEPT_FRAMES, Confirmed, FrameSequence, Hysteresis, Refined, velocity
 from taskgist.settings import DEFAULT, Contact, Settings, Timing
 from taskgist.world.contacts import (
     POINT_SPACING_M,
     Holding,
+    hand_gap_m,
     hand_known,
     holding_of,
     hook_of,
@@ -203,7 +205,11 @@ class Observer:
         self._frames = FrameSequence(timing.motion_window_s, frames)
         # Who carries what is said half a second later: by then it is clear what a hand has come for.
         self._later = FrameSequence(max(timing.motion_window_s, 2 * settings.carrying.delay_s), frames)
+        # Where eyes look follows from what hands will hold half a second later still.
+        held_s = 2 * timing.minimum_s + max(timing.motion_window_s, 2 * settings.carrying.delay_s)
+        self._latest = FrameSequence(held_s + 2 * settings.gaze.before_s, frames)
         self._stage = Stage(scene)
+        self._eyes = Eyes(Stage(scene), self._latest, self._handled, settings.gaze)
         self._carrying = Carrying(self._stage, self._later, settings)
         minimum_s = timing.minimum_s
         self._placements = {
@@ -229,13 +235,13 @@ class Observer:
         Raises:
             RecordingError: It is not later than the last one, or no more frames were to come.
         """
-        self._frames.append(state)
-        self._later.append(state)
+        for frames in (self._frames, self._later, self._latest):
+            frames.append(state)
 
     def finish(self) -> None:
         """Say that no more frames will come: the last ones count, too."""
-        self._frames.finish()
-        self._later.finish()
+        for frames in (self._frames, self._later, self._latest):
+            frames.finish()
 
     def placement(self, name: str) -> Refined[Placement]:
         """Placement of an object over time.
@@ -282,9 +288,26 @@ class Observer:
             if status and status.thing and status.symbol == v.HOLDING_OBJECT
         )
 
-    def with_holding(self, state: State) -> State:
-        """A state with who holds what in it, as confirmed at its time: what perspective should start from."""
-        return state.with_holding(self.holds(state.time_s))
+    def as_confirmed(self, state: State) -> State:
+        """A state with who holds what in it and where eyes look, at its time: what perspective should start from."""
+        return state.with_holding(self.holds(state.time_s)).with_eyes(self._eyes.turns(state))
+
+    def _handled(self, hand: tuple[str, str], index: int) -> str | None:
+        """What a hand holds in a frame, as confirmed, or else moves by touching it; None: nothing that is known."""
+        time_s = self._latest.times_s[index]
+        status = self._hands[hand].at(time_s)
+        if status is None or status.symbol is None:
+            return None
+        if status.symbol == v.HOLDING_OBJECT:
+            return status.thing
+        agent, side = hand
+        arm, limit_m, scene = self.scene.agent(agent).arm(side), self._contact.support_m, self.scene
+        stage = self._stage.show(self._latest.state(index))
+        near = stage.near_pairs(arm.hand_geoms, scene.objects_geoms, limit_m=limit_m)
+        for name in sorted({scene.owners[geom] for _, geom in near}):
+            if hand_gap_m(stage, arm, name, limit_m=limit_m) < limit_m and self._motions[name].at(time_s) == v.MOVING:
+                return name
+        return None
 
     # What is so in a single frame, before time confirms it:
 

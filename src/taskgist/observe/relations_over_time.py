@@ -64,7 +64,7 @@ def relations_of(stage: Stage, agent: str, name: str, settings: Settings = DEFAU
         "facing": _observed(facing(stage, agent, name, settings)),
         "touching": _observed(touching(stage, agent, name, settings)),
         "carried_by": unknown if carriers is None else _observed(", ".join(carriers) or NOBODY),
-        "gaze": _observed(look.target or NOTHING, off_rad=look.off_rad) if look else unknown,
+        "gaze": _observed(look.target or NOTHING, off_rad=look.off_rad, **_assumed(stage, agent)) if look else unknown,
         "looked_at_by": _observed(_lookers(stage, name, settings)),
     }
     for other in stage.scene.agents:
@@ -77,6 +77,12 @@ def relations_of(stage: Stage, agent: str, name: str, settings: Settings = DEFAU
 
 def _observed(value: str | bool | None, **evidence: Json) -> Observation[str | bool | Unknown]:
     return Observation(UNKNOWN if value is None else value, evidence)
+
+
+def _assumed(stage: Stage, agent: str) -> dict[str, Json]:
+    """What was assumed of an agent's eyes."""
+    turn = stage.state.eyes.get(agent)
+    return {} if turn is None or turn.towards is None else {"eyes_towards": turn.towards, "eyes_rad": turn.turned_rad}
 
 
 def _lookers(stage: Stage, name: str, settings: Settings) -> str | None:
@@ -115,8 +121,8 @@ class RelationsOverTime:
         self._progress = progress
         self.scene, self._observer, self._settings = observer.scene, observer, settings
         timing, delay_s = settings.timing, settings.carrying.delay_s
-        # by then the observer has confirmed who holds what in a settled frame
-        holding_s = 2 * timing.minimum_s + max(timing.motion_window_s, 2 * delay_s)
+        # by then the observer has confirmed who holds what in a settled frame, and where eyes look
+        holding_s = 2 * timing.minimum_s + max(timing.motion_window_s, 2 * delay_s) + 2 * settings.gaze.before_s
         self._frames = FrameSequence(max(settings.relations.approach_window_s, holding_s), frames)
         self._stage = Stage(self.scene)
         self._moment = lru_cache(KEPT_FRAMES)(self._moment_in)
@@ -177,7 +183,7 @@ class RelationsOverTime:
 
     def _moment_in(self, agent: str, name: str, index: int) -> Relations:
         self._progress("relating", (index + 1) / len(self._frames.times_s))
-        state = self._observer.with_holding(self._frames.state(index))
+        state = self._observer.as_confirmed(self._frames.state(index))
         return relations_of(self._stage.show(state), agent, name, self._settings)
 
     def _approaching(self, agent: str, name: str, index: int) -> Symbol:

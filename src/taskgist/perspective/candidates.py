@@ -226,7 +226,7 @@ class Frames:
     def __init__(self, stage: Stage, agent: Agent) -> None:
         model, profile = stage.scene.model, agent.profile
         self._qpos = stage.state.qpos
-        frames = [(int(model.site_bodyid[agent.eye_site]), stage.eye(agent))]
+        frames = [(int(model.site_bodyid[agent.eye_site]), stage.eye_ahead(agent))]
         head = []
         for action, axis in ((PAN, profile.pan), (TILT, profile.tilt)):
             if axis is not None:

@@ -6,6 +6,7 @@ told and stored wherever Python runs. How efforts are found is told in ``search`
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, astuple, dataclass, field, fields
 from enum import Enum
@@ -37,6 +38,8 @@ EFFORT_NAMES: Mapping[Ability, tuple[str, ...]] = {
 # --- Virtual actions: what an agent might do, by the paper's names (Eq. 1-6), and how much of it.
 
 PAN, TILT = "Pan_Head", "Tilt_Head"
+LOOK = "Turn_Eyes"
+"""Where eyes are turned aside, and look where the head does again (ours): the least that is done to see."""
 TURN, LEAN = "Turn_Torso", "Lean_Torso"
 STAND, SIT = "Make_Standing", "Make_Sitting"
 BEND, CROUCH, LIFT = "Bend_Hips", "Crouch", "Lift_Torso"
@@ -100,6 +103,8 @@ class Visibility:
         occluders: What covers the object's pixels, and how many of them, most first.
         nearest_m: Distance from the eye to the nearest point seen, in metres; None where nothing is seen.
         off_gaze_rad: Angle between the gaze and the object's middle.
+        eyes_rad: How far the eyes were assumed to be turned in the head, radians.
+        eyes_towards: The thing that they were assumed to look at; None where nothing was assumed of them.
     """
 
     visible_px: float
@@ -109,6 +114,8 @@ class Visibility:
     occluders: tuple[tuple[str, float], ...]
     nearest_m: float | None
     off_gaze_rad: float
+    eyes_rad: float = 0.0
+    eyes_towards: str | None = None
 
     @property
     def score(self) -> float:
@@ -124,6 +131,11 @@ class Visibility:
     def in_gaze_cone(self) -> bool:
         """Whether something of the object is seen in the gaze cone."""
         return self.gaze_px > 0
+
+
+def assumed_gaze(towards: str, turned_rad: float) -> str:
+    """What was assumed of eyes, as a part of a sentence."""
+    return f"the eyes assumed to turn {math.degrees(turned_rad):.0f}° towards the {towards}"
 
 
 @dataclass(frozen=True)
@@ -403,8 +415,7 @@ def evidence_document(evidence: Attained | Hindrance | None) -> dict[str, object
         case None:
             return {}
         case Visibility():
-            occluders = [[owner, count] for owner, count in evidence.occluders]
-            return {"score": evidence.score, **asdict(evidence), "occluders": occluders}
+            return _visibility_document(evidence)
         case Held():
             return {"arm": evidence.arm, "held": True}
         case Occlusion():
@@ -425,6 +436,13 @@ def evidence_document(evidence: Attained | Hindrance | None) -> dict[str, object
         case Reached() | Grasped() | GraspedByBoth():
             told = {name: value for name, value in vars(evidence).items() if value != ""}
             return {name: _listed(value) for name, value in told.items()}
+
+
+def _visibility_document(seen: Visibility) -> dict[str, object]:
+    told = {"score": seen.score, **asdict(seen), "occluders": [[owner, count] for owner, count in seen.occluders]}
+    if seen.eyes_towards is None:  # nothing was assumed
+        del told["eyes_rad"], told["eyes_towards"]
+    return told
 
 
 def _listed(value: object) -> object:

@@ -25,6 +25,7 @@ from taskgist.settings import DEFAULT, Settings
 from taskgist.world.bodies.agent import Agent
 from taskgist.world.geometry.rays import INF, Shapes, stand_between
 from taskgist.world.stage import Stage
+from taskgist.world.state import AHEAD
 
 # --- An agent's whole field of view as a pinhole image: what each pixel shows (5.1.1).
 #
@@ -254,6 +255,8 @@ def measured(stage: Stage, agent: Agent, target: Target, sight: Sight) -> Visibi
     in_cone = sight.rays_in_eye[:, 0] >= lens_of(agent.profile.eye).cone_cos
     seen, gazed = (each & sight.makes_out(each) for each in (sight.visible, sight.visible & in_cone))
     near = sight.distances_m[seen]
+    turn = stage.state.eyes.get(agent.name, AHEAD)
+    assumed = turn if turn.towards is not None else AHEAD
     return Visibility(
         visible_px=sight.pixels(seen),
         image_px=width * height,
@@ -262,4 +265,6 @@ def measured(stage: Stage, agent: Agent, target: Target, sight: Sight) -> Visibi
         occluders=sight.owners(~sight.visible, stage.scene.owners),
         nearest_m=float(near.min()) if len(near) else None,
         off_gaze_rad=off_gaze(sight.eye, target.middle, 0.0),
+        eyes_rad=assumed.turned_rad,
+        eyes_towards=assumed.towards,
     )

@@ -242,6 +242,7 @@ class SceneEfforts:
         changed = {name.partition("/")[0] for name in tracked}
         for hold in (holds[0] or frozenset()) ^ (holds[1] or frozenset()):
             changed |= {hold.agent, hold.object}
+        changed |= {name for name in scene.agents if last.eyes.get(name) != state.eyes.get(name)}
         geoms = np.flatnonzero(differ)
         owners = frozenset(scene.owners[geom] for geom in geoms.tolist())
         arms_only = {

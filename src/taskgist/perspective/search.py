@@ -33,6 +33,8 @@ from taskgist.perspective.effort import (
     Evidence,
     Miss,
     Reason,
+    Visibility,
+    assumed_gaze,
     nearest_miss,
 )
 from taskgist.perspective.grasp import Grasp
@@ -342,7 +344,12 @@ def _evidence(ability: Ability, level: int | None, solution: Solution | None, mi
     if level is None:
         told = found[-1]
     attained = solution.hit.find_evidence() if solution else None
-    return Evidence(told.text if told else FREE[ability], found, told, attained)
+    if told is not None:
+        return Evidence(told.text, found, told, attained)
+    reason = FREE[ability]
+    if isinstance(attained, Visibility) and attained.eyes_towards is not None:
+        reason += f", {assumed_gaze(attained.eyes_towards, attained.eyes_rad)}"
+    return Evidence(reason, found, None, attained)
 
 
 def _evidence_anew(

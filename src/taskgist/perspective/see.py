@@ -1,7 +1,8 @@
 """See: what is visible of the object in the gaze cone is large enough to be made out (5.1.1; cone and size are ours).
 
 With effort, the head aims at the object; if the object is seen so, the first of the steps on the way that sees it
-needs the least amount. What is not seen when looked at is not searched on the way. Candidates from which the head
+needs the least amount; eyes that are turned aside look ahead again then. What is not seen when looked at is not
+searched on the way. Candidates from which the head
 cannot turn far enough, or does not even glimpse the object, are passed over without showing their states.
 """
 
@@ -16,7 +17,7 @@ import numpy as np
 from taskgist.common.arrays import Array, Indices
 from taskgist.common.compiled import compiled, compiled_part
 from taskgist.perspective.candidates import EYE, STILL_RAD, Candidates, Neck, Table, carry
-from taskgist.perspective.effort import Miss, Occlusion, Quantity, Reason, Visibility
+from taskgist.perspective.effort import LOOK, Miss, Occlusion, Quantity, Reason, Visibility, assumed_gaze
 from taskgist.perspective.gaze import TURN_COLUMNS, aim, aimed, off_gaze, turned_heads
 from taskgist.perspective.image import Sight, measured
 from taskgist.perspective.lens import Lens, lens_of, raster, ray_through
@@ -178,7 +179,7 @@ class SeeScreening:
 
     def results(self, index: int) -> Iterator[Hit | FindMiss]:
         """The least turn of the head on the way that sees the object comes first."""
-        start, angles = self._candidates[index].state, self._on_the_way(self._aimed(index))
+        start, angles = self._start(index), self._on_the_way(self._aimed(index))
         sight = self._see.gaze(start.replace(self._head.changes(angles[-1])))
         if not sight.makes_out(sight.visible):
             yield partial(self._see.miss, sight)
@@ -189,6 +190,11 @@ class SeeScreening:
             sight = self._see.gaze(state)
             if sight.makes_out(sight.visible):
                 yield self._see.hit(state, changes, self._turned(changes), sight)
+
+    def _start(self, index: int) -> State:
+        """A candidate, its eyes turned back: who turns the head to a thing looks at it."""
+        state = self._candidates[index].state
+        return state.looking_ahead(self._here.agent.name) if self._head.joints else state
 
     def _aimed(self, index: int) -> Array:
         """Angles of the head when it is aimed from a candidate, (h,)."""
@@ -214,12 +220,15 @@ class SeeScreening:
         """Why the other candidates do not see it."""
         hidden = int(self._missed[OCCLUDED])
         if hidden != NOT_ONE:
-            state = self._candidates[hidden].state.replace(self._head.changes(self._aimed(hidden)))
+            state = self._start(hidden).replace(self._head.changes(self._aimed(hidden)))
             return self._see.miss(self._see.gaze(state))
         return beyond_neck(float(self._off_rad[BEYOND])) if self._missed[BEYOND] != NOT_ONE else None
 
     def _turned(self, changes: dict[int, float]) -> dict[str, float]:
-        """How far each action turns the head, radians."""
+        """How far each action turns the head, radians; where it stays, how far the eyes are turned back."""
+        turn = self._here.state.eyes.get(self._here.agent.name)
+        if not changes and self._head.joints and turn is not None:
+            return {LOOK: turn.turned_rad}
         return {
             joint.action: abs(changes[joint.index] - joint.now_rad)
             for joint in self._head.joints
@@ -292,7 +301,7 @@ class See:
             partial(self._visibility, state),
             angles,
             tuple(action for action, turn in turned.items() if turn > STILL_RAD),
-            head_rad=sum(turned.values()),
+            head_rad=sum(turn for action, turn in turned.items() if action != LOOK),
             cost=-sight.pixels(sight.visible),
         )
 
@@ -315,6 +324,9 @@ class See:
         off_rad = self._off_rad(sight)
         off = Quantity(off_rad, "rad")
         beside = f"{math.degrees(off_rad):.0f}° beside the gaze (cone {math.degrees(self._cone_rad):.0f}°)"
+        turn = self._here.state.eyes.get(self._agent.name)
+        if turn is not None and turn.towards is not None:
+            beside += f", {assumed_gaze(turn.towards, turn.turned_rad)}"
         if sight.makes_out(sight.visible):
             return Miss(Reason.BESIDE_GAZE, f"in view, but {beside}", off)
         if sight.makes_out():

@@ -6,7 +6,7 @@ visibility are sampled.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,9 +22,27 @@ from taskgist.observe.observer import Observer
 from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.stage import Stage
+from taskgist.world.state import EyeTurn
 
 Samples = dict[str, list[tuple[float, str | None]]]
 """By attribute: when it became what; equal samples behind each other are one."""
+
+
+@dataclass(frozen=True)
+class AssumedGaze:
+    """A while in which the eyes were assumed to look at a thing (``observe/eyes.py``).
+
+    Attributes:
+        towards: The thing.
+        start_s: The first sample of it, seconds.
+        end_s: The first sample in which they are no longer, or the last of all.
+        turned_rad: How far the eyes were turned in the head, least and most, radians.
+    """
+
+    towards: str
+    start_s: float
+    end_s: float
+    turned_rad: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -36,12 +54,14 @@ class Timeline:
         name: Which object.
         every_s: How often abilities, predicates and visibility were sampled, in seconds.
         rows: By attribute: intervals of equal symbol, in order; None is unknown.
+        gaze: When the agent's eyes were assumed to look elsewhere than its head.
     """
 
     agent: str
     name: str
     every_s: float
     rows: dict[str, tuple[Interval[str | None], ...]]
+    gaze: tuple[AssumedGaze, ...] = ()
 
 
 def timeline(
@@ -78,13 +98,31 @@ def timeline(
     for number, time_s in enumerate(recording.times_s.tolist(), start=1):
         _collect(exact, time_s, symbols(whole, status_observations(observer, agent, name, time_s), settings))
         progress("watching", number / len(recording))
-    samples: Samples = {}
+    samples, turns = Samples(), list[EyeTurn | None]()
     for number, time_s in enumerate(times, start=1):
         stage.show(recording.at(time_s))
         observed = snapshot(stage, observer, agent=agent, name=name, settings=settings, predicates=predicates)
         _collect(samples, time_s, symbols(whole, observed, settings))
+        turns.append(stage.state.eyes.get(agent))
         progress("taking perspective", number / len(times))
-    return Timeline(agent, name, every_s, {key: _intervals(row, last) for key, row in (samples | exact).items()})
+    rows = {key: _intervals(row, last) for key, row in (samples | exact).items()}
+    return Timeline(agent, name, every_s, rows, _assumed(times, turns))
+
+
+def _assumed(times_s: Sequence[float], turns: Sequence[EyeTurn | None]) -> tuple[AssumedGaze, ...]:
+    """The whiles of equal things that eyes were assumed to look at, from samples."""
+    found: list[AssumedGaze] = []
+    ends_s = [*times_s[1:], times_s[-1]]
+    for time_s, end_s, turn in zip(times_s, ends_s, turns, strict=True):
+        if turn is None or turn.towards is None:
+            continue
+        start_s, turned_rad = time_s, (turn.turned_rad, turn.turned_rad)
+        if found and found[-1].end_s == time_s and found[-1].towards == turn.towards:
+            before = found.pop()
+            start_s = before.start_s
+            turned_rad = min(before.turned_rad[0], turn.turned_rad), max(before.turned_rad[1], turn.turned_rad)
+        found.append(AssumedGaze(turn.towards, start_s, end_s, turned_rad))
+    return tuple(found)
 
 
 def _collect(samples: Samples, time_s: float, found: Mapping[str, str | None]) -> None:

@@ -4,4 +4,4 @@ from .mcap import write as write
 from .recording import Label as Label
 from .recording import Provenance as Provenance
 from .recording import Recording as Recording
-from .recording import Signal as Signal
+from .signals import Signal as Signal

@@ -16,7 +16,8 @@ from taskgist.common.documents import DocumentError, parse_json
 from taskgist.errors import RecordingError, UnknownNameError
 from taskgist.recording.columns import Columns, PackedRows
 from taskgist.recording.container import Message
-from taskgist.recording.recording import Signal, decimals, free_slices, trackable
+from taskgist.recording.recording import decimals, free_slices, trackable
+from taskgist.recording.signals import SIGNAL_DECIMALS, Signal
 from taskgist.settings import Limits
 from taskgist.world.scene import Scene
 
@@ -64,7 +65,6 @@ SIGNALS_SCHEMA: Document = {
     "type": "object",
     "additionalProperties": {"type": ["number", "null"]},
 }
-SIGNAL_DECIMALS = 3
 
 Keys = tuple[str, ...]
 """Where in a message the numbers of one thing stand: ("agents", "P1", "base")."""

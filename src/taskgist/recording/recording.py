@@ -9,6 +9,7 @@ import json
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import product
 from types import MappingProxyType
 from typing import Any, cast
@@ -20,6 +21,7 @@ from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.text import clean_name, fault_of_name, one_or_list
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.recording.columns import PackedRows
+from taskgist.recording.signals import SIGNAL_DECIMALS, RecordedGaze, Signal, checked_signals
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
 
@@ -332,44 +334,6 @@ def nanoseconds(times_s: Array) -> NDArray[np.int64]:
     return np.asarray(np.rint(times_s * 10.0**TIME_DECIMALS), dtype=np.int64)
 
 
-# --- Signals: numbers over time that are no motion, such as the force of a grip. Witnesses; facts do not read them.
-
-
-@dataclass(frozen=True, eq=False)
-class Signal:
-    """One signal at the frames of a recording.
-
-    Attributes:
-        values: (N,), NaN where unknown.
-        unit: Unit of the values, such as "N".
-    """
-
-    values: Array
-    unit: str
-
-    def __post_init__(self) -> None:
-        values = np.array(self.values, dtype=np.float64)
-        values.flags.writeable = False
-        object.__setattr__(self, "values", values)
-
-    def __reduce__(self) -> tuple[object, ...]:
-        """Rebuild through the constructor, so that the array stays read-only."""
-        return (Signal, (np.array(self.values), self.unit))
-
-
-def checked_signals(count: int, signals: Mapping[str, Signal]) -> Mapping[str, Signal]:
-    """The signals, read-only.
-
-    Raises:
-        RecordingError: Values of the wrong shape.
-    """
-    for name, signal in signals.items():
-        if signal.values.shape != (count,):
-            hint = f"give one value for each of the {count} frames"
-            raise RecordingError("wrong shape", field=f"signals[{name!r}]", value=signal.values.shape, hint=hint)
-    return MappingProxyType(dict(signals))
-
-
 # --- What the arrays of a recording must be.
 
 BLOCK = 4096
@@ -483,7 +447,8 @@ class Recording:
         label: What it demonstrates, if someone said so.
         provenance: Where it comes from.
         name: What it is called.
-        signals: Numbers over time that are no motion, by name: witnesses, such as the force of a grip.
+        signals: Numbers over time that are no motion, by name: witnesses, such as the force of a grip; and where agents
+            look (``recording.signals``), the only ones that facts read.
 
     Raises:
         RecordingError: Arrays of the wrong shape, fewer than two frames, times that run backwards, values that are
@@ -508,6 +473,7 @@ class Recording:
         check_positions(self.scene, self.times_s, self.qpos)
         object.__setattr__(self, "tracked", checked_tracking(self.scene, len(self.times_s), self.tracked))
         object.__setattr__(self, "signals", checked_signals(len(self.times_s), self.signals))
+        _ = self._gaze  # what it says is checked
         if self.label is not None:
             object.__setattr__(self, "label", _spelled(self.label, self.scene))
             self.label.check(
@@ -541,7 +507,12 @@ class Recording:
         if not -len(self) <= index < len(self):
             hint = f"give an index from 0 to {len(self) - 1}"
             raise RecordingError("no such frame", where=self.name, field="index", value=index, hint=hint)
-        return State(self.qpos[index], float(self.times_s[index]), self.untracked(index))
+        time_s = float(self.times_s[index])
+        return State(self.qpos[index], time_s, self.untracked(index), eyes=self._gaze.eyes(index))
+
+    @cached_property
+    def _gaze(self) -> RecordedGaze:
+        return RecordedGaze(self.scene.agents, self.signals, simulated=self.provenance.simulated)
 
     def untracked(self, index: int) -> frozenset[str]:
         """What was not tracked in a frame."""
@@ -581,7 +552,7 @@ class Recording:
 
     @property
     def digest(self) -> str:
-        """Digest of what was recorded, 16 hexadecimal digits; label, name, provenance, signals left aside."""
+        """Digest of what was recorded, 16 hexadecimal digits; label, name, provenance, other signals left aside."""
         content = hashlib.sha256()
         for name in sorted(self.scene.bundle):
             data = self.scene.bundle[name]
@@ -592,6 +563,9 @@ class Recording:
             content.update(whole(self.qpos[first : first + BLOCK], self.scene).astype("<i8").tobytes())
         for text in _json_of({name: np.flatnonzero(~self.tracked[name]) for name in sorted(self.tracked)}):
             content.update(text.encode())
+        for name in self._gaze.names:
+            content.update(f"{name} {self.signals[name].unit}\0".encode())
+            content.update(np.round(self.signals[name].values, SIGNAL_DECIMALS).astype("<f8").tobytes())
         return content.hexdigest()[:16]
 
 

@@ -38,5 +38,6 @@ from .stage import Stage as Stage
 from .stage import posture_of as posture_of
 from .stage import seat_position as seat_position
 from .stage import with_posture as with_posture
+from .state import EyeTurn as EyeTurn
 from .state import Hold as Hold
 from .state import State as State

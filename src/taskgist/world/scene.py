@@ -191,7 +191,7 @@ class Scene:
         at = {column: index for index, column in enumerate(scene.columns)}
         values = {at[column]: float(value) for column, value in zip(self.columns, before.qpos, strict=True)}
         qpos = scene.initial.replace(values).qpos
-        return scene, State(qpos, before.time_s, before.untracked, before.holding)
+        return scene, State(qpos, before.time_s, before.untracked, before.holding, before.eyes)
 
     def __reduce__(self) -> tuple[object, ...]:
         return partial(Scene.from_bundle, limits=self._limits), (dict(self.bundle),)

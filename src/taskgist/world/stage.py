@@ -24,7 +24,7 @@ from taskgist.world.bodies.agent import Agent, ArmIndices, ankle_height_m, body_
 from taskgist.world.bodies.profile import Posture
 from taskgist.world.geometry.distances import HALF, RADIUS, TURNED, Clearance
 from taskgist.world.geometry.rays import Rays, Shapes
-from taskgist.world.geometry.transforms import Pose, about_z, yaw_of
+from taskgist.world.geometry.transforms import Pose, about_z, matrix_from_wxyz, wxyz_from_rotation_vector, yaw_of
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
 
@@ -71,13 +71,22 @@ class Stage:
             self.show(before)
 
     def eye(self, agent: Agent) -> Pose:
-        """The agent's eye: x looks forward, z up."""
+        """The agent's eye as it is turned in the head: x looks forward, z up."""
+        ahead, turn = self.eye_ahead(agent), self.state.eyes.get(agent.name)
+        if turn is None or not turn.turned_rad:
+            return ahead
+        # Eyes turn about axes square to where they look ahead (Listing's law); y is left, so up is about -y.
+        in_head = matrix_from_wxyz(wxyz_from_rotation_vector(np.array((0.0, -turn.up_rad, turn.left_rad))))
+        return Pose(ahead.position, ahead.matrix @ in_head)
+
+    def eye_ahead(self, agent: Agent) -> Pose:
+        """The agent's eye as it looks where the head does, whatever is known of its gaze."""
         return self.site(agent.eye_site)
 
     def eye_row(self, agent: Agent) -> Array:
-        """The same as a row of 12 for compiled functions: position, and orientation row by row."""
-        site, data = agent.eye_site, self._data
-        return np.concatenate((data.site_xpos[site], data.site_xmat[site]))
+        """``eye`` as a row of 12 for compiled functions: position, and orientation row by row."""
+        eye = self.eye(agent)
+        return np.concatenate((eye.position, eye.matrix.ravel()))
 
     def shoulder(self, arm: ArmIndices) -> Pose:
         """The arm's shoulder, in the frame of what carries the arm (x forward, z up of the torso)."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
@@ -21,6 +23,32 @@ class Hold:
     object: str
 
 
+@dataclass(frozen=True)
+class EyeTurn:
+    """How an agent's eyes are turned in its head: about an axis square to where the head looks, without rolling.
+
+    Attributes:
+        left_rad: How far to the left, radians; negative to the right.
+        up_rad: How far up; negative down.
+        towards: The thing that they are assumed to look at, where the gaze was inferred; None where it was recorded.
+    """
+
+    left_rad: float = 0.0
+    up_rad: float = 0.0
+    towards: str | None = None
+
+    @property
+    def turned_rad(self) -> float:
+        """The angle between the gaze and the head's direction, radians."""
+        return math.hypot(self.left_rad, self.up_rad)
+
+
+AHEAD = EyeTurn()
+"""Eyes that are known to look where the head does."""
+HEADS_ALONE: Mapping[str, EyeTurn] = MappingProxyType({})
+"""Nothing is said of anybody's eyes: the gaze is the head's direction."""
+
+
 @dataclass(frozen=True, eq=False)
 class State:
     """Where everything in a scene is at one time.
@@ -32,18 +60,22 @@ class State:
             Its numbers in ``qpos`` are fillers.
         holding: Who holds what, where it was decided over time (``observe/carrying.py``); None leaves it to the
             distances of this one state.
+        eyes: How the eyes of agents are turned in their heads, by agent, where that was recorded, or inferred over
+            time (``observe/eyes.py``). The others' look where their heads do.
     """
 
     qpos: Array
     time_s: float = 0.0
     untracked: frozenset[str] = frozenset()
     holding: frozenset[Hold] | None = None
+    eyes: Mapping[str, EyeTurn] = field(default_factory=lambda: HEADS_ALONE)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "qpos", _frozen(np.array(self.qpos, dtype=float)))
+        object.__setattr__(self, "eyes", _eyes(self.eyes))
 
     def __reduce__(self) -> tuple[object, ...]:
-        return State, (np.array(self.qpos), self.time_s, self.untracked, self.holding)
+        return State, (np.array(self.qpos), self.time_s, self.untracked, self.holding, dict(self.eyes))
 
     def replace(
         self, changes: Mapping[int, float] | None = None, *, at: slice | None = None, to: ArrayLike = ()
@@ -70,11 +102,22 @@ class State:
 
     def without(self, names: Iterable[str]) -> State:
         """The same state, of which these objects, agents or parts are not known."""
-        return State(self.qpos, self.time_s, self.untracked.union(names), self.holding)
+        return State(self.qpos, self.time_s, self.untracked.union(names), self.holding, self.eyes)
 
     def with_holding(self, holding: Iterable[Hold] | None) -> State:
         """The same state with another word on who holds what."""
-        return State(self.qpos, self.time_s, self.untracked, None if holding is None else frozenset(holding))
+        decided = None if holding is None else frozenset(holding)
+        return State(self.qpos, self.time_s, self.untracked, decided, self.eyes)
+
+    def with_eyes(self, eyes: Mapping[str, EyeTurn]) -> State:
+        """The same state with another word on how eyes are turned, of all agents."""
+        return State(self.qpos, self.time_s, self.untracked, self.holding, eyes)
+
+    def looking_ahead(self, agent: str) -> State:
+        """The same state in which an agent's eyes look where its head does: after it has turned the head."""
+        if agent not in self.eyes or not self.eyes[agent].turned_rad:
+            return self
+        return self.with_eyes({name: turn for name, turn in self.eyes.items() if name != agent})
 
     def known(self, names: Iterable[str]) -> bool:
         """Whether all of these objects, agents and parts were tracked (a part of an untracked agent was not)."""
@@ -84,6 +127,11 @@ class State:
 def _frozen(array: Array) -> Array:
     array.flags.writeable = False
     return array
+
+
+def _eyes(eyes: Mapping[str, EyeTurn]) -> Mapping[str, EyeTurn]:
+    """A read-only copy, unless it is one already."""
+    return eyes if isinstance(eyes, MappingProxyType) else MappingProxyType(dict(eyes))
 
 
 # --- Frames: states of one scene in order of time, any of which can be asked for.

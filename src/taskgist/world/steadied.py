@@ -59,8 +59,8 @@ class Steadied:
     def follow(self, state: State) -> State:
         """What the next state is taken for.
 
-        Time, who is tracked and who holds what are those of the state; a body of which other parts are tracked now is
-        taken as it is.
+        Time, who is tracked, who holds what and where eyes look are those of the state; a body of which other parts are
+        tracked now is taken as it is.
         """
         if self._settings.exact:
             self.state = state
@@ -72,7 +72,7 @@ class Steadied:
             self._held, qpos = self._moved(moved, known)
         else:
             qpos = self.state.qpos
-        self.state = State(qpos, state.time_s, state.untracked, state.holding)
+        self.state = State(qpos, state.time_s, state.untracked, state.holding, state.eyes)
         return self.state
 
     def _moved(self, moved: Mask, known: Mask) -> tuple[Places, Array]:

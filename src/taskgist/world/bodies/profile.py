@@ -118,6 +118,7 @@ class Eye:
     Attributes:
         exclude: The body that the eye sits in, which hides nothing from it.
         housing: More bodies around the eye, such as a camera's case; nobody sees them.
+        turn_rad: How far the eye turns in the head; None: as people's eyes do (setting ``gaze.range_rad``).
     """
 
     frame: Frame
@@ -126,6 +127,7 @@ class Eye:
     fov_rad: tuple[float, float]
     image_px: tuple[int, int]
     gaze_cone_rad: float
+    turn_rad: float | None = 0.0
 
 
 @dataclass(frozen=True)
@@ -249,7 +251,9 @@ def _range(table: TomlTable, key: str) -> tuple[float, float]:
 def read_eye(table: TomlTable, attempt: Attempts, limits: Limits = DEFAULT.limits) -> Eye:
     """The ``[eye]`` table; the limits are those of its image."""
     name = "site" if "site" in table else "frame"
-    attempt(lambda: table.only({name, *FRAME_FIELDS, "exclude", "fov_deg", "image_px", "gaze_cone_deg"}), table)
+    attempt(
+        lambda: table.only({name, *FRAME_FIELDS, "exclude", "fov_deg", "image_px", "gaze_cone_deg", "turn_deg"}), table
+    )
     fov_rad = attempt(lambda: _fov_rad(table), (1.0, 1.0))
     frame = frame_from(table, name, attempt)
     nothing: tuple[str, ...] = (UNREADABLE,)
@@ -261,6 +265,7 @@ def read_eye(table: TomlTable, attempt: Attempts, limits: Limits = DEFAULT.limit
         fov_rad=fov_rad,
         image_px=attempt(lambda: _image_px(table, limits), (1, 1)),
         gaze_cone_rad=attempt(lambda: _gaze_cone_rad(table, fov_rad), 1.0),
+        turn_rad=attempt(lambda: _turn_rad(table), None),
     )
 
 
@@ -297,6 +302,16 @@ def _gaze_cone_rad(table: TomlTable, fov_rad: tuple[float, float]) -> float:
     if not 0 < cone <= 180:
         raise table.error("a gaze cone is a half-angle between 0 and 180 degrees", "gaze_cone_deg", cone, "as 30")
     return math.radians(cone)
+
+
+def _turn_rad(table: TomlTable) -> float | None:
+    """How far the eye turns in the head; unless it is said, who attends to a cone has eyes, and others have cameras."""
+    if "turn_deg" not in table:
+        return None if "gaze_cone_deg" in table else 0.0
+    turn = table.number("turn_deg")
+    if not 0 <= turn < 90:
+        raise table.error("eyes turn by less than 90 degrees", "turn_deg", turn, "as 35, or 0 for a camera")
+    return math.radians(turn)
 
 
 def read_axis(table: TomlTable, key: str, attempt: Attempts) -> Axis | None:
