@@ -394,6 +394,10 @@ class Checks:
     """A shape of an object that is longer was mostly given in millimetres (ours: nobody hands over a longer thing)."""
     smallest_m: float = 0.001
     """An object whose shapes are all smaller was mostly shrunk a thousandfold (ours: nobody grasps a smaller)."""
+    least_confidence: float = 0.5
+    """Confidence below which no label is proposed (ours: then more speaks against it than for it)."""
+    begins_s: float = 0.2
+    """A recording in which the thing is moved sooner begins too late (ours: so long a fact must last to count)."""
 
 
 UNSHAPING = ("relations", "following", "maps", "planning", "learning", "limits", "checks")

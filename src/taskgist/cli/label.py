@@ -101,6 +101,8 @@ def _proposed(recording: Recording, given: Mapping[str, Any]) -> Label:
         performing_agent=given.get("performing_agent"),
         target_agents=given.get("target_agent", ()),
         target_objects=given.get("target_object", ()),
+        start_s=given.get("start_s"),
+        end_s=given.get("end_s"),
     )
 
 
