@@ -17,8 +17,8 @@ from taskgist.cli.common import (
     progress_bar,
     read_all,
 )
-from taskgist.pipeline.checkup import Checkup
 from taskgist.pipeline.checkup import check as check_recording
+from taskgist.pipeline.findings import Checkup
 
 STYLES = {"unfit": "bold red", "warning": "yellow", "note": "cyan"}
 

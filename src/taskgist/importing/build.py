@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import mujoco
@@ -12,6 +12,7 @@ from taskgist.common.files import read_whole
 from taskgist.common.workers import Progress, silent
 from taskgist.errors import MappingError, SceneError
 from taskgist.importing.bodies import BodyTrack, entry_of, estimate_size, fit_person
+from taskgist.importing.floor import floor_problem, floor_remedy, off_the_floor_m
 from taskgist.importing.mapping import ImportMapping, Shape, Support
 from taskgist.importing.tracks import ObjectTrack, Tracks, read_tracks
 from taskgist.recording.recording import Recording
@@ -19,6 +20,7 @@ from taskgist.settings import DEFAULT
 from taskgist.world.bodies.human import HumanSize
 from taskgist.world.geometry.transforms import about_z
 from taskgist.world.scene import Scene
+from taskgist.world.stage import Stage
 
 Colour = tuple[float, float, float, float]
 """Red, green, blue and opacity."""
@@ -60,7 +62,7 @@ def import_recording(mapping: ImportMapping, progress: Progress = silent) -> Rec
         notes=(*tracks.notes, *(note for body in bodies.values() for note in body.notes)),
         fit={name: dict(body.report) for name, body in bodies.items()},
     )
-    return Recording(
+    recording = Recording(
         scene=scene,
         times_s=tracks.times_s,
         qpos=_positions(scene, tracks, bodies),
@@ -70,6 +72,16 @@ def import_recording(mapping: ImportMapping, progress: Progress = silent) -> Rec
         name=mapping.name,
         signals=tracks.signals,
     )
+    notes = (*about.notes, *_floor_notes(recording))
+    return recording if notes == about.notes else replace(recording, provenance=replace(about, notes=notes))
+
+
+def _floor_notes(recording: Recording) -> Iterator[str]:
+    stage = Stage(recording.scene)
+    for name in recording.scene.agents:
+        height_m = off_the_floor_m(recording, name, stage)
+        if height_m is not None:
+            yield f"{name}: {floor_problem(height_m)}: {floor_remedy(name, height_m)}"
 
 
 def _size(mapping: ImportMapping, name: str, tracks: Tracks) -> HumanSize:

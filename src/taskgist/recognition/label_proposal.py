@@ -7,8 +7,8 @@ is who takes it from the performer's hands, or takes it next, or else the other 
 - It *ends* when the object changes hands, in the middle of the time in which both have it; where it does not, when it
   has come to rest, before somebody else takes it.
 
-What the task is called only people know; an object that changes hands is proposed as *give*. Of several objects that are
-named, each is looked at in this way: the label starts before the first of them is moved and ends after the last has
+What the task is called only people know; an object that changes hands is proposed as *give*. Of several objects that
+are named, each is looked at in this way: the label starts before the first of them is moved and ends after the last has
 been given or has come to rest.
 
 What speaks against a proposal is counted (``Doubt``), each as a share from 0 to 1; the least of them is the confidence.
@@ -175,7 +175,7 @@ def _check(doubt: Doubt, limits: Checks) -> None:
             f"what happens is not clear enough to propose a label: {doubt.reason}",
             field="label",
             value=f"confidence {doubt.confidence:.2f}, at least {limits.least_confidence:g} is asked for",
-            hint="look at taskgist check, name what is known (--performer, --target, --start, --end), or set all by hand",
+            hint="see taskgist check; name what you know (--performer, --target, --start, --end), or set all by hand",
         )
 
 
@@ -184,8 +184,8 @@ def _given(names: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def _tidy(recording: Recording, time_s: float) -> float:
-    """To the millisecond, inside of the recording."""
-    return min(max(round(time_s, 3), float(recording.times_s[0])), float(recording.times_s[-1]))
+    """To the next millisecond, inside of the recording: what is so from a frame on is so then."""
+    return min(max(math.ceil(1000 * time_s - 1e-6) / 1000, float(recording.times_s[0])), float(recording.times_s[-1]))
 
 
 # --- What it is about, and who is who.
@@ -222,10 +222,8 @@ def _performer(recording: Recording, turns: Sequence[Turn], targets: tuple[str, 
     raise LabelError("nobody is seen to hold the object", field="performing_agent", hint="name it: --performer P1")
 
 
-def _targets(
-    recording: Recording, performer: str, turns: Sequence[Turn], given: Sequence[Change]
-) -> tuple[str, ...]:
-    """For whom it is: who takes it from the performer, or takes it next, or the only other agent; who is alone, nobody."""
+def _targets(recording: Recording, performer: str, turns: Sequence[Turn], given: Sequence[Change]) -> tuple[str, ...]:
+    """For whom it is: who takes it from the performer, or takes it next, or the only other agent; nobody, if alone."""
     if given:
         return (min(given, key=lambda change: change.taken_s).taker,)
     first_s = min((turn.start_s for turn in turns if turn.agent == performer), default=-math.inf)
@@ -392,7 +390,9 @@ def _nearer(recording: Recording, name: str, change: Change, start_s: float) -> 
         shares.append(sum(own <= others for own, others in known) / len(known) if known else 1.0)
     share = min(shares)
     has, other, _, _ = spans[shares.index(share)]
-    return Doubt(share, f"in {_percent(1.0 - share)} of the time in which {has} has {name}, {other}'s hand is nearer to it")
+    return Doubt(
+        share, f"in {_percent(1.0 - share)} of the time in which {has} has {name}, {other}'s hand is nearer to it"
+    )
 
 
 def _gap_m(stage: Stage, agent: str, name: str) -> float | None:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from taskgist.facts import vocabulary as v
 from taskgist.observe.observer import Observer
@@ -121,7 +122,7 @@ def changes_of_hands(observer: Observer, name: str, turns: Sequence[Turn]) -> tu
     """
     return tuple(
         Change(before.agent, after.agent, after.start_s, before.end_s, after.end_s)
-        for before, after in zip(turns, turns[1:], strict=False)
+        for before, after in pairwise(turns)
         if before.agent != after.agent and not rests_between(observer, name, before.end_s, after.start_s)
     )
 
