@@ -27,7 +27,7 @@ REAL = Provenance()
 
 def handover() -> Recording:
     """A simulated one: P1 gives a cup to P2."""
-    return excerpt("give_a", 3.0, label("give_a").end_s, every=2)
+    return excerpt("give_a", label("give_a").start_s - 0.1, label("give_a").end_s + 0.3, every=2)
 
 
 def moved(recording: Recording, move: Callable[[Array], Array]) -> Recording:
@@ -61,7 +61,7 @@ def test_hands_away_from_a_thing_that_moves_with_them(shift_m: tuple[float, floa
     assert {finding.severity for finding in findings} == {"unfit"}
     assert {finding.about for finding in findings} == {"cup"}
     gap_cm = max(int(re.search(r"(\d+) cm away", finding.problem)[1]) for finding in findings)  # type: ignore[index]
-    assert gap_cm == pytest.approx(100 * np.linalg.norm(shift_m), abs=12.0), "up to its own size and that of a hand"
+    assert gap_cm == pytest.approx(100 * np.linalg.norm(shift_m), abs=15.0), "up to its own size and that of a hand"
     told_m, yaw_rad = told_transform(findings[0])
     assert yaw_rad == 0.0
     assert told_m == pytest.approx(-np.array(shift_m), abs=0.1)
@@ -80,14 +80,15 @@ def test_frames_turned_against_each_other() -> None:
 
 def test_one_person_in_another_frame() -> None:
     """The hand that is away is shifted then, and not the thing that the other hand holds well."""
-    recording = handover()
+    recording = excerpt("handover_3", 1.0, 5.0)
+    assert of_frames(recording) == []
     qpos = np.array(recording.qpos)
-    qpos[:, recording.scene.base_slice("P2").start + 1] += 0.25
+    qpos[:, recording.scene.base_slice("P2").start + 1] += 0.2
     findings = of_frames(replace(recording, qpos=qpos))
     assert findings
     assert all("P2's" in finding.problem for finding in findings)
     assert all("give P2's source transform = { position_m = [" in finding.remedy for finding in findings)
-    assert told_transform(findings[0])[0] == pytest.approx([0.0, -0.25, 0.0], abs=0.1)
+    assert told_transform(findings[0])[0] == pytest.approx([0.0, -0.2, 0.0], abs=0.1)
 
 
 def frozen(name: str, first: int, last: int, **fields: Any) -> Recording:

@@ -29,7 +29,7 @@ from taskgist.pipeline.findings import Finding, Severity, known_in, runs, some, 
 from taskgist.recognition.turns import RESTING
 from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT, Checks, Settings
-from taskgist.world.contacts import hand_gap_m, hand_known
+from taskgist.world.contacts import POINT_SPACING_M, hand_gap_m, hand_known, object_points
 from taskgist.world.stage import Stage
 
 LOOKS = 60
@@ -96,25 +96,32 @@ def disagreeing_frames(recording: Recording, observer: Observer, settings: Setti
         moments = _moving_along(recording, observer, name, limits)
         of_agent = {agent: [m for m in moments if m.hand[0] == agent] for agent in recording.scene.agents}
         of_agent = {agent: found for agent, found in of_agent.items() if len(found) >= FEWEST}
-        apart = {agent: found for agent, found in of_agent.items() if _median_gap_m(found) > limits.apart_m}
+        apart = {agent: found for agent, found in of_agent.items() if _is_apart(found, limits)}
         others = [agent for agent in of_agent if agent not in apart]
         shifts = [np.median([moment.shift for moment in found], axis=0) for found in apart.values()]
         one = not others and all(np.linalg.norm(shift - shifts[0]) < SAME_SHIFT_M for shift in shifts)
         every = [moment for found in apart.values() for moment in found]
         for agent, found in apart.items():
-            gap_m = _median_gap_m(found)
+            least_m, gap_m, most_m = _quartiles_m(found)
             sides = " and ".join(sorted({moment.hand[1] for moment in found}))
-            severity: Severity = "unfit" if gap_m > limits.apart_most_m else "warning"
+            severity: Severity = "unfit" if most_m > limits.apart_most_m else "warning"
             problem = (
-                f"moves with {agent}'s {sides} hand, {100 * gap_m:.0f} cm away from it (median of {len(found)} moments)"
-                ": their trackers' frames do not agree"
+                f"moves with {agent}'s {sides} hand, {100 * gap_m:.0f} cm away from it (median of {len(found)} moments"
+                f", half of them {100 * least_m:.0f} to {100 * most_m:.0f} cm): their trackers' frames do not agree"
             )
             remedy = _mended(name, every) if one else _mended(agent, [_other_way(moment) for moment in found])
             yield Finding(severity, name, problem, remedy)
 
 
-def _median_gap_m(moments: list[Along]) -> float:
-    return float(np.median([moment.gap_m for moment in moments]))
+def _quartiles_m(moments: list[Along]) -> tuple[float, float, float]:
+    least_m, median_m, most_m = np.quantile([moment.gap_m for moment in moments], (0.25, 0.5, 0.75)).tolist()
+    return least_m, median_m, most_m
+
+
+def _is_apart(moments: list[Along], limits: Checks) -> bool:
+    """Whether hand and thing are apart all the way, or, where frames are turned against each other, on a part of it."""
+    _, median_m, most_m = _quartiles_m(moments)
+    return median_m > limits.apart_m or most_m > limits.apart_most_m
 
 
 def _other_way(moment: Along) -> Along:
@@ -224,8 +231,9 @@ def _nearest(
         for agent, side in hands
     }
     hand = min(gaps_m, key=lambda each: gaps_m[each])
-    way = palms[hand] - middle
-    return Along(hand, gaps_m[hand], middle, way / max(float(np.linalg.norm(way)), 1e-9) * gaps_m[hand])
+    points = object_points(stage, name, POINT_SPACING_M)
+    ways = palms[hand] - (points if len(points) else middle[None])  # a palm that holds it is at its surface
+    return Along(hand, gaps_m[hand], middle, ways[np.linalg.norm(ways, axis=1).argmin()])
 
 
 def _middle(stage: Stage, recording: Recording, name: str, index: int) -> Array:
