@@ -123,7 +123,9 @@ def changes_of_hands(observer: Observer, name: str, turns: Sequence[Turn]) -> tu
     return tuple(
         Change(before.agent, after.agent, after.start_s, before.end_s, after.end_s)
         for before, after in pairwise(turns)
-        if before.agent != after.agent and not rests_between(observer, name, before.end_s, after.start_s)
+        if before.agent != after.agent
+        and before.end_s < after.end_s
+        and not rests_between(observer, name, before.end_s, after.start_s)
     )
 
 
