@@ -74,7 +74,7 @@ def test_putting_down_ends_when_the_object_rests(name: str) -> None:
 
 def test_what_is_given_is_kept() -> None:
     given: dict[str, Any] = {
-        "task": "pass",
+        "task": "bring",
         "performing_agent": "P2",
         "target_agents": ("P1",),
         "target_objects": ("baton",),
@@ -97,16 +97,16 @@ def carried_by_nobody() -> Recording:
 
 
 NOTHING = {
-    "still": (small(), {}, "target_object: no object moves in this recording; name it: --object NAME"),
-    "nobody": (carried_by_nobody(), {"task": "x"}, "performing_agent: nobody is seen to hold the object; name it: "),
+    "still": (small(), None, "target_object: no object moves in this recording; name it: --object NAME"),
+    "nobody": (carried_by_nobody(), "x", "performing_agent: nobody is seen to hold the object; name it: "),
 }
 
 
 @pytest.mark.parametrize("case", NOTHING)
 def test_where_nothing_happens_nothing_is_proposed(case: str) -> None:
-    empty, given, message = NOTHING[case]
+    empty, task, message = NOTHING[case]
     with pytest.raises(LabelError, match=re.escape(message)):
-        propose_label(empty, Observer(empty.scene, empty), **given)
+        propose_label(empty, Observer(empty.scene, empty), task=task)
 
 
 def test_a_target_agent_leaves_the_other_to_perform() -> None:
@@ -176,7 +176,18 @@ def test_below_the_least_confidence_nothing_is_proposed() -> None:
         told(*FROM_P1_TO_P2, unknown=[(2.1, 4.3)])
     assert "--performer" in str(seen.value)
     times = {"start_s": 4.4, "end_s": 5.5}
-    assert told(*FROM_P1_TO_P2, unknown=[(2.1, 4.3)], **times).confidence == 1.0, "what is given does not count"
+    assert told(*FROM_P1_TO_P2, unknown=[(2.1, 4.3)], **times).confidence == 1.0, "only what lies between them counts"
+    roles = {"performing_agent": "P1", "target_agents": "P2", "end_s": 4.8}
+    assert told(*FROM_P1_TO_P2, unknown=[(2.1, 4.3)], **roles).confidence == 1.0, "what is given is not in doubt"
+
+
+def test_who_is_seen_first_may_not_have_been_the_first() -> None:
+    """A second in which it is unknown who has the cup, which P2 then puts down."""
+    held, seen = ("P2", 3.0, 8.0), {"unknown": [(2.0, 3.0)], "task": "give"}
+    with pytest.raises(LabelError, match=r"it is unknown who has cup for 1\.00 s before P2 has it"):
+        told(held, **seen)
+    proposal = told(held, **seen, performing_agent="P1")
+    assert (proposal.label.target_agents, proposal.reason) == (("P2",), "cup does not change hands")
 
 
 def test_a_thing_that_goes_to_and_fro_is_given_where_it_is_said() -> None:

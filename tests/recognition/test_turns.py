@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -12,11 +14,11 @@ from tests.recognition.told import Held, Told
 WORLD = Told().scene
 
 
-def turns(*held: Held, **told: list[tuple[float, float]]) -> tuple[Turn, ...]:
+def turns(*held: Held, **told: Any) -> tuple[Turn, ...]:
     return turns_of(Told(held, scene=WORLD, **told).observer(), "cup")
 
 
-def changes(*held: Held, **told: list[tuple[float, float]]) -> tuple[Change, ...]:
+def changes(*held: Held, **told: Any) -> tuple[Change, ...]:
     observer = Told(held, scene=WORLD, **told).observer()
     return changes_of_hands(observer, "cup", turns_of(observer, "cup"))
 

@@ -19,7 +19,7 @@ from taskgist.observe.attributes import snapshot
 from taskgist.observe.evidence import GRAVITY_M_S2, acceleration_m_s2
 from taskgist.observe.observer import Observer
 from taskgist.pipeline.findings import Finding, known_in
-from taskgist.recognition.turns import Change, Turn, changes_of_hands, turns_of
+from taskgist.recognition.turns import GIVING, Change, Turn, changes_of_hands, turns_of
 from taskgist.recording.recording import Label, Recording
 from taskgist.settings import Settings
 from taskgist.world.contacts import hand_gap_m, hand_known
@@ -27,8 +27,6 @@ from taskgist.world.stage import Stage
 
 OF_THE_AGENT = frozenset({"posture", "hands"})
 """Attributes of the target agent alone; all others are said of the object."""
-GIVING = frozenset({"give", "hand over", "handover", "pass"})
-"""Tasks in which the thing goes from the performing agent to the target agent; others are called as people like."""
 FARTHEST_M = 3.0
 """Beyond this, gaps to hands are not measured."""
 ROUNDING_S = 1e-6

@@ -19,13 +19,13 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from taskgist.errors import LabelError
 from taskgist.facts import vocabulary as v
 from taskgist.observe.observer import Observer
-from taskgist.recognition.turns import RESTING, Change, Turn, changes_of_hands, turns_of
+from taskgist.recognition.turns import BRIEF_S, GIVING, RESTING, Change, Turn, changes_of_hands, turns_of
 from taskgist.recording.recording import Label, Recording
 from taskgist.settings import DEFAULT, Checks, Settings
 from taskgist.world.contacts import hand_gap_m, hand_known
@@ -43,8 +43,11 @@ FARTHEST_M = 0.5
 """Beyond this, gaps are not measured."""
 SURE = 0.995
 """From here on there is no doubt that is worth a word."""
-TOO_LATE, UNENDED = 0.7, 0.4
-"""Confidence where the start is not seen, and where the end is not."""
+TOO_LATE, UNENDED, UNSEEN, NOT_GIVEN = 0.7, 0.4, 0.3, 0.6
+"""Confidence where the start is not seen, where the end is not, where it is not who takes the thing first, and where
+nobody takes what is said to be given."""
+UNSEEN_S = 0.5
+"""Who has a thing at first is not seen where it is unknown for so long before somebody has it."""
 
 
 @dataclass(frozen=True)
@@ -77,12 +80,13 @@ class Proposal:
 
 @dataclass(frozen=True)
 class _Ends:
-    """Where a label may start and end for one object, each with how it was found, and what that hangs on."""
+    """Where a label may start and end for one object, how each was found, and what the start and all else hang on."""
 
     start_s: float
     start_how: str
     end_s: float
     end_how: str
+    late: tuple[Doubt, ...]
     doubts: tuple[Doubt, ...]
 
 
@@ -143,9 +147,11 @@ def propose(
     """
     names = _given(target_objects) or (_moved_most(recording),)
     span = (-math.inf if start_s is None else start_s, math.inf if end_s is None else end_s)
-    turns = {name: _within(turns_of(observer, name), span) for name in names}
+    every = {name: turns_of(observer, name) for name in names}
+    turns = {name: _within(every[name], span) for name in names}
     in_order = sorted((turn for each in turns.values() for turn in each), key=lambda turn: turn.start_s)
-    changes = {name: changes_of_hands(observer, name, turns[name]) for name in names}
+    changes = {name: changes_of_hands(observer, name, every[name]) for name in names}
+    changes = {name: tuple(c for c in each if span[0] <= c.time_s <= span[1]) for name, each in changes.items()}
     agents = _given(target_agents)
     performer = performing_agent or _performer(recording, in_order, agents)
     given = {name: _given_by(changes[name], performer, agents) for name in names}
@@ -154,13 +160,21 @@ def propose(
     name_of_task = task or ("give" if all(given.values()) else None)
     if name_of_task is None:
         raise LabelError("the facts do not tell which task this is", field="task", hint="name it: --task show")
-    ends = [_ends(recording, observer, name, turns[name], given[name], performer, span, settings) for name in names]
+    acting = [name for name in names if turns[name] or _moves(observer, name)] or names
+    ends = [_ends(recording, observer, name, turns[name], given[name], performer, span, settings) for name in acting]
     first, last = min(ends, key=lambda each: each.start_s), max(ends, key=lambda each: each.end_s)
     times = (
         _tidy(recording, first.start_s) if start_s is None else start_s,
         _tidy(recording, last.end_s) if end_s is None else end_s,
     )
-    doubt = min((each for found in ends for each in found.doubts), key=lambda each: each.confidence)
+    doubts = [each for found in ends for each in found.late]
+    if not (performing_agent and agents and end_s is not None):
+        doubts += [each for found in ends for each in found.doubts]
+        if performing_agent is None:
+            doubts += [each for name in acting for each in _unseen(observer, name, turns[name][:1])]
+        if name_of_task.lower() in GIVING:
+            doubts += [Doubt(NOT_GIVEN, f"{name} does not change hands") for name in acting if not given[name]]
+    doubt = min(doubts, key=lambda each: each.confidence, default=Doubt(1.0, ""))
     if doubt.confidence >= SURE:
         doubt = Doubt(1.0, "nothing speaks against it")
     _check(doubt, settings.checks)
@@ -208,10 +222,13 @@ def _moved_most(recording: Recording) -> str:
     return best
 
 
+def _moves(observer: Observer, name: str) -> bool:
+    return any(interval.value == v.MOVING for interval in observer.motion(name).intervals)
+
+
 def _within(turns: Iterable[Turn], span: tuple[float, float]) -> tuple[Turn, ...]:
-    """The turns that lie in a span of time, cut to it."""
-    cut = (Turn(turn.agent, max(turn.start_s, span[0]), min(turn.end_s, span[1])) for turn in turns)
-    return tuple(turn for turn in cut if turn.start_s < turn.end_s)
+    """The turns that lie in a span of time, or reach into it."""
+    return tuple(turn for turn in turns if turn.start_s < span[1] and turn.end_s > span[0])
 
 
 def _performer(recording: Recording, turns: Sequence[Turn], targets: tuple[str, ...]) -> str:
@@ -264,7 +281,7 @@ def _ends(
         own = [turn for turn in own if turn.start_s < change.taken_s][-1:]
     turn = own[0] if own else (turns[0] if turns else None)
     start_s, start_how, late = _start(recording, observer, name, turn, span, settings.checks)
-    doubts = [Doubt(TOO_LATE, late)] if late else []
+    doubts: list[Doubt] = []
     if change:
         end_s, end_how = _change(observer, name, change)
         if len(given) > 1:
@@ -276,7 +293,9 @@ def _ends(
         end_s, end_how = found or (float(recording.times_s[-1]), "ends with the recording")
         if not found and span[1] == math.inf:
             doubts.append(Doubt(UNENDED, f"the recording ends before {name} has come to rest or changed hands"))
-    return _Ends(start_s, start_how, end_s, end_how, (*doubts, *_unclear(observer, name, start_s, end_s)))
+    doubts += _unclear(observer, name, start_s, end_s)
+    too_late = (Doubt(TOO_LATE, late),) if late else ()
+    return _Ends(start_s, start_how, end_s, end_how, too_late, tuple(doubts))
 
 
 def _known_s(observer: Observer, name: str, *, from_s: float, until_s: float) -> float:
@@ -362,6 +381,17 @@ def _unclear(observer: Observer, name: str, start_s: float, end_s: float) -> tup
     known = f"in {_percent(unknown_s / whole_s)} of the time from start to end it is unknown who has {name}"
     carried = f"in {_percent(alone_s / max(moved_s, 1e-9))} of the time in which {name} moves nobody has it"
     return Doubt(1.0 - unknown_s / whole_s, known), Doubt(1.0 - alone_s / max(moved_s, 1e-9), carried)
+
+
+def _unseen(observer: Observer, name: str, first: tuple[Turn, ...]) -> Iterator[Doubt]:
+    """Whether somebody else may have had it before the first who is seen to."""
+    for turn in first:
+        for interval in observer.placement(name).intervals:
+            lasts_s = turn.start_s - interval.start_s
+            before = interval.value.symbol is None and interval.start_s < turn.start_s <= interval.end_s + BRIEF_S / 2
+            if before and lasts_s >= UNSEEN_S:
+                when = f"for {lasts_s:.2f} s before {turn.agent} has it"
+                yield Doubt(UNSEEN, f"it is unknown who has {name} {when}, so it is not clear who performs")
 
 
 def _shared_s(start_s: float, end_s: float, from_s: float, until_s: float) -> float:

@@ -21,6 +21,8 @@ from taskgist.observe.observer import Observer
 
 RESTING = frozenset({v.ON_SUPPORT, v.INSIDE_CONTAINER, v.HANGING, v.ON_AGENT})
 """Placements in which nobody's hand has an object."""
+GIVING = frozenset({"give", "hand over", "handover", "pass"})
+"""Tasks in which an object goes from the performing agent to the target agent; others are called as people like."""
 BRIEF_S = 0.5
 """Who has an object for less, between two turns of one other agent, only steadies it."""
 
