@@ -15,7 +15,6 @@ from pathlib import Path
 from taskgist.importing import import_recording, load_mapping
 from taskgist.observe import Observer
 from taskgist.recognition import propose_label
-from taskgist.recognition.label_proposal import SETTLED_S
 from taskgist.recording import Label, Recording, write
 from taskgist_lab.paper import STUDY, check_grips
 from taskgist_lab.paper.grip_forces import GRIP_N
@@ -65,11 +64,12 @@ def _labelled(recording: Recording) -> Recording:
             print(f"  {check.agent} {check.event}: {check.difference_ms:+.0f} ms, supported {check.supported}")
         return recording.with_label(label)
     giver, taker = (recording.signals[f"{agent}_grip"].values for agent in ("P1", "P2"))
-    proposed = propose_label(recording, observer, task="give", performing_agent="P1", target_agents="P2")
-    released = float(recording.times_s[((giver < GRIP_N) & (taker > GRIP_N)).argmax()]) + SETTLED_S
-    lets_go = f"ends {SETTLED_S} s after P1 has let go by the grip forces (the right hands were not tracked)"
-    how = f"{proposed.how.partition(';')[0]}; {lets_go}"
-    return recording.with_label(Label("give", "P1", "P2", "baton", proposed.start_s, round(released, 3), how))
+    taken, released = ((taker > GRIP_N).argmax(), ((giver < GRIP_N) & (taker > GRIP_N)).argmax())
+    end_s = round(float(recording.times_s[[taken, released]].mean()), 3)
+    proposed = propose_label(recording, observer, task="give", performing_agent="P1", target_agents="P2", end_s=end_s)
+    middle = "ends in the middle of the time in which both grip it, by their forces (the right hands were not tracked)"
+    how = f"{proposed.how.partition(';')[0]}; {middle}"
+    return recording.with_label(Label("give", "P1", "P2", "baton", proposed.start_s, end_s, how))
 
 
 def _write(recording: Recording, within: str, name: str) -> None:

@@ -407,6 +407,33 @@ class Checks:
     """A shape of an object that is longer was mostly given in millimetres (ours: nobody hands over a longer thing)."""
     smallest_m: float = 0.001
     """An object whose shapes are all smaller was mostly shrunk a thousandfold (ours: nobody grasps a smaller)."""
+    apart_m: float = 0.10
+    """Gap to a hand that moves with a thing above which their trackers' frames are told to disagree (ours: bare wrists
+    and noisy keypoints are 5 to 8 cm off)."""
+    apart_most_m: float = 0.15
+    """Above this, facts of who holds and reaches what are not to be trusted (ours: longer than a hand is wide)."""
+    along: float = 0.35
+    """A hand moves with a thing if their velocities differ by less than this share of the thing's (ours)."""
+    travels_s: float = 0.5
+    """A thing that travels for longer is held by somebody, unless it flies (ours: short gaps are the tracker's)."""
+    off_floor_m: float = 0.10
+    """Soles farther from the floor than this are told of (ours: shoes and fitted feet are some centimetres off)."""
+    off_floor_most_m: float = 0.30
+    """Farther than this, efforts of the whole body are not to be trusted (ours: higher than any step)."""
+    dangling_m: float = 0.45
+    """Feet of people who sit may be this far over the floor (ours: on a bar stool, thighs level)."""
+    frozen_s: float = 0.5
+    """People whose pose stays exactly the same for longer were not tracked (ours: who stands sways by millimetres)."""
+    abrupt: float = 0.005
+    """Least step, metres or radians, with which a lost tracker's pose stops or goes on (ours: 15 cm/s at 30 frames a
+    second; who comes to rest slows down before)."""
+    turned_rad: float = math.radians(20.0)
+    """Nothing is turned by more from one frame to the next (ours: at 30 frames a second, more than a turn and a half
+    in a second)."""
+    least_confidence: float = 0.5
+    """Confidence below which no label is proposed (ours: then more speaks against it than for it)."""
+    begins_s: float = 0.2
+    """A recording in which the thing is moved sooner begins too late (ours: so long a fact must last to count)."""
 
 
 UNSHAPING = ("relations", "following", "maps", "planning", "learning", "limits", "checks")

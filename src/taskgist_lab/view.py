@@ -382,7 +382,7 @@ def demonstration_picture(recording: Recording, path: Path) -> Path:
     label, states = _ends(recording)
     stage = Stage(recording.scene)
     watching = (*label.target_agents, label.performing_agent)
-    agents, things = listed(label.target_agents), listed(label.target_objects)
+    agents, things = listed(label.watched), listed(label.target_objects)
     figure = Figure(figsize=(9, 3.4 + 3.6 * len(watching)), layout="constrained")
     figure.suptitle(f"{label.task}: {label.performing_agent} → {agents}, {things} ({recording.name})", fontsize=11)
     grid = figure.subplots(1 + len(watching), 2, gridspec_kw={"height_ratios": [1] + [1.2] * len(watching)})

@@ -13,8 +13,10 @@ from taskgist.facts import STANDARD_TREE
 from taskgist.learning import Knowledge
 from taskgist.recording import read, write
 from taskgist.store import load, save
-from tests.cli.running import contents, run, run_json
+from tests.cli.running import contents, refusal, run, run_json
 from tests.importing.skeletons import mapping_file, npz_mapping
+from tests.pipeline.small import small
+from tests.scenes import TABLE, agent, cylinder, scene
 from tests.shipped import PATHS, excerpt, explanation, label
 
 SHOW = PATHS["show_a"]
@@ -198,6 +200,31 @@ def test_label_proposes(own: Path) -> None:
     kept = read(own).label
     assert kept is not None
     assert kept.as_dict() == document
+
+
+def test_who_is_alone_is_labelled_without_a_target(folder: Path) -> None:
+    """What changes for the performer itself is then told and learned."""
+    world = scene(TABLE, cylinder("cup", 0.1, 0.0, 0.771), agents=agent("P1", -0.8, 0.0))
+    write(small(world, label=None), folder / "alone.mcap")
+    document = run_json("label alone.mcap --task tidy --performer P1 --object cup --start 0.2 --end 0.8")
+    assert document["target_agent"] is None
+    assert "target agent      none: it is P1's own\n" in run("label alone.mcap")
+    assert run_json("label alone.mcap --end 0.7")["target_agent"] is None
+    assert run_json("facts alone.mcap --every 1")["agent"] == "P1"
+    run("learn alone.mcap -k k.db")
+    assert "“tidy” means" in run("explain tidy -k k.db")
+    assert run_json("check alone.mcap")[0]["fit"]
+
+
+def test_a_label_that_is_not_sure_is_not_proposed(own: Path, folder: Path) -> None:
+    """The baton is known nowhere for most of the time in which it is given."""
+    whole = read(own)
+    lost = (whole.times_s > 2.0) & (whole.times_s < 3.3)
+    write(replace(whole, label=None, tracked={**whole.tracked, "baton": ~lost}), own)
+    message = refusal("label own.mcap --propose --task give", folder)
+    assert (
+        "own.mcap: label: what happens is not clear enough to propose a label: it is unknown who has baton" in message
+    )
 
 
 def test_check(own: Path, folder: Path, handovers: tuple[Path, Path]) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from taskgist.recording import Label, Recording
+from taskgist.recording import Label, Provenance, Recording
 from taskgist.world import Scene
 from tests.scenes import TABLE, agent, box, cylinder, scene
 
@@ -28,7 +28,14 @@ def still(world: Scene, frames: int = FRAMES) -> NDArray[np.float64]:
 def small(world: Scene | None = None, **fields: Any) -> Recording:
     """A second in which nothing happens, but for what the fields say."""
     world = world or room()
-    given = {"times_s": np.arange(FRAMES) / 30, "qpos": still(world), "label": LABEL, "name": "small", **fields}
+    given = {
+        "times_s": np.arange(FRAMES) / 30,
+        "qpos": still(world),
+        "label": LABEL,
+        "name": "small",
+        "provenance": Provenance(simulated=True),  # nobody else stands as still
+        **fields,
+    }
     return Recording(scene=world, **given)
 
 

@@ -39,13 +39,15 @@ def jumping(name: str, **fields: Any) -> Recording:
 def oddly_fitted() -> Recording:
     """Reports that another program wrote."""
     return small(
-        provenance=Provenance(fit={"P1": 3, "P2": {"points_cm": {"left_wrist": {"median": "large"}, "x": []}}})
+        provenance=Provenance(
+            simulated=True, fit={"P1": 3, "P2": {"points_cm": {"left_wrist": {"median": "large"}, "x": []}}}
+        )
     )
 
 
 def badly_fitted() -> Recording:
     fit: dict[str, Any] = {"P1": {"points_cm": {"left_wrist": {"median": 7.0}, "neck": {"median": 2.0}}}}
-    return small(provenance=Provenance(fit=fit))
+    return small(provenance=Provenance(simulated=True, fit=fit))
 
 
 KINDS: dict[str, tuple[Recording, list[tuple[str, str, str]]]] = {
@@ -93,7 +95,10 @@ KINDS: dict[str, tuple[Recording, list[tuple[str, str, str]]]] = {
         small(room(sunk_box())),
         [("warning", "box and table", "overlap by up to 6.0 cm (at 0.00 s)")],
     ),
-    "moving at the start": (moving(), [("note", "label", "cup is already moving at the start")]),
+    "moving at the start": (
+        moving(),
+        [("warning", "label", "the recording begins too late: cup moves already in its")],
+    ),
     "estimated": (small(room(extra='estimated = ["table"]')), [("note", "table", "its place or shape is an estimate")]),
 }
 

@@ -6,6 +6,7 @@ import copy
 import pickle
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
-from taskgist.recording import Label, Recording
+from taskgist.recording import Label, Recording, read, write
 from taskgist.recording.recording import decimals, label_of_fields, rounded, whole
 from tests.importing.recordings import FRAMES, LABEL, recording, room
 from tests.scenes import agent, cylinder, scene
@@ -117,7 +118,7 @@ GOOD = {"task": "give", "performing_agent": "P1", "target_agents": "P2", "target
 TIMES = {"start_s": 0.0, "end_s": 0.1}
 LABELS: dict[str, tuple[dict[str, Any], str]] = {
     "several tasks": ({"task": ["give", "show"]}, r"task: must be a name \(got \['give', 'show'\]\); give a text"),
-    "nobody": ({"target_agents": ()}, r"target_agent: no target agent \(got \(\)\); name at least one"),
+    "nobody": ({"target_agents": []}, r"target_agent: no target agent \(got \[\]\); name at least one"),
     "nothing": ({"target_objects": []}, r"target_object: no target object \(got \[\]\); name at least one"),
     "a set": ({"target_agents": {"P2"}}, r"target_agent: must be a name or a list of names \(got \{'P2'\}\)"),
     "a number": ({"target_objects": ["cup", 7]}, r"target_object: must be a name \(got 7\)"),
@@ -143,6 +144,17 @@ def test_labels_that_contradict_themselves(mistake: str) -> None:
 
 def test_one_target_in_a_list_is_that_target() -> None:
     assert Label("give", "P1", ["P2"], ("cup",), 0.0, 0.1) == Label("give", "P1", "P2", "cup", 0.0, 0.1)
+
+
+def test_who_is_alone_performs_for_nobody_else(tmp_path: Path) -> None:
+    """What changes for the performer itself is then explained, and files keep that nobody is named."""
+    label = Label("drink", "P1", None, "cup", 0.0, 0.1)
+    assert label == Label("drink", "P1", (), "cup", 0.0, 0.1)
+    assert (label.target_agents, label.pairs, label.target_agent) == ((), (("P1", "cup"),), "P1")
+    assert replace(label, end_s=0.05).pairs == label.pairs
+    assert label.as_dict()["target_agent"] is None
+    write(recording().with_label(label), tmp_path / "alone.mcap")
+    assert read(tmp_path / "alone.mcap").label == label
 
 
 def test_several_targets() -> None:

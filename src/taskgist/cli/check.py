@@ -17,8 +17,8 @@ from taskgist.cli.common import (
     progress_bar,
     read_all,
 )
-from taskgist.pipeline.checkup import Checkup
 from taskgist.pipeline.checkup import check as check_recording
+from taskgist.pipeline.findings import Checkup
 
 STYLES = {"unfit": "bold red", "warning": "yellow", "note": "cyan"}
 
@@ -27,8 +27,9 @@ STYLES = {"unfit": "bold red", "warning": "yellow", "note": "cyan"}
 def check(recordings: RecordingsArgument, as_json: JsonOption = False) -> int:
     """Say whether recordings are fit to learn from.
 
-    Looks for gaps, jumps, lost parts, sizes in another unit, overlapping bodies, a missing label, and facts that are
-    unknown at its ends.
+    Looks for labels that what happens contradicts, things that travel alone or end in the air, trackers whose frames
+    do not agree, lost trackers that go on, people off the floor, gaps, jumps, lost parts, sizes in another unit,
+    overlapping bodies, and facts that are unknown at the label's ends. Each comes with figures and what to do about it.
     The exit code is 1 if any recording is not fit.
 
     Example: taskgist check handover.mcap

@@ -119,7 +119,7 @@ def _perform(knowledge: Knowledge, out: Path, *, replace: bool, as_json: bool) -
 def _picture(recording: Recording, path: Path) -> Path:
     label = label_of(recording)
     states = (recording.at(label.start_s), recording.at(label.end_s))
-    agents, things = listed(label.target_agents), listed(label.target_objects)
+    agents, things = listed(label.watched), listed(label.target_objects)
     title = f"{label.task}: {label.performing_agent} → {agents}, {things} ({recording.name})"
     from taskgist.view.scene import before_after_picture  # with matplotlib, which only pictures should wait for
 

@@ -83,7 +83,7 @@ def _subjects(recording: Recording, agent: str | None, name: str | None) -> tupl
     label = recording.label
     if (agent is None or name is None) and label is None:
         raise LabelError("the recording has no label", hint="name --agent and --object")
-    agents = (agent,) if agent is not None else label.target_agents if label else ()
+    agents = (agent,) if agent is not None else label.watched if label else ()
     objects = (name,) if name is not None else label.target_objects if label else ()
     for each in agents:
         recording.scene.agent(each)
@@ -99,8 +99,10 @@ def _effect(
     label = recording.label
     if label is None:
         return None
-    other = label.target_agents[0] if label.performing_agent in agents else label.performing_agent
-    label = replace(label, performing_agent=other, target_agents=agents, target_objects=objects)
+    if agents != (label.performing_agent,) or label.target_agents:
+        other = label.watched[0] if label.performing_agent in agents else label.performing_agent
+        label = replace(label, performing_agent=other, target_agents=agents)
+    label = replace(label, target_objects=objects)
     return explain_recording(recording, label=label, observer=observer)
 
 

@@ -56,11 +56,12 @@ def label(
     """Show, set or propose what a recording demonstrates.
 
     That is its label: task, agents, objects, start and end. Without options it is shown (exit code 1 if there is none).
-    With options it is set, what is not given stays. With --propose the facts fill in the rest: who holds the object
-    when, what moves, when it comes to rest. All else in the file stays byte for byte, whoever wrote it.
+    With options it is set, what is not given stays. With --propose the facts fill in the rest: who has the object
+    when, what moves, when it changes hands or comes to rest, and how sure that is. Where too little speaks for it,
+    nothing is proposed, with the reason (exit code 2). All else in the file stays byte for byte, whoever wrote it.
 
     What is done for several agents at once, or with several objects, names each of them: every object is then meant
-    for every target agent.
+    for every target agent. Who is alone needs no target agent: what changes for the performer itself is then learned.
 
     Example: taskgist label handover.mcap --propose --task give
 
@@ -82,7 +83,8 @@ def label(
             return _show(read(recording).label, as_json=as_json)
 
         def changed(opened: Recording) -> Label:
-            return _changed(_proposed(opened, changes) if propose else opened.label, changes)
+            base = _proposed(opened, changes) if propose else opened.label
+            return _changed(base, changes, alone=len(opened.scene.agents) == 1)
 
         if dry_run:
             opened = read(recording)
@@ -101,13 +103,19 @@ def _proposed(recording: Recording, given: Mapping[str, Any]) -> Label:
         performing_agent=given.get("performing_agent"),
         target_agents=given.get("target_agent", ()),
         target_objects=given.get("target_object", ()),
+        start_s=given.get("start_s"),
+        end_s=given.get("end_s"),
     )
 
 
-def _changed(base: Label | None, changes: Mapping[str, object]) -> Label:
-    """A label with some fields set by hand; how the others were set is kept."""
+def _changed(base: Label | None, changes: Mapping[str, object], *, alone: bool) -> Label:
+    """A label with some fields set by hand; how the others were set is kept.
+
+    A label for nobody else stays one; who is ``alone`` in a recording needs no target agent.
+    """
     fields = {**(base.as_dict() if base else dict.fromkeys(OPTIONS)), **changes}
-    missing = [OPTIONS[key] for key, value in fields.items() if value is None]
+    optional = {"target_agent"} if alone or base else set()
+    missing = [OPTIONS[key] for key, value in fields.items() if value is None and key not in optional]
     if missing:
         raise LabelError(f"missing: {', '.join(missing)}", field="label", hint="give them, or add --propose")
     return label_of_fields({**fields, "how": _how(base.how if base else "", changes)})
@@ -134,7 +142,8 @@ def _show(shown: Label | None, *, as_json: bool) -> int:
         console.print(f"task              {shown.task}")
         console.print(f"performing agent  {shown.performing_agent}")
         for title, names in (("target agent", shown.target_agents), ("target object", shown.target_objects)):
-            console.print(f"{title if len(names) == 1 else title + 's':18}{', '.join(names)}")
+            told = ", ".join(names) or f"none: it is {shown.performing_agent}'s own"
+            console.print(f"{title if len(names) < 2 else title + 's':18}{told}")
         console.print(f"start, end        {shown.start_s:.3f} s, {shown.end_s:.3f} s")
         console.print(f"how               {shown.how}")
     return OK if shown else FAILED

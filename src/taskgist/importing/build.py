@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import mujoco
@@ -12,7 +12,7 @@ from taskgist.common.files import read_whole
 from taskgist.common.workers import Progress, silent
 from taskgist.errors import MappingError, SceneError
 from taskgist.importing.bodies import BodyTrack, entry_of, fit_person
-from taskgist.importing.checks import floor_notes
+from taskgist.importing.floor import floor_problem, floor_remedy, off_the_floor_m
 from taskgist.importing.mapping import ImportMapping, Shape, Support
 from taskgist.importing.sizes import estimate_size
 from taskgist.importing.tracks import ObjectTrack, Tracks, read_tracks
@@ -21,6 +21,7 @@ from taskgist.settings import DEFAULT
 from taskgist.world.bodies.human import GROUP, HumanSize
 from taskgist.world.geometry.transforms import about_z
 from taskgist.world.scene import Scene
+from taskgist.world.stage import Stage
 
 Colour = tuple[float, float, float, float]
 """Red, green, blue and opacity."""
@@ -65,11 +66,10 @@ def import_recording(mapping: ImportMapping, progress: Progress = silent) -> Rec
             *tracks.notes,
             *(note for body in bodies.values() for note in body.notes),
             *(_doubt(name, frames) for name, frames in doubtful.items() if frames.any()),
-            *floor_notes({name: person.points for name, person in tracks.people.items()}, sizes),
         ),
         fit={name: dict(body.report) for name, body in bodies.items()},
     )
-    return Recording(
+    recording = Recording(
         scene=scene,
         times_s=tracks.times_s,
         qpos=qpos,
@@ -79,6 +79,16 @@ def import_recording(mapping: ImportMapping, progress: Progress = silent) -> Rec
         name=mapping.name,
         signals=tracks.signals,
     )
+    notes = (*about.notes, *_floor_notes(recording))
+    return recording if notes == about.notes else replace(recording, provenance=replace(about, notes=notes))
+
+
+def _floor_notes(recording: Recording) -> Iterator[str]:
+    stage = Stage(recording.scene)
+    for name in recording.scene.agents:
+        height_m = off_the_floor_m(recording, name, stage)
+        if height_m is not None:
+            yield f"{name}: {floor_problem(height_m)}: {floor_remedy(name, height_m)}"
 
 
 def _size(mapping: ImportMapping, name: str, tracks: Tracks) -> HumanSize:

@@ -13,10 +13,8 @@ from taskgist.errors import MappingError
 from taskgist.importing.mapping import PointRef
 from taskgist.importing.mapping_fields import UNITS_M
 from taskgist.importing.mapping_people import HEAD_POINTS, LEG_POINTS, PARTS
-from taskgist.importing.sizes import OFF_THE_FLOOR_M, height_of_soles_m
 from taskgist.importing.table_values import Track
 from taskgist.importing.tables import Samples
-from taskgist.world.bodies.human import HumanSize
 
 PERSON_EXTENT_M = (0.1, 3.0)
 """Across all points of a person in one frame: few points of a child, to outstretched arms over head."""
@@ -259,25 +257,3 @@ def _level_cosine(a: Array, b: Array) -> float:
     if not known.any():
         return float("nan")
     return float(np.percentile(np.sum(level_a[known] * level_b[known], axis=1) / lengths[known], ALWAYS))
-
-
-# --- People under or over the floor: it was taken to be elsewhere.
-
-
-def floor_notes(people: Mapping[str, Mapping[str, Array]], sizes: Mapping[str, HumanSize]) -> list[str]:
-    """What to tell about people under or over the floor, and the shift that would mend it.
-
-    Args:
-        people: Points of each person by landmark, metres, (N, 3) each.
-        sizes: How large they are.
-    """
-    notes = []
-    for name, points in people.items():
-        height_m = height_of_soles_m(points, sizes[name].hip_height_m)
-        if abs(height_m) > OFF_THE_FLOOR_M:
-            where = "over" if height_m > 0.0 else "under"
-            notes.append(
-                f"{name}'s feet are {abs(height_m):.2f} m {where} the floor for most of the time: unless something is "
-                f"there to stand on, add {-height_m:+.2f} to z of the source's transform = {{ position_m = [x, y, z] }}"
-            )
-    return notes

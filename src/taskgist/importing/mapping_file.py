@@ -386,7 +386,7 @@ def _label(section: TomlTable, people: Collection[str], objects: Collection[str]
         label = Label(
             task=section.any("task"),
             performing_agent=section.any("performing_agent"),
-            target_agents=section.any("target_agent"),
+            target_agents=section.any("target_agent", None),
             target_objects=section.any("target_object"),
             start_s=section.any("start_s"),
             end_s=section.any("end_s"),

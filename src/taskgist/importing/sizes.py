@@ -97,7 +97,7 @@ def _stature(points: Points, measured: Mapping[str, float], markers: Mapping[str
     """From heights while the person is upright, else from the lengths of the segments."""
     head, hips = _head(points, markers), _hips(points)
     if head is not None and hips is not None:
-        soles_m = height_of_soles_m(points, math.inf)
+        soles_m = height_of_soles_m(points)
         floor_m = soles_m if abs(soles_m) > OFF_THE_FLOOR_M else 0.0
         upright = _upright(hips, head[0])
         standing = upright & stands({name: track - (0.0, 0.0, floor_m) for name, track in points.items()}, markers)
@@ -164,17 +164,12 @@ def _count(points: Points) -> int:
     return len(next(iter(points.values()))) if points else 0
 
 
-def height_of_soles_m(points: Points, hip_height_m: float) -> float:
-    """Height of the soles of the lower foot, metres, the median over time.
-
-    Where no feet are known: how much the hips are too high for legs. 0 if nothing tells.
-    """
+def height_of_soles_m(points: Points) -> float:
+    """Height of the soles of the lower foot, metres, the median over time; 0 where no feet are known."""
     for landmarks, over_m in SOLES_M.items():
         heights = [points[landmark][:, 2] for landmark in landmarks if landmark in points]
         if heights and np.isfinite(heights).any():
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", RuntimeWarning)  # frames in which no foot is known are NaN
                 return float(np.nanmedian(np.nanmin(heights, axis=0))) - over_m
-    hips = _hips(points)
-    hips_m = np.nan if hips is None or not np.isfinite(hips[:, 2]).any() else float(np.nanmedian(hips[:, 2]))
-    return max(0.0, hips_m - hip_height_m) if np.isfinite(hips_m) else 0.0
+    return 0.0

@@ -1,5 +1,3 @@
-from .checkup import Checkup as Checkup
-from .checkup import Finding as Finding
 from .checkup import check as check
 from .explain import episode_of as episode_of
 from .explain import episodes_of as episodes_of
@@ -7,6 +5,8 @@ from .explain import explain_all as explain_all
 from .explain import explain_recording as explain_recording
 from .explain import label_of as label_of
 from .explain import learn as learn
+from .findings import Checkup as Checkup
+from .findings import Finding as Finding
 from .performing import Outcome as Outcome
 from .performing import Performance as Performance
 from .performing import perform as perform

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from itertools import product
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from taskgist.common.workers import Progress, silent
-from taskgist.facts import vocabulary as v
-from taskgist.facts.values import UNKNOWN, Observation, Raw
-from taskgist.observe.attributes import snapshot
 from taskgist.observe.observer import Observer
-from taskgist.recording.recording import Label, Recording
+from taskgist.pipeline.check_label import label_findings
+from taskgist.pipeline.check_trackers import tracker_findings
+from taskgist.pipeline.findings import Checkup, Finding, Severity
+from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT, Checks, Settings
 from taskgist.world.contacts import overlaps
 from taskgist.world.scene import Scene
-from taskgist.world.stage import Stage, gap_under_feet_m
-
-Severity = Literal["unfit", "warning", "note"]
+from taskgist.world.stage import Stage
 
 GAP_FACTOR = 3.0
 """A step of time longer than this many usual ones is a gap."""
@@ -31,43 +27,10 @@ OVERLAP_M = 0.03
 SOFT_M = 0.05
 """Bodies and furniture: flesh and cushions give by as much."""
 OVERLAP_EVERY_S = 0.2
-OFF_THE_FLOOR_M, FLOOR_FRAMES = 0.15, 40
-"""How far feet may be from what is beneath them, and in how many frames that is looked at (ours)."""
 POOR_FIT_CM = 5.0
 """Median error of a fitted landmark above which facts of contact are doubtful."""
 SPINE = ("chest", "abdomen", "neck", "pelvis")
 """Landmarks that lie elsewhere for each tracker; no fact hangs on them."""
-OF_THE_AGENT = frozenset({"posture", "hands"})
-"""Attributes of the target agent alone; all others are said of the object."""
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One thing that a recording's user should know.
-
-    Attributes:
-        severity: "unfit" if nothing sensible can be learned while it stands.
-        about: What it concerns: an object, an agent's part, the label.
-        problem: What is wrong, in one clause.
-        remedy: What to do about it.
-    """
-
-    severity: Severity
-    about: str
-    problem: str
-    remedy: str = ""
-
-
-@dataclass(frozen=True)
-class Checkup:
-    """All findings on one recording."""
-
-    findings: tuple[Finding, ...]
-
-    @property
-    def fit(self) -> bool:
-        """Whether the recording can be learned from."""
-        return not any(finding.severity == "unfit" for finding in self.findings)
 
 
 def check(recording: Recording, settings: Settings = DEFAULT, progress: Progress = silent) -> Checkup:
@@ -78,15 +41,16 @@ def check(recording: Recording, settings: Settings = DEFAULT, progress: Progress
         settings: All settings.
         progress: Told how far it is.
     """
+    observer = Observer(recording.scene, recording, settings)
     findings = [
         *_time_gaps(recording),
         *_untracked(recording),
         *_poor_fits(recording),
         *_jumps(recording, settings.checks),
         *_sizes(recording.scene, settings.checks),
-        *_off_the_floor(recording),
         *_overlaps(recording, progress),
-        *_label(recording, Observer(recording.scene, recording, settings), settings),
+        *tracker_findings(recording, observer, settings),
+        *label_findings(recording, observer, settings),
         *_estimated(recording),
     ]
     order: dict[Severity, int] = {"unfit": 0, "warning": 1, "note": 2}
@@ -176,25 +140,6 @@ def _sizes(scene: Scene, limits: Checks) -> Iterator[Finding]:
             yield Finding("warning", name, f"is {1000 * longest_m:.2g} mm long: shrunk a thousandfold?", remedy)
 
 
-def _off_the_floor(recording: Recording) -> Iterator[Finding]:
-    """People whose feet are deep in the floor, or far over whatever is beneath them, for most of the time."""
-    scene, stage = recording.scene, Stage(recording.scene)
-    frames = np.linspace(0, len(recording) - 1, min(len(recording), FLOOR_FRAMES), dtype=int)
-    for name in scene.agents:
-        agent = scene.agent(name)
-        states = [state for state in map(recording.state, frames) if state.known([f"{name}/legs", name])]
-        if not agent.profile.legs.feet or not states:
-            continue
-        gap_m = float(np.median([gap_under_feet_m(stage.show(state), agent) for state in states]))
-        if gap_m < -OFF_THE_FLOOR_M:
-            problem = f"the feet are {-gap_m:.2f} m under the floor for most of the time"
-            yield Finding("unfit", name, problem, f"shift people by {-gap_m:.2f} m up, or the floor as far down")
-        elif gap_m > OFF_THE_FLOOR_M:
-            problem = f"the feet are {gap_m:.2f} m over what is beneath them for most of the time"
-            remedy = f"shift people by {gap_m:.2f} m down, or add what they stand on, or their feet rest on"
-            yield Finding("warning", name, problem, remedy)
-
-
 def _overlaps(recording: Recording, progress: Progress) -> Iterator[Finding]:
     stage = Stage(recording.scene)
     worst: dict[tuple[str, str], tuple[float, float]] = {}
@@ -216,44 +161,6 @@ def _overlaps(recording: Recording, progress: Progress) -> Iterator[Finding]:
             f"overlap by up to {100 * depth:.1f} cm (at {time_s:.2f} s)",
             "usual where a hand closes around it" if held else "check shapes and poses",
         )
-
-
-def _label(recording: Recording, observer: Observer, settings: Settings) -> Iterator[Finding]:
-    label = recording.label
-    if label is None:
-        yield Finding("unfit", "label", "there is none", "set one: taskgist label RECORDING --help")
-        return
-    for name in label.target_objects:
-        if observer.motion(name).at(label.start_s) == v.MOVING:
-            yield Finding("note", "label", f"{name} is already moving at the start", "start the label earlier")
-    yield from _unknown_facts(recording, label, observer, settings)
-
-
-def _unknown_facts(recording: Recording, label: Label, observer: Observer, settings: Settings) -> Iterator[Finding]:
-    stage = Stage(recording.scene)
-    ends = (("start", label.start_s), ("end", label.end_s))
-    for (end, time_s), (agent, thing) in product(ends, label.pairs):
-        stage.show(recording.at(time_s))
-        observed = snapshot(stage, observer, agent=agent, name=thing, settings=settings)
-        several = len(label.pairs) > 1
-        unknown = [name for name, observation in observed.items() if _is_unknown(observation)]
-        if set(observed) - OF_THE_AGENT <= set(unknown):
-            yield Finding(
-                "unfit",
-                thing,
-                f"no fact can be said of it{f' for {agent}' if several else ''} at the label's {end} ({time_s:.2f} s)",
-                "move the label to where object and target agent are tracked",
-            )
-        elif unknown:
-            whose = f" of {thing} for {agent}" if several else ""
-            yield Finding(
-                "note", f"facts{whose} at the label's {end}", f"unknown: {', '.join(unknown)}", "they are not counted"
-            )
-
-
-def _is_unknown(observation: Observation[Raw]) -> bool:
-    value = observation.value
-    return value is UNKNOWN or (isinstance(value, Mapping) and all(status is None for status in value.values()))
 
 
 def _estimated(recording: Recording) -> Iterator[Finding]:

@@ -1,3 +1,9 @@
-from .label_proposal import Grip as Grip
-from .label_proposal import grips_of as grips_of
+from .label_proposal import Proposal as Proposal
+from .label_proposal import propose as propose
 from .label_proposal import propose_label as propose_label
+from .turns import Change as Change
+from .turns import Grip as Grip
+from .turns import Turn as Turn
+from .turns import changes_of_hands as changes_of_hands
+from .turns import grips_of as grips_of
+from .turns import turns_of as turns_of

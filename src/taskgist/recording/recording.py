@@ -39,13 +39,14 @@ class Label:
     """What a recording demonstrates.
 
     A task may be performed for several agents at once (hide from both, 9.6) and with several objects (give pen and
-    paper, 9.7): each of the objects is then meant for each of the agents. In files one name stands as it is, and
-    several as a list, beneath ``target_agent`` and ``target_object``.
+    paper, 9.7): each of the objects is then meant for each of the agents. Who is alone performs it for nobody else. In
+    files one name stands as it is, none as null, and several as a list, beneath ``target_agent`` and ``target_object``.
 
     Attributes:
         task: Name of the task, such as "give"; like all names, without spaces at its ends and composed (NFC).
         performing_agent: Who performs it.
-        target_agents: For whom; one or more, in the order in which they were named.
+        target_agents: For whom, in the order in which they were named; none: for nobody else, and what changes for the
+            performing agent itself is looked at. None and the empty tuple mean the same.
         target_objects: With what; one or more, likewise.
         start_s: Start, seconds since the recording's origin.
         end_s: End.
@@ -68,7 +69,7 @@ class Label:
         self,
         task: str,
         performing_agent: str,
-        target_agents: str | Sequence[str],
+        target_agents: str | Sequence[str] | None,
         target_objects: str | Sequence[str],
         start_s: float,
         end_s: float,
@@ -77,7 +78,7 @@ class Label:
         given = {
             "task": _checked_name("task", task),
             "performing_agent": _checked_name("performing_agent", performing_agent),
-            "target_agents": _checked_names("target_agent", target_agents),
+            "target_agents": () if target_agents in (None, ()) else _checked_names("target_agent", target_agents),
             "target_objects": _checked_names("target_object", target_objects),
             "start_s": start_s,
             "end_s": end_s,
@@ -99,22 +100,27 @@ class Label:
                 "performing and target agent are the same",
                 field="target_agent",
                 value=self.performing_agent,
-                hint="name the other agent, for whom the task is performed",
+                hint="name the other agent, for whom the task is performed; leave it out if there is none",
             )
 
     @property
+    def watched(self) -> tuple[str, ...]:
+        """Whose perspective it is explained from: the target agents, or else the performing agent itself."""
+        return self.target_agents or (self.performing_agent,)
+
+    @property
     def pairs(self) -> tuple[Pair, ...]:
-        """Each target agent with each target object: what is explained one by one."""
-        return tuple(product(self.target_agents, self.target_objects))
+        """Each of these agents with each target object: what is explained one by one."""
+        return tuple(product(self.watched, self.target_objects))
 
     @property
     def target_agent(self) -> str:
-        """The one target agent.
+        """The one target agent; the performing agent, if it is performed for nobody else.
 
         Raises:
             LabelError: There are several.
         """
-        return _only("target_agent", self.target_agents)
+        return _only("target_agent", self.watched)
 
     @property
     def target_object(self) -> str:
@@ -130,7 +136,7 @@ class Label:
         return {
             "task": self.task,
             "performing_agent": self.performing_agent,
-            "target_agent": one_or_list(self.target_agents),
+            "target_agent": one_or_list(self.target_agents) if self.target_agents else None,
             "target_object": one_or_list(self.target_objects),
             "start_s": self.start_s,
             "end_s": self.end_s,
@@ -174,7 +180,7 @@ class Label:
 
 
 def label_of_fields(fields: Mapping[str, Any]) -> Label:
-    """The label of fields as files have them; what is missing has no default but ``how``.
+    """The label of fields as files have them; what is missing has no default but ``target_agent`` and ``how``.
 
     Raises:
         LabelError: As ``Label``.
@@ -182,7 +188,7 @@ def label_of_fields(fields: Mapping[str, Any]) -> Label:
     return Label(
         task=fields["task"],
         performing_agent=fields["performing_agent"],
-        target_agents=fields["target_agent"],
+        target_agents=fields.get("target_agent"),
         target_objects=fields["target_object"],
         start_s=fields["start_s"],
         end_s=fields["end_s"],

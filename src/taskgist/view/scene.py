@@ -71,7 +71,7 @@ def before_after_picture(
         settings: For the visibility scores in the titles.
         title: Title of the whole picture.
     """
-    agents, things = label.target_agents, label.target_objects
+    agents, things = label.watched, label.target_objects
     figure = Figure(figsize=(12, 3.8 + 4.8 * len(agents)), layout="constrained")
     figure.suptitle(title, fontsize=13)
     grid = figure.subplots(1 + len(agents), 2, gridspec_kw={"height_ratios": [1] + [1.25] * len(agents)})

@@ -333,23 +333,6 @@ def floor_height_m(stage: Stage, agent: Agent) -> float:
     return float(min(ankles)) - ankle_height_m(model, agent)
 
 
-def gap_under_feet_m(stage: Stage, agent: Agent) -> float:
-    """From the sole of the lower foot down to what is beneath it, metres; negative where the foot is deep in the floor.
-
-    0 where there is nothing beneath at all, and no floor.
-    """
-    model = stage.scene.model
-    floors = [float(stage.geom(geom).position[2]) for geom in range(model.ngeom) if stage.is_plane(geom)]
-    gaps = []
-    for name in agent.profile.legs.feet:
-        foot = body_index(model, agent, name)
-        down_m = stage.down_m(foot)
-        if down_m is None and floors:  # rays meet floors from above only
-            down_m = float(stage.body_position(foot)[2]) - max(floors)
-        gaps.append(0.0 if down_m is None else down_m - ankle_height_m(model, agent))
-    return min(gaps)
-
-
 def seat_position(stage: Stage, agent: Agent) -> Array:
     """Floor point (2,) over which the pelvis would be if the agent sat down with level thighs and kept its feet."""
     model = stage.scene.model

@@ -14,7 +14,7 @@ import numpy as np
 from taskgist.errors import RecordingError
 from taskgist.facts import vocabulary as v
 from taskgist.observe.observer import Observer
-from taskgist.recognition.label_proposal import grips_of
+from taskgist.recognition.turns import grips_of
 from taskgist.recording.recording import Recording
 
 GRIP_N = 3.0
