@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from taskgist.observe import Observer
 from taskgist.pipeline import Finding
-from taskgist.pipeline.check_label import label_findings, travels_alone
-from taskgist.recognition import Change, changes_of_hands, turns_of
-from taskgist.recording import Recording
+from taskgist.pipeline.check_label import label_findings, roles, travels_alone
+from taskgist.recognition import Change, Turn, changes_of_hands, turns_of
+from taskgist.recording import Label, Recording
 from taskgist.settings import DEFAULT
 from tests.pipeline.small import FRAMES, LABEL, room, small, still
 from tests.shipped import label, observer, recording
@@ -44,6 +44,12 @@ def test_labels_that_are_right(name: str) -> None:
 
 def test_a_label_that_ends_where_it_changes_hands_is_right() -> None:
     assert labelled("give_a", start_s=3.7, end_s=change("give_a", "cup").time_s) == []
+
+
+def test_a_label_may_end_in_the_very_moment_in_which_it_is_taken() -> None:
+    turns = (Turn("P1", 1.0, 2.5), Turn("P2", 2.5, 5.0))
+    given = (Change("P1", "P2", taken_s=2.5, released_s=2.5, kept_s=5.0),)
+    assert list(roles(Label("give", "P1", "P2", "cup", 0.8, 2.5), "cup", turns, given)) == []
 
 
 def test_roles_reversed() -> None:

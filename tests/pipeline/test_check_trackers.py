@@ -152,7 +152,7 @@ def test_identity_quaternions_of_a_lost_tracker() -> None:
     (finding,) = lost_orientations(turned(slice(23, 26)), DEFAULT.checks)
     assert (finding.severity, finding.about) == ("unfit", "cup"), "the label's end, 0.8 s, lies within"
     assert "is the identity in 3 of 31 frames, first at 0.77 s, and turned by 73° in the next" in finding.problem
-    assert "confidence" in finding.remedy
+    assert "identity_is_lost = true" in finding.remedy
 
 
 def test_another_orientation_that_comes_back() -> None:

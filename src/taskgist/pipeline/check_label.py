@@ -72,7 +72,7 @@ def roles(label: Label, name: str, turns: tuple[Turn, ...], changes: tuple[Chang
     if not label.target_agents or label.task.lower() not in GIVING:
         return
     performer, targets = label.performing_agent, label.target_agents
-    within = [turn for turn in turns if turn.start_s < label.end_s and turn.end_s > label.start_s]
+    within = [turn for turn in turns if turn.start_s <= label.end_s + ROUNDING_S and turn.end_s > label.start_s]
     given = [c for c in changes if c.giver == performer and c.taker in targets and c.taken_s < label.end_s + 1.0]
     given = [change for change in given if change.kept_s > label.start_s]
     taken = [c for c in changes if c.taker == performer and c.giver in targets]

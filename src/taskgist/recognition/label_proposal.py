@@ -178,7 +178,9 @@ def propose(
     if doubt.confidence >= SURE:
         doubt = Doubt(1.0, "nothing speaks against it")
     _check(doubt, settings.checks)
-    how = f"proposed: {first.start_how}; {last.end_how}; confidence {doubt.confidence:.2f}: {doubt.reason}"
+    start_how = first.start_how if start_s is None else "starts as given"
+    end_how = last.end_how if end_s is None else "ends as given"
+    how = f"proposed: {start_how}; {end_how}; confidence {doubt.confidence:.2f}: {doubt.reason}"
     label = Label(name_of_task, performer, targets, names, *times, how)
     return Proposal(label, doubt.confidence, doubt.reason)
 
