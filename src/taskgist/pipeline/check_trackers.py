@@ -354,7 +354,7 @@ def lost_orientations(recording: Recording, limits: Checks) -> Iterator[Finding]
             name,
             f"its orientation is {what} in {len(frames)} of {len(known)} frames, first at {times_s[frames[0]]:.2f} s, "
             f"and turned by {_largest_deg(cosines[jumps - 1]):.0f}° in the next: that is a lost tracker's",
-            "import it with identity_is_lost = true, or leave those samples empty: what was not tracked is then unknown",
+            "import it with identity_is_lost = true, or leave those samples empty: they are unknown then",
         )
 
 
