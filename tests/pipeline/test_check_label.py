@@ -79,6 +79,15 @@ def test_the_performer_never_has_it() -> None:
     assert finding.problem == f"P1 is said to give cup, but only P2 has it, from {taken_s:.2f} s on"
 
 
+def test_another_than_the_performer_has_it() -> None:
+    """Some tasks are performed with another thing, such as the box that hides this one: that may be."""
+    (finding,) = labelled("hide_a", performing_agent="P2", target_agents="P1")
+    assert finding.severity == "warning"
+    assert finding.problem == "P2 is said to hide, but only P1 has cup, from 4.47 s on"
+    assert finding.remedy.endswith("--performer P1")
+    assert labelled("hide_a") == []
+
+
 def test_the_target_no_longer_has_it() -> None:
     """In handover_2 the baton is back on the table after 1.3 s."""
     given = change("handover_2", "baton")
