@@ -405,7 +405,11 @@ def _percent(share: float) -> str:
 
 
 def _nearer(recording: Recording, name: str, change: Change, start_s: float) -> Doubt:
-    """Whose hands are nearer to the object while only one of the two has it."""
+    """Whose hands are nearer to the object while only one of the two has it.
+
+    Where trackers are some centimetres off, another's hand is nearer for a while, and that says little; the doubt grows
+    with the square of the time.
+    """
     stage = Stage(recording.scene)
     spans = (
         (change.giver, change.taker, start_s, min(change.taken_s, change.released_s)),
@@ -423,7 +427,8 @@ def _nearer(recording: Recording, name: str, change: Change, start_s: float) -> 
     share = min(shares)
     has, other, _, _ = spans[shares.index(share)]
     return Doubt(
-        share, f"in {_percent(1.0 - share)} of the time in which {has} has {name}, {other}'s hand is nearer to it"
+        1.0 - (1.0 - share) ** 2,
+        f"in {_percent(1.0 - share)} of the time in which {has} has {name}, {other}'s hand is nearer to it",
     )
 
 
