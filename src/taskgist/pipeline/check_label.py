@@ -18,7 +18,7 @@ from taskgist.facts.values import UNKNOWN, Observation, Raw
 from taskgist.observe.attributes import snapshot
 from taskgist.observe.evidence import GRAVITY_M_S2, acceleration_m_s2
 from taskgist.observe.observer import Observer
-from taskgist.pipeline.findings import Finding, known_in
+from taskgist.pipeline.findings import Finding, known_in, travels
 from taskgist.recognition.turns import GIVING, Change, Turn, changes_of_hands, turns_of
 from taskgist.recording.recording import Label, Recording
 from taskgist.settings import Settings
@@ -131,6 +131,8 @@ def travels_alone(recording: Recording, observer: Observer, name: str, settings:
         name: The thing.
         settings: How long counts.
     """
+    if not travels(recording, name):
+        return
     label, times_s = recording.label, recording.times_s
     from_s, until_s = (label.start_s, label.end_s) if label else (float(times_s[0]), float(times_s[-1]))
     moving = [i for i in observer.motion(name).intervals if i.value == v.MOVING]

@@ -25,7 +25,7 @@ from taskgist.importing.floor import floor_problem, floor_remedy, off_the_floor_
 from taskgist.observe.frames import Interval
 from taskgist.observe.holding import Hand
 from taskgist.observe.observer import Observer
-from taskgist.pipeline.findings import Finding, Severity, known_in, runs, some, vector_text
+from taskgist.pipeline.findings import Finding, Severity, known_in, runs, some, travels, vector_text
 from taskgist.recognition.turns import RESTING
 from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT, Checks, Settings
@@ -93,6 +93,8 @@ def disagreeing_frames(recording: Recording, observer: Observer, settings: Setti
     """
     limits = settings.checks
     for name in recording.scene.objects:
+        if not travels(recording, name):
+            continue
         moments = _moving_along(recording, observer, name, limits)
         of_agent = {agent: [m for m in moments if m.hand[0] == agent] for agent in recording.scene.agents}
         of_agent = {agent: found for agent, found in of_agent.items() if len(found) >= FEWEST}
@@ -277,10 +279,12 @@ def frozen_poses(recording: Recording, observer: Observer, limits: Checks) -> It
             yield from _frozen(recording, name, columns, _seen(recording, name), limits)
     for name in scene.objects:
         free = scene.object_slice(name)
+        columns, known = np.arange(free.start, free.stop), known_in(recording, name)
+        if not list(_frozen(recording, name, columns, known, limits)):
+            continue
         placements = observer.placement(name).intervals
         beside = [i for i in placements if i.value.symbol is None or i.value.symbol in RESTING]
-        counts = known_in(recording, name) & ~_within(times_s, beside)
-        yield from _frozen(recording, name, np.arange(free.start, free.stop), counts, limits)
+        yield from _frozen(recording, name, columns, known & ~_within(times_s, beside), limits)
 
 
 def _seen(recording: Recording, agent: str) -> Mask:
