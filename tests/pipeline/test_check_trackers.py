@@ -166,6 +166,14 @@ def test_another_orientation_that_comes_back() -> None:
     assert "is one and the same in 3 of 31 frames" in finding.problem
 
 
+def test_things_may_turn_while_nobody_looks() -> None:
+    """It was not turned, and is turned by 70° when the recording goes on after half a second."""
+    recording = turned(slice(0, 15))
+    assert list(lost_orientations(recording, DEFAULT.checks))
+    paused = replace(recording, times_s=recording.times_s + 0.5 * (np.arange(FRAMES) >= 15))
+    assert list(lost_orientations(paused, DEFAULT.checks)) == []
+
+
 @pytest.mark.parametrize("wxyz_deg", [None, 0.0])
 def test_orientations_that_may_be(wxyz_deg: float | None) -> None:
     """Turning slowly; the identity all the time."""

@@ -44,6 +44,8 @@ FEWEST = 5
 """As many frames at least show that a hand moves with a thing."""
 SAME_SHIFT_M = 0.08
 """Shifts that differ by less are one."""
+GAP_FACTOR = 3.0
+"""Samples farther apart than this many usual steps do not follow each other."""
 LEAST_YAW_RAD = math.radians(2.0)
 SPREAD_M = 0.3
 """Places that lie within this distance do not show whether frames are turned against each other."""
@@ -346,7 +348,9 @@ def lost_orientations(recording: Recording, limits: Checks) -> Iterator[Finding]
             continue
         wxyz = wxyz * np.where(wxyz[:, :1] < 0.0, -1.0, 1.0)
         cosines = np.abs(np.sum(wxyz[1:] * wxyz[:-1], axis=1)).clip(0.0, 1.0)
-        jumps = np.flatnonzero(2.0 * np.arccos(cosines) > limits.turned_rad) + 1
+        steps_s = np.diff(times_s[known])
+        next_one = steps_s < GAP_FACTOR * np.median(steps_s)  # in a gap it may have turned
+        jumps = np.flatnonzero((2.0 * np.arccos(cosines) > limits.turned_rad) & next_one) + 1
         lost = _landed(wxyz, jumps)
         if not lost.any():
             continue
@@ -363,14 +367,14 @@ def lost_orientations(recording: Recording, limits: Checks) -> Iterator[Finding]
 
 
 def _landed(wxyz: Array, jumps: Indices) -> Mask:
-    """Frames with an orientation to which the thing jumps, if it is the identity, or seldom and reached again, (n,)."""
+    """Frames with the identity, from or to which the thing jumps, or with what it seldom is and jumps to again, (n,)."""
     lost = np.zeros(len(wxyz), dtype=np.bool_)
     for jump in jumps.tolist():
-        same = (wxyz == wxyz[jump]).all(axis=1)
-        landings = sum(bool(same[other]) for other in jumps.tolist())
-        again = landings > 1 and same.mean() < 0.5  # it returns to how it really lies, too
-        if not same.all() and (_is_identity(wxyz[jump]) or again):
-            lost |= same
+        for beside in (jump - 1, jump):
+            same = (wxyz == wxyz[beside]).all(axis=1)
+            again = beside == jump and same[jumps].sum() > 1 and same.mean() < 0.5  # how it really lies comes back, too
+            if _is_identity(wxyz[beside]) or again:
+                lost |= same
     return lost
 
 
