@@ -367,7 +367,7 @@ def lost_orientations(recording: Recording, limits: Checks) -> Iterator[Finding]
 
 
 def _landed(wxyz: Array, jumps: Indices) -> Mask:
-    """Frames with the identity, from or to which the thing jumps, or with what it seldom is and jumps to again, (n,)."""
+    """Frames with the identity, if it jumps from or to that, or with what it seldom is and jumps to again, (n,)."""
     lost = np.zeros(len(wxyz), dtype=np.bool_)
     for jump in jumps.tolist():
         for beside in (jump - 1, jump):
