@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from taskgist.errors import MappingError
 from taskgist.importing import Track
 from taskgist.importing.tracks import resample
 from taskgist.world.geometry.transforms import about_z, matrix_from_euler, matrix_from_wxyz, rotate, slerp
@@ -230,3 +231,36 @@ def test_moving_axes_are_fixed_axes_in_reverse(angles: tuple[float, float, float
 def test_slerp_turns_by_the_share_of_the_angle(angle: float, share: float, sign: float) -> None:
     mixed = slerp(about_z(0.0)[None], sign * about_z(angle)[None], np.array([share]))[0]
     assert abs(mixed @ about_z(share * angle)) == pytest.approx(1.0, abs=1e-9)
+
+
+def lost_for_a_while(folder: Path, rotation: str) -> str:
+    """A cup whose tracker reports no turn at all in three samples, in axes that are not ours."""
+    wxyz = cup_wxyz()
+    wxyz[20:23] = (1.0, 0.0, 0.0, 0.0)
+    np.savez(folder / "data.npz", t=TIMES_S, body=keypoints(), cup=np.hstack([cup_position(), wxyz]))
+    kind = 'kind = "wxyz", columns = [3, 4, 5, 6]'
+    return npz_mapping(folder, top="[time]\nmax_gap_s = 0.01").replace(kind, f"{kind}{rotation}")
+
+
+def test_no_turn_at_all_is_asked_about(tmp_path: Path) -> None:
+    with pytest.raises(
+        MappingError,
+        match=r"rotation: is no turn at all in 3 of \d+ samples, and turned by \d+° in the next; add identity_is_",
+    ):
+        tracks_of(tmp_path, lost_for_a_while(tmp_path, ""))
+
+
+def test_no_turn_at_all_is_a_lost_tracker_or_meant(tmp_path: Path) -> None:
+    lost = tracks_of(tmp_path, lost_for_a_while(tmp_path, ", identity_is_lost = true"))
+    meant = tracks_of(tmp_path, lost_for_a_while(tmp_path, ", identity_is_lost = false"))
+    assert meant.objects["cup"].known.all()
+    unknown = lost.times_s[~lost.objects["cup"].known] + TIMES_S[0]
+    assert len(unknown) >= 1
+    assert TIMES_S[19] < unknown.min() <= unknown.max() < TIMES_S[23]
+
+
+def test_who_never_turns_was_not_lost(tmp_path: Path) -> None:
+    wxyz = cup_wxyz()
+    wxyz[:] = (1.0, 0.0, 0.0, 0.0)
+    np.savez(tmp_path / "data.npz", t=TIMES_S, body=keypoints(), cup=np.hstack([cup_position(), wxyz]))
+    assert tracks_of(tmp_path, npz_mapping(tmp_path)).objects["cup"].known.all()

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from taskgist.observe import Observer
 from taskgist.pipeline import Finding
-from taskgist.pipeline.check_label import label_findings, travels_alone
-from taskgist.recognition import Change, changes_of_hands, turns_of
-from taskgist.recording import Recording
+from taskgist.pipeline.check_label import label_findings, roles, travels_alone
+from taskgist.recognition import Change, Turn, changes_of_hands, turns_of
+from taskgist.recording import Label, Recording
 from taskgist.settings import DEFAULT
 from tests.pipeline.small import FRAMES, LABEL, room, small, still
 from tests.shipped import label, observer, recording
@@ -46,6 +46,12 @@ def test_a_label_that_ends_where_it_changes_hands_is_right() -> None:
     assert labelled("give_a", start_s=3.7, end_s=change("give_a", "cup").time_s) == []
 
 
+def test_a_label_may_end_in_the_very_moment_in_which_it_is_taken() -> None:
+    turns = (Turn("P1", 1.0, 2.5), Turn("P2", 2.5, 5.0))
+    given = (Change("P1", "P2", taken_s=2.5, released_s=2.5, kept_s=5.0),)
+    assert list(roles(Label("give", "P1", "P2", "cup", 0.8, 2.5), "cup", turns, given)) == []
+
+
 def test_roles_reversed() -> None:
     given_s = change("give_a", "cup").time_s
     assert given_s == pytest.approx(8.2, abs=0.3)
@@ -71,6 +77,15 @@ def test_the_performer_never_has_it() -> None:
     assert finding.severity == "unfit"
     taken_s = change("give_a", "cup").taken_s
     assert finding.problem == f"P1 is said to give cup, but only P2 has it, from {taken_s:.2f} s on"
+
+
+def test_another_than_the_performer_has_it() -> None:
+    """Some tasks are performed with another thing, such as the box that hides this one: that may be."""
+    (finding,) = labelled("hide_a", performing_agent="P2", target_agents="P1")
+    assert finding.severity == "warning"
+    assert finding.problem == "P2 is said to hide, but only P1 has cup, from 4.47 s on"
+    assert finding.remedy.endswith("--performer P1")
+    assert labelled("hide_a") == []
 
 
 def test_the_target_no_longer_has_it() -> None:

@@ -152,7 +152,7 @@ def test_identity_quaternions_of_a_lost_tracker() -> None:
     (finding,) = lost_orientations(turned(slice(23, 26)), DEFAULT.checks)
     assert (finding.severity, finding.about) == ("unfit", "cup"), "the label's end, 0.8 s, lies within"
     assert "is the identity in 3 of 31 frames, first at 0.77 s, and turned by 73° in the next" in finding.problem
-    assert "confidence" in finding.remedy
+    assert "identity_is_lost = true" in finding.remedy
 
 
 def test_another_orientation_that_comes_back() -> None:
@@ -164,6 +164,14 @@ def test_another_orientation_that_comes_back() -> None:
     (finding,) = lost_orientations(replace(recording, qpos=qpos), DEFAULT.checks)
     assert (finding.severity, finding.about) == ("warning", "cup")
     assert "is one and the same in 3 of 31 frames" in finding.problem
+
+
+def test_things_may_turn_while_nobody_looks() -> None:
+    """It was not turned, and is turned by 70° when the recording goes on after half a second."""
+    recording = turned(slice(0, 15))
+    assert list(lost_orientations(recording, DEFAULT.checks))
+    paused = replace(recording, times_s=recording.times_s + 0.5 * (np.arange(FRAMES) >= 15))
+    assert list(lost_orientations(paused, DEFAULT.checks)) == []
 
 
 @pytest.mark.parametrize("wxyz_deg", [None, 0.0])

@@ -57,12 +57,14 @@ class Rotation:
         kind: "xyzw", "wxyz", "matrix" (nine numbers by row), "rotation_vector", "euler_intrinsic" or "euler_extrinsic".
         order: Axes of the Euler angles, in the order of their columns, such as "zyx".
         unit_rad: Radians per unit of angle.
+        identity_is_lost: Whether samples without any turn are those of a lost tracker; None: nobody said.
     """
 
     columns: Columns
     kind: str
     order: str = ""
     unit_rad: float = 1.0
+    identity_is_lost: bool | None = None
 
 
 @dataclass(frozen=True)

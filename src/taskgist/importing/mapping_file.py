@@ -251,8 +251,9 @@ def _rotation(section: TomlTable) -> Rotation:
     angular = euler or kind == "rotation_vector"
     unit_rad = ANGLE_UNITS_RAD[section.choice("unit", ANGLE_UNITS_RAD)] if angular else 1.0
     columns = read_columns(section, "columns", order.lower() if euler else ROTATION_LETTERS[kind])
+    identity_is_lost = section.flag("identity_is_lost", False) if "identity_is_lost" in section else None
     section.done()
-    return Rotation(columns, kind, order.lower(), unit_rad)
+    return Rotation(columns, kind, order.lower(), unit_rad, identity_is_lost)
 
 
 def _confidence(section: TomlTable) -> Confidence:

@@ -260,6 +260,45 @@ def _line_at_zero(x: Array, weights: Array, y: Array) -> Array:
     return np.asarray(np.where(sloped[:, None], line, heights / total[:, None]))
 
 
+# --- Orientations that a tracker writes for what it does not see, and that nobody declared.
+
+LARGEST_TURN_RAD = np.radians(20.0)
+"""Nothing turns by more from one sample to the next, and from or to no turn at all (ours: a turn and a half in a second
+at 30 samples)."""
+
+
+def is_identity(wxyz: Array) -> Mask:
+    """Which orientations, (n, 4), are no turn at all, to the last digit, (n,)."""
+    return np.asarray((np.abs(wxyz) == (1.0, 0.0, 0.0, 0.0)).all(axis=1))
+
+
+def check_identities(part: Part, tokens: Tokens, wxyz: Array) -> None:
+    """Refuse a body that is not turned at all in some samples and far turned in the next, where nobody said why.
+
+    Args:
+        part: Where the numbers come from.
+        tokens: Source and body.
+        wxyz: Orientations in the axes of the source, (n, 4).
+
+    Raises:
+        MappingError: It jumps to no turn at all, or from there.
+    """
+    identity, turned = is_identity(wxyz), 2.0 * np.arccos(np.abs(wxyz[:, 0]).clip(0.0, 1.0))
+    beside = np.zeros(len(identity), dtype=np.bool_)
+    beside[1:] |= identity[:-1]
+    beside[:-1] |= identity[1:]
+    jumps_rad = turned[beside & ~identity]
+    if np.any(jumps_rad > LARGEST_TURN_RAD):
+        raise MappingError(
+            f"is no turn at all in {int(identity.sum())} of {len(identity)} samples, and turned by "
+            f"{np.degrees(np.nanmax(jumps_rad)):.0f}° in the next",
+            where=f"{part.where}, {part.place(int(np.argmax(identity)))}",
+            field="rotation",
+            hint=f"add identity_is_lost = true to the rotation of [sources.{tokens.source.name}] if it stands for not "
+            "tracked, else identity_is_lost = false",
+        )
+
+
 # --- Zeros that a tracker writes for what it does not see, and that nobody declared.
 
 FARTHEST_JUMP_M = 0.3

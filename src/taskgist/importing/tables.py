@@ -21,7 +21,17 @@ from taskgist.common.files import shown_path
 from taskgist.errors import MappingError
 from taskgist.importing.csv import CsvPart, CsvTable
 from taskgist.importing.mapping import Columns, Frame, ImportMapping, Name, PointRef, Rotation, SignalColumn, Source
-from taskgist.importing.table_values import Part, Tokens, Track, check_zeros, read_times, smoothed, wxyz_from_numbers
+from taskgist.importing.table_values import (
+    Part,
+    Tokens,
+    Track,
+    check_identities,
+    check_zeros,
+    is_identity,
+    read_times,
+    smoothed,
+    wxyz_from_numbers,
+)
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.geometry.transforms import changed_frame, matrix_from_wxyz
 
@@ -200,7 +210,12 @@ class Tables:
         part = self._part(source, tokens)
         position = part.numbers(tokens.columns(source.position))
         lost = _lost(part, tokens, position)
-        wxyz = None if source.rotation is None else _orientations(part, tokens, source.rotation, lost)
+        wxyz = None
+        if source.rotation is not None:
+            wxyz = _orientations(part, tokens, source.rotation, lost)
+            if source.rotation.identity_is_lost:
+                lost = lost | is_identity(wxyz)
+                wxyz[lost] = np.nan
         position[lost] = np.nan
         _check_near(part, position, source.frame.scale_m)
         times_s = read_times(part, source.clock, len(position))
@@ -268,6 +283,8 @@ def _orientations(part: Part, tokens: Tokens, rotation: Rotation, lost: Mask) ->
             value=[float(number) for number in numbers[row]],
             hint='check kind and columns; rows that mean "not tracked" are declared by missing = 0',
         )
+    if rotation.identity_is_lost is None:
+        check_identities(part, tokens, wxyz)
     return wxyz
 
 

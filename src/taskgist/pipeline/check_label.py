@@ -18,7 +18,7 @@ from taskgist.facts.values import UNKNOWN, Observation, Raw
 from taskgist.observe.attributes import snapshot
 from taskgist.observe.evidence import GRAVITY_M_S2, acceleration_m_s2
 from taskgist.observe.observer import Observer
-from taskgist.pipeline.findings import Finding, known_in
+from taskgist.pipeline.findings import Finding, known_in, travels
 from taskgist.recognition.turns import GIVING, Change, Turn, changes_of_hands, turns_of
 from taskgist.recording.recording import Label, Recording
 from taskgist.settings import Settings
@@ -61,7 +61,7 @@ def label_findings(recording: Recording, observer: Observer, settings: Settings)
 
 
 def roles(label: Label, name: str, turns: tuple[Turn, ...], changes: tuple[Change, ...]) -> Iterator[Finding]:
-    """Whether the thing goes from the performing agent to the target agent, where the task says so.
+    """Whether the performing agent has the thing, and gives it to the target agent, where the task says so.
 
     Args:
         label: The label.
@@ -69,10 +69,18 @@ def roles(label: Label, name: str, turns: tuple[Turn, ...], changes: tuple[Chang
         turns: Who has it when.
         changes: When it changes hands.
     """
-    if not label.target_agents or label.task.lower() not in GIVING:
-        return
     performer, targets = label.performing_agent, label.target_agents
-    within = [turn for turn in turns if turn.start_s < label.end_s and turn.end_s > label.start_s]
+    within = [turn for turn in turns if turn.start_s <= label.end_s + ROUNDING_S and turn.end_s > label.start_s]
+    who = " and ".join(dict.fromkeys(turn.agent for turn in within))
+    if not targets or label.task.lower() not in GIVING:
+        if within and not any(turn.agent == performer for turn in within):
+            yield Finding(
+                "warning",
+                "label",
+                f"{performer} is said to {label.task}, but only {who} has {name}, from {within[0].start_s:.2f} s on",
+                f"if that was not meant: {BY_HAND} --performer {within[0].agent}",
+            )
+        return
     given = [c for c in changes if c.giver == performer and c.taker in targets and c.taken_s < label.end_s + 1.0]
     given = [change for change in given if change.kept_s > label.start_s]
     taken = [c for c in changes if c.taker == performer and c.giver in targets]
@@ -95,7 +103,6 @@ def roles(label: Label, name: str, turns: tuple[Turn, ...], changes: tuple[Chang
             f"{BY_HAND} --end {change.time_s:.2f}",
         )
     elif within and not any(turn.agent == performer for turn in within):
-        who = " and ".join(dict.fromkeys(turn.agent for turn in within))
         yield Finding(
             "unfit",
             "label",
@@ -124,6 +131,8 @@ def travels_alone(recording: Recording, observer: Observer, name: str, settings:
         name: The thing.
         settings: How long counts.
     """
+    if not travels(recording, name):
+        return
     label, times_s = recording.label, recording.times_s
     from_s, until_s = (label.start_s, label.end_s) if label else (float(times_s[0]), float(times_s[-1]))
     moving = [i for i in observer.motion(name).intervals if i.value == v.MOVING]

@@ -25,7 +25,7 @@ from taskgist.importing.floor import floor_problem, floor_remedy, off_the_floor_
 from taskgist.observe.frames import Interval
 from taskgist.observe.holding import Hand
 from taskgist.observe.observer import Observer
-from taskgist.pipeline.findings import Finding, Severity, known_in, runs, some, vector_text
+from taskgist.pipeline.findings import Finding, Severity, known_in, runs, some, travels, vector_text
 from taskgist.recognition.turns import RESTING
 from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT, Checks, Settings
@@ -44,6 +44,8 @@ FEWEST = 5
 """As many frames at least show that a hand moves with a thing."""
 SAME_SHIFT_M = 0.08
 """Shifts that differ by less are one."""
+GAP_FACTOR = 3.0
+"""Samples farther apart than this many usual steps do not follow each other."""
 LEAST_YAW_RAD = math.radians(2.0)
 SPREAD_M = 0.3
 """Places that lie within this distance do not show whether frames are turned against each other."""
@@ -93,6 +95,8 @@ def disagreeing_frames(recording: Recording, observer: Observer, settings: Setti
     """
     limits = settings.checks
     for name in recording.scene.objects:
+        if not travels(recording, name):
+            continue
         moments = _moving_along(recording, observer, name, limits)
         of_agent = {agent: [m for m in moments if m.hand[0] == agent] for agent in recording.scene.agents}
         of_agent = {agent: found for agent, found in of_agent.items() if len(found) >= FEWEST}
@@ -277,10 +281,12 @@ def frozen_poses(recording: Recording, observer: Observer, limits: Checks) -> It
             yield from _frozen(recording, name, columns, _seen(recording, name), limits)
     for name in scene.objects:
         free = scene.object_slice(name)
+        columns, known = np.arange(free.start, free.stop), known_in(recording, name)
+        if not list(_frozen(recording, name, columns, known, limits)):
+            continue
         placements = observer.placement(name).intervals
         beside = [i for i in placements if i.value.symbol is None or i.value.symbol in RESTING]
-        counts = known_in(recording, name) & ~_within(times_s, beside)
-        yield from _frozen(recording, name, np.arange(free.start, free.stop), counts, limits)
+        yield from _frozen(recording, name, columns, known & ~_within(times_s, beside), limits)
 
 
 def _seen(recording: Recording, agent: str) -> Mask:
@@ -342,7 +348,9 @@ def lost_orientations(recording: Recording, limits: Checks) -> Iterator[Finding]
             continue
         wxyz = wxyz * np.where(wxyz[:, :1] < 0.0, -1.0, 1.0)
         cosines = np.abs(np.sum(wxyz[1:] * wxyz[:-1], axis=1)).clip(0.0, 1.0)
-        jumps = np.flatnonzero(2.0 * np.arccos(cosines) > limits.turned_rad) + 1
+        steps_s = np.diff(times_s[known])
+        next_one = steps_s < GAP_FACTOR * np.median(steps_s)  # in a gap it may have turned
+        jumps = np.flatnonzero((2.0 * np.arccos(cosines) > limits.turned_rad) & next_one) + 1
         lost = _landed(wxyz, jumps)
         if not lost.any():
             continue
@@ -354,19 +362,19 @@ def lost_orientations(recording: Recording, limits: Checks) -> Iterator[Finding]
             name,
             f"its orientation is {what} in {len(frames)} of {len(known)} frames, first at {times_s[frames[0]]:.2f} s, "
             f"and turned by {_largest_deg(cosines[jumps - 1]):.0f}° in the next: that is a lost tracker's",
-            "leave those samples empty, or give the mapping their confidence: what was not tracked is then unknown",
+            "import it with identity_is_lost = true, or leave those samples empty: they are unknown then",
         )
 
 
 def _landed(wxyz: Array, jumps: Indices) -> Mask:
-    """Frames with an orientation to which the thing jumps, if it is the identity, or seldom and reached again, (n,)."""
+    """Frames with the identity, if it jumps from or to that, or with what it seldom is and jumps to again, (n,)."""
     lost = np.zeros(len(wxyz), dtype=np.bool_)
     for jump in jumps.tolist():
-        same = (wxyz == wxyz[jump]).all(axis=1)
-        landings = sum(bool(same[other]) for other in jumps.tolist())
-        again = landings > 1 and same.mean() < 0.5  # it returns to how it really lies, too
-        if not same.all() and (_is_identity(wxyz[jump]) or again):
-            lost |= same
+        for beside in (jump - 1, jump):
+            same = (wxyz == wxyz[beside]).all(axis=1)
+            again = beside == jump and same[jumps].sum() > 1 and same.mean() < 0.5  # how it really lies comes back, too
+            if _is_identity(wxyz[beside]) or again:
+                lost |= same
     return lost
 
 

@@ -55,6 +55,16 @@ def known_in(recording: Recording, *names: str) -> Mask:
     return known
 
 
+TRAVELS_M = 0.05
+"""What stays within so much is not carried about."""
+
+
+def travels(recording: Recording, name: str) -> bool:
+    """Whether an object gets anywhere while it is tracked: a quick look, before its facts are inferred."""
+    places = np.asarray(recording.qpos[:, recording.scene.object_slice(name)])[known_in(recording, name), :3]
+    return bool(len(places)) and float(np.ptp(places, axis=0).max()) > TRAVELS_M
+
+
 def runs(holds: Mask) -> Iterator[tuple[int, int]]:
     """First and last frame of each run of frames in which something holds.
 

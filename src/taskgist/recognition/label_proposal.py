@@ -178,7 +178,9 @@ def propose(
     if doubt.confidence >= SURE:
         doubt = Doubt(1.0, "nothing speaks against it")
     _check(doubt, settings.checks)
-    how = f"proposed: {first.start_how}; {last.end_how}; confidence {doubt.confidence:.2f}: {doubt.reason}"
+    start_how = first.start_how if start_s is None else "starts as given"
+    end_how = last.end_how if end_s is None else "ends as given"
+    how = f"proposed: {start_how}; {end_how}; confidence {doubt.confidence:.2f}: {doubt.reason}"
     label = Label(name_of_task, performer, targets, names, *times, how)
     return Proposal(label, doubt.confidence, doubt.reason)
 
@@ -403,7 +405,11 @@ def _percent(share: float) -> str:
 
 
 def _nearer(recording: Recording, name: str, change: Change, start_s: float) -> Doubt:
-    """Whose hands are nearer to the object while only one of the two has it."""
+    """Whose hands are nearer to the object while only one of the two has it.
+
+    Where trackers are some centimetres off, another's hand is nearer for a while, and that says little; the doubt grows
+    with the square of the time.
+    """
     stage = Stage(recording.scene)
     spans = (
         (change.giver, change.taker, start_s, min(change.taken_s, change.released_s)),
@@ -421,7 +427,8 @@ def _nearer(recording: Recording, name: str, change: Change, start_s: float) -> 
     share = min(shares)
     has, other, _, _ = spans[shares.index(share)]
     return Doubt(
-        share, f"in {_percent(1.0 - share)} of the time in which {has} has {name}, {other}'s hand is nearer to it"
+        1.0 - (1.0 - share) ** 2,
+        f"in {_percent(1.0 - share)} of the time in which {has} has {name}, {other}'s hand is nearer to it",
     )
 
 
