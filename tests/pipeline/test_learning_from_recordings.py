@@ -33,7 +33,7 @@ GIVE = {
     "Object_Final_Status": "In_Hand",
 }
 """Measured, not the paper's: all five people stood, took with the right hand, and walked off with the baton. All looked
-at it before, and their eyes were at it in the end: nearer to the middle of a flat image, in which one saw no more of it."""
+at it before, and their eyes were at it in the end, in the middle of a flat image, of which one saw no more."""
 
 
 def test_real_handovers_teach_to_give() -> None:
