@@ -420,7 +420,7 @@ class Watching:
         arm, stage = self.scene.agent(hand[0]).arm(hand[1]), self._stage.show(state)
         for name in sorted(self.scene.objects):
             gap_m = stage.closest(arm.hand_geoms, self.scene.solid_geoms_of(name), limit_m=1.0)[0]
-            if gap_m < self._settings.contact.support_m and self._motions[name].at(state.time_s) == v.MOVING:
+            if gap_m < self._settings.contact.grip_m and self._motions[name].at(state.time_s) == v.MOVING:
                 return name
         return None
 

@@ -165,6 +165,25 @@ def test_eyes_are_at_the_thing_from_half_a_second_before_it_is_held_until_it_is_
     assert all("P2" not in turns for turns in eyes(room, carried)), "P2's hands do nothing"
 
 
+def test_eyes_are_at_what_a_hand_pushes_along_a_table_and_not_at_what_it_lies_beside(room: Scene) -> None:
+    """For a second the hand and the cup move along together, and the cup never leaves the table; then both stay."""
+    fitter, states, state = Fitter(room, "P1", moving="arms", weights={"right_palm": 3.0}), list[State](), room.initial
+    arm = room.agent("P1").arm("right")
+    for frame in range(int(3 * RATE_HZ)):
+        time_s = frame / RATE_HZ
+        along_m = 0.2 * np.clip(time_s - 1.0, 0, 1)
+        state = fitter.fit(state, points={"right_palm": np.array([-0.3, -0.25 + along_m, TOP + 0.08])}).state
+        palm = Stage(room, state).site(arm.palm_site).position
+        state = state.replace(at=room.object_slice("cup"), to=(palm[0] + 0.02, palm[1] + 0.05, TOP + 0.05, 1, 0, 0, 0))
+        states.append(State(state.qpos, time_s))
+    observer = Observer(room, States(states))
+    assert {each.value.symbol for each in observer.placement("cup").intervals} == {"On_Support"}
+    at = [state.time_s for state, turns in zip(states, eyes(room, states), strict=True) if "P1" in turns]
+    moving = [each for each in observer.motion("cup").intervals if each.value == "Moving"]
+    assert at[0] == pytest.approx(moving[0].start_s - GAZE.before_s, abs=1e-6)
+    assert at[-1] + 1 / RATE_HZ == pytest.approx(moving[-1].end_s, abs=1e-6)
+
+
 def test_whenever_it_is_asked_first_it_is_the_same(room: Scene, carried: list[State]) -> None:
     observer = Observer(room, States(carried))
     assert [dict(observer.as_confirmed(state).eyes) for state in reversed(carried)] == eyes(room, carried)[::-1]

@@ -24,13 +24,16 @@ GIVE = {
     "Action_to_Grasp": "No_Action_Required",
     "Object_Initial_Motion_Status": "Static",
     "Object_Final_Motion_Status": "Moving",
-    "Object_Relative_Visibility_Score": "Increased",
+    "Nature_Visibility_Score": "Supportive",
+    "Action_to_See": "No_Action_Required",
+    "Initial_Action_to_See": "No_Action_Required",
     "Initial_Hand_Status": "Free_of_Object",
     "Final_Hand_Status": "left: Free_of_Object, right: Holding_Object",
     "Object_Initial_Status": "On_Support",
     "Object_Final_Status": "In_Hand",
 }
-"""Measured, not the paper's: all five people stood, took with the right hand, and walked off with the baton."""
+"""Measured, not the paper's: all five people stood, took with the right hand, and walked off with the baton. All looked
+at it before, and their eyes were at it in the end, in the middle of a flat image, of which one saw no more."""
 
 
 def test_real_handovers_teach_to_give() -> None:

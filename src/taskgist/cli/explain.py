@@ -38,7 +38,8 @@ def print_understanding(understanding: Understanding, *, whole_tree: bool = True
     clause = clause_of(understanding)
     count = len(understanding.experience.explanations)
     console.print(Text(meaning(understanding), style="bold"))
-    console.print(indifference(understanding))
+    if told := indifference(understanding):
+        console.print(told)
     console.print()
     each = "".join(f", each of the {role}" for role in clause.each_of)
     console.print(f"Task({clause.task}{each}) ←   learned from {count} demonstration{'s' if count != 1 else ''}")

@@ -301,7 +301,7 @@ class Observer:
         if status.symbol == v.HOLDING_OBJECT:
             return status.thing
         agent, side = hand
-        arm, limit_m, scene = self.scene.agent(agent).arm(side), self._contact.support_m, self.scene
+        arm, limit_m, scene = self.scene.agent(agent).arm(side), self._contact.grip_m, self.scene
         stage = self._stage.show(self._latest.state(index))
         near = stage.near_pairs(arm.hand_geoms, scene.objects_geoms, limit_m=limit_m)
         for name in sorted({scene.owners[geom] for _, geom in near}):
