@@ -32,15 +32,16 @@ def upright(frames: int = 20) -> Array:
 @pytest.mark.parametrize(
     ("up_m", "said", "severity"),
     [
-        (-0.92, r"P1's feet are 0.91 m under the floor .*add \+0.91 to z", "unfit"),
-        (0.70, r"P1's feet are 0.71 m over the floor .*add -0.71 to z", "warning"),
+        (-0.92, r"P1: the soles are 0.[89]\d m under the floor .*position_m = \[0, 0, 0.[89]\d\]", "unfit"),
+        (0.70, r"P1: the soles are 0.7\d m over the floor .*position_m = \[0, 0, -0.7\d\]", "unfit"),
+        (0.20, r"P1: the soles are 0.2\d m over the floor .*position_m = \[0, 0, -0.2\d\]", "warning"),
     ],
 )
 def test_people_off_the_floor(tmp_path: Path, up_m: float, said: str, severity: str) -> None:
     recording = import_recording(load_mapping(changed(tmp_path, upright() + (0.0, 0.0, up_m))))
     (note,) = (note for note in recording.provenance.notes if "floor" in note)
     assert re.search(said, note), note
-    (finding,) = (finding for finding in check(recording).findings if "feet" in finding.problem)
+    (finding,) = (finding for finding in check(recording).findings if "soles" in finding.problem)
     assert (finding.severity, finding.about) == (severity, "P1")
     there = import_recording(load_mapping(changed(tmp_path, upright())))
     assert recording.scene.agent("P1").stature_m == pytest.approx(there.scene.agent("P1").stature_m, abs=0.02)
