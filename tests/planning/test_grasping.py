@@ -203,15 +203,6 @@ def test_a_hand_whose_fingers_stay_is_told() -> None:
     assert "no joint of it opens it" in grasping.tally.text("box")
 
 
-def test_a_thing_that_fingers_do_not_close_on_is_told() -> None:
-    """Jido's fingers are 8.4 cm apart in its model, for good: what is 2 cm wide lies loose between them."""
-    performer = Performer(two_tables("jido", box(1.4, half=(0.01, 0.01, 0.01))), "R")
-    grasping = Grasping(performer, performer.start, "box")
-    assert list(Picks(grasping, performer.at(performer.start.qpos, (0.65, 0.0, 0.0))).by()) == []
-    assert grasping.tally.counts[Gate.CLOSING] > 0
-    assert "hand closes to 0.084 m, not to 0.020 m" in grasping.tally.text("box")
-
-
 # --- Bad input.
 
 

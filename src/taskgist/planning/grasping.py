@@ -5,7 +5,7 @@ the one with which it is picked up is the one with which it is put down. For eac
 other, the cheap ones first, and what fails is counted at the first gate that it fails:
 
 1. the hand is free where the thing lies, and where it is to lie (boxes of the hand, as perspective has them);
-2. the arm reaches (capability map), its gripper opens so wide, and closes on it;
+2. the arm reaches (capability map), its gripper opens so wide;
 3. inverse kinematics: the palm is at the grasp, and the whole robot, as its model has it, is free;
 4. the hand comes 10 cm along the approach, open, every few millimetres free, without a jump of the arm;
 5. its fingers, as its model has them, close on the thing and not through it;
@@ -189,10 +189,8 @@ class Grasping:
             side: The hand.
             row: The grasp.
         """
-        gripper, width_m = self.performer.gripper(side), float(self.grasps.widths_m[row])
-        opening, closing = gripper.too_narrow(width_m), gripper.loose(width_m, self.performer.settings.contact.grip_m)
-        failed: Failures = [(Gate.OPENING, opening)] if opening is not None else []
-        failed += [(Gate.CLOSING, closing)] if closing is not None else []
+        too_narrow = self.performer.gripper(side).too_narrow(float(self.grasps.widths_m[row]))
+        failed: Failures = [] if too_narrow is None else [(Gate.OPENING, too_narrow)]
         if not failed and self._comes(self.start, qpos, side, row, failed):
             return True
         self.tally.add(*farthest(failed))

@@ -81,12 +81,6 @@ class Gripper:
         why = f"{', '.join(names)} open it no wider" if names else "no joint of it opens it"
         return f"the {self._arm.profile.side} hand is open by {self.widest_m:.3f} m, not by {width_m:.3f} m: {why}"
 
-    def loose(self, width_m: float, grip_m: float) -> str | None:
-        """Why it does not close on a thing of such a width, its fingers that near to it at least; None if it does."""
-        if self.narrowest_m - width_m < 2 * grip_m:
-            return None
-        return f"the {self._arm.profile.side} hand closes to {self.narrowest_m:.3f} m, not to {width_m:.3f} m"
-
     def opened(self, opening_m: float) -> Array:
         """Joint values, (n,), at which the pads are so far apart; the nearest that there are."""
         shares, pads = self._measures

@@ -21,7 +21,6 @@ class Gate(Enum):
     HAND_AT_GOAL = "approaches to the {thing} where it is to be are blocked by {others}"
     REACH = "grasps of the {thing} are out of the arm's reach"
     OPENING = "grasps of the {thing} are too wide for the fingers: {others}"
-    CLOSING = "grasps of the {thing} leave it loose between the fingers: {others}"
     KINEMATICS = "grasps of the {thing} are at angles to which the arm does not turn the hand"
     BODY = "grasps of the {thing} bring the robot against {others}"
     APPROACH = "approaches to the {thing} are blocked by {others}"

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from taskgist.common.arrays import Array
+from taskgist.common.files import keeping_inputs
 from taskgist.errors import InputError
 from taskgist.facts import vocabulary as v
 from taskgist.facts.standard import STANDARD_TREE
@@ -34,6 +35,7 @@ from taskgist_lab.evaluation.performing.trials import (
     Tally,
     Trial,
     TrialsFound,
+    _keep,
     performed_trials,
     sheets,
     trial,
@@ -235,7 +237,9 @@ def test_trials_that_are_kept_are_not_made_anew(tmp_path: Path) -> None:
     made = Trial(0, "perform-5-0000-0", "hide", "jido", True, "", "performer", why=("3 × blocked",))
     kept = tmp_path / "trials.json"
     kept.write_text(json.dumps({"perform": TrialsFound(5, (made,)).to_json()}))
-    found = performed_trials(count=1, seed=5, tasks=("hide",), robots=("jido",), kept=kept)
+    with keeping_inputs():
+        found = performed_trials(count=1, seed=5, tasks=("hide",), robots=("jido",), kept=kept)
+        _keep(found, kept)  # what a command extends is no input of it
     assert found.trials == (made,)
     with pytest.raises(InputError, match="another seed"):
         performed_trials(count=1, seed=6, tasks=("hide",), robots=("jido",), kept=kept)

@@ -35,6 +35,8 @@ HELD_M, STRAY_M, MOVES_M, TURNS_RAD = 0.030, 0.001, 0.010, math.radians(5.0)
 """How far a held thing may be from the hand (Jido's fingers do not move: what is narrow is that far from both of them);
 how far one that nobody holds may stray in a frame unless it is the one that was let go; what still counts as resting.
 """
+IMMOVABLE_KG = 1e6
+"""Inertia that is added to all that stays where it is while a thing is watched."""
 STILL_S, STILL_M, WATCHED_S = 0.3, 0.002, 1.0
 """Over the last of these it is still; so long it is watched under gravity."""
 FALLS_S = 2.0
@@ -328,6 +330,8 @@ class _Auditor:
         data = mujoco.MjData(model)
         data.qpos[:] = positions
         free = int(model.body_dofadr[self._things[self._thing]])
+        of_others = np.setdiff1d(np.arange(model.nv), np.arange(free, free + 6))
+        model.dof_armature[of_others] = IMMOVABLE_KG  # else a thing beneath would give way in each step
         for _ in range(round(WATCHED_S / model.opt.timestep)):
             now, speed = data.qpos[start : start + 7].copy(), data.qvel[free : free + 6].copy()
             data.qpos[:], data.qvel[:] = positions, 0.0

@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from taskgist.common.files import read_whole, writing
+from taskgist.common.files import reading, writing
 from taskgist.common.workers import Progress, in_order, silent
 from taskgist.errors import InputError, TaskgistError
 from taskgist.facts.values import Unknown
@@ -39,7 +39,6 @@ from taskgist.pipeline.explain import explain_all
 from taskgist.pipeline.performing import Outcome, perform
 from taskgist.pipeline.shipped import TASKS, shipped_study
 from taskgist.planning.requests import Request
-from taskgist.settings import DEFAULT
 from taskgist.world.scene import Scene
 from taskgist_lab.evaluation.performing.means_rooms import TASK_OF
 from taskgist_lab.evaluation.performing.means_rooms import room_for as room_for_means
@@ -389,7 +388,8 @@ def _kept(path: Path, seed: int) -> TrialsFound:
     if not path.exists():
         return TrialsFound(seed, ())
     try:
-        found = TrialsFound.of_json(json.loads(read_whole(path, most_bytes=DEFAULT.limits.document_bytes))["perform"])
+        with reading(path, is_input=False) as stream:
+            found = TrialsFound.of_json(json.load(stream)["perform"])
     except (ValueError, KeyError, TypeError) as problem:
         hint = "give a file that an earlier run with --kept wrote, or a new name"
         raise InputError("holds no trials", where=str(path), field="kept", hint=hint) from problem
