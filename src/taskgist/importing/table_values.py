@@ -272,6 +272,14 @@ def is_identity(wxyz: Array) -> Mask:
     return np.asarray((np.abs(wxyz) == (1.0, 0.0, 0.0, 0.0)).all(axis=1))
 
 
+def _beside(marked: Mask) -> Mask:
+    """Which samples are not marked themselves, but that before or after is, (n,)."""
+    beside = np.zeros(len(marked), dtype=np.bool_)
+    beside[1:] |= marked[:-1]
+    beside[:-1] |= marked[1:]
+    return np.asarray(beside & ~marked)
+
+
 def check_identities(part: Part, tokens: Tokens, wxyz: Array) -> None:
     """Refuse a body that is not turned at all in some samples and far turned in the next, where nobody said why.
 
@@ -284,10 +292,7 @@ def check_identities(part: Part, tokens: Tokens, wxyz: Array) -> None:
         MappingError: It jumps to no turn at all, or from there.
     """
     identity, turned = is_identity(wxyz), 2.0 * np.arccos(np.abs(wxyz[:, 0]).clip(0.0, 1.0))
-    beside = np.zeros(len(identity), dtype=np.bool_)
-    beside[1:] |= identity[:-1]
-    beside[:-1] |= identity[1:]
-    jumps_rad = turned[beside & ~identity]
+    jumps_rad = turned[_beside(identity)]
     if np.any(jumps_rad > LARGEST_TURN_RAD):
         raise MappingError(
             f"is no turn at all in {int(identity.sum())} of {len(identity)} samples, and turned by "
@@ -317,10 +322,7 @@ def check_zeros(part: Part, tokens: Tokens, position: Array) -> None:
         MappingError: The point jumps there.
     """
     zero = (position == 0.0).all(axis=1)
-    beside = np.zeros(len(zero), dtype=np.bool_)
-    beside[1:] |= zero[:-1]
-    beside[:-1] |= zero[1:]
-    jumps_m = np.linalg.norm(position[beside & ~zero], axis=1) * tokens.source.frame.scale_m
+    jumps_m = np.linalg.norm(position[_beside(zero)], axis=1) * tokens.source.frame.scale_m
     if np.any(jumps_m > FARTHEST_JUMP_M):
         raise MappingError(
             f"is 0, 0, 0 in {int(zero.sum())} of {len(zero)} samples, and far away in the next one",

@@ -122,12 +122,6 @@ class Stage:
         """Position of a body's frame in metres, (3,)."""
         return np.array(self._data.xpos[body])
 
-    def down_m(self, body: int) -> float | None:
-        """From a body's frame straight down to the first shape of another body, metres; None if there is none."""
-        start, down = self._data.xpos[body], np.array((0.0, 0.0, -1.0))
-        distance = mujoco.mj_ray(self.scene.model, self._data, start, down, None, 1, body, np.zeros(1, np.int32))
-        return None if distance < 0.0 else float(distance)
-
     def body_axis(self, body: int, axis: int) -> Array:
         """One axis of a body's frame in the world, (3,)."""
         return np.array(self._data.xmat[body].reshape(3, 3)[:, axis])
