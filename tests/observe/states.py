@@ -13,6 +13,17 @@ from taskgist.observe import FrameSequence, Interval, Observer
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world import Scene, State
 from tests.observe.step_by_step import Watching
+from tests.scenes import TABLE, agent, cylinder, scene
+
+RATE_HZ = 20.0
+TOP = 0.72
+"""Height of the table's top, metres."""
+
+
+def cup_between_two(*more: str) -> Scene:
+    """A cup on a table, and what else is, between P1 and P2, who face one another."""
+    cup = cylinder("cup", -0.25, -0.15, TOP + 0.05)
+    return scene(TABLE, cup, *more, agents=agent("P1", -0.8, 0) + agent("P2", 0.8, 0, yaw_deg=180))
 
 
 @dataclass(frozen=True)

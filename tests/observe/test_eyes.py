@@ -14,8 +14,7 @@ from taskgist.settings import DEFAULT, Gaze, Settings
 from taskgist.world import Fitter, Scene, Stage, State
 from taskgist.world.geometry.transforms import Pose, matrix_from_wxyz
 from taskgist.world.state import AHEAD, EyeTurn
-from tests.observe.states import States, live
-from tests.scenes import TABLE, agent, cylinder, scene
+from tests.observe.states import RATE_HZ, TOP, States, cup_between_two, live
 
 GAZE, RANGE_RAD = DEFAULT.gaze, DEFAULT.gaze.range_rad
 HEADS = dataclasses.replace(DEFAULT, gaze=Gaze(inferred=False))
@@ -117,17 +116,12 @@ def test_of_several_things_it_is_the_nearest_in_time_in_whatever_order_they_are_
 
 # --- Over time
 
-RATE_HZ, TAKEN_S, LEFT_S = 20.0, 1.5, 2.5
-TOP = 0.72
+TAKEN_S, LEFT_S = 1.5, 2.5
 
 
 @pytest.fixture(scope="module")
 def room() -> Scene:
-    return scene(
-        TABLE,
-        cylinder("cup", -0.25, -0.15, TOP + 0.05),
-        agents=agent("P1", -0.8, 0) + agent("P2", 0.8, 0, yaw_deg=180),
-    )
+    return cup_between_two()
 
 
 @pytest.fixture(scope="module")

@@ -8,20 +8,13 @@ from taskgist.facts import UNKNOWN
 from taskgist.observe import Observer, snapshot
 from taskgist.settings import DEFAULT
 from taskgist.world import Fitter, Hold, Scene, Stage, State
-from tests.observe.states import States
-from tests.scenes import TABLE, agent, cylinder, scene
-
-RATE_HZ = 20.0
-TOP = 0.72
+from tests.observe.states import RATE_HZ, TOP, States, cup_between_two
+from tests.scenes import cylinder
 
 
 @pytest.fixture(scope="module")
 def room() -> Scene:
-    return scene(
-        TABLE,
-        cylinder("cup", -0.25, -0.15, TOP + 0.05),
-        agents=agent("P1", -0.8, 0) + agent("P2", 0.8, 0, yaw_deg=180),
-    )
+    return cup_between_two()
 
 
 @pytest.fixture(scope="module")
@@ -127,12 +120,7 @@ def test_unknown_names_are_named(room: Scene) -> None:
 
 
 def test_holding_something_else_is_told_apart(room: Scene, carried: list[State]) -> None:
-    both = scene(
-        TABLE,
-        cylinder("cup", -0.25, -0.15, TOP + 0.05),
-        cylinder("mug", 0.2, 0.3, TOP + 0.05),
-        agents=agent("P1", -0.8, 0) + agent("P2", 0.8, 0, yaw_deg=180),
-    )
+    both = cup_between_two(cylinder("mug", 0.2, 0.3, TOP + 0.05))
     assert both.nq == room.nq + 7
     states = []
     for state in carried:
