@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 from itertools import groupby, islice
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -22,8 +23,10 @@ from taskgist.planning.plan import Action
 from taskgist.planning.requests import Request, Spared
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene
+from taskgist_lab.evaluation.performing.second_audit import second_audit
 from taskgist_lab.generator.things import OpenBox
 from taskgist_lab.simulator.room import TABLE, Person, Room, Table, Thing
+from tests.bodies import needs
 from tests.pipeline.test_performing import clause
 from tests.schemas import hold_to_schema
 
@@ -72,6 +75,65 @@ def test_why_nothing_covers_it() -> None:
     scene = Room("room", (robot("R", -1.6), P2), (IT, small), TABLE).scene()
     outcome = perform(scene, Request(clause("hide"), "R", "P2", "tape", means=("cover",)))
     assert why_not(outcome) == "R covers the tape with the small: there is no place for it"
+
+
+# --- Slid over an edge.
+
+DISC = Thing("tape", (0.11, 0.02), (-0.1, 0.3, TOP))
+
+
+@pytest.mark.parametrize("profile", ["jido", pytest.param("pr2", marks=needs("pr2"))])
+def test_what_lies_flat_is_slid_over_an_edge_first(profile: str) -> None:
+    scene = Room("room", (robot("R", -1.6, profile=profile), P2), (DISC,), TABLE).scene()
+    (found,) = perform(scene, Request(clause("show"), "R", "P2", "tape")).performances
+    slide, move = found.plan.actions
+    assert (slide.purpose, slide.candidate.means, move.purpose) == ("slide", "slide_out", "move")
+    assert found.audit.clean
+    times_s, qpos = found.execution.recording.times_s, np.array(found.execution.recording.qpos)
+    assert second_audit(scene, "R", "tape", times_s, qpos, found.execution.holds) == ()
+    assert found.strict is True
+    assert all(settled.stays for settled in found.execution.settled), "it does not tip over the edge"
+    assert chosen(found.plan).startswith("R slides the tape out over an edge of the table, its middle at (")
+    assert "slides the tape (" in " ".join(steps(found.plan))
+    hold_to_schema("perform_plan", plan_document(found.plan, found.execution))
+
+
+def test_fingers_press_on_what_they_slide_and_draw_it_straight_out() -> None:
+    """By MuJoCo's distances alone: the hand touches the thing and nothing of it is below the thing's top."""
+    scene = Room("room", (robot("R", -1.6), P2), (DISC,), TABLE).scene()
+    (found,) = perform(scene, Request(clause("show"), "R", "P2", "tape")).performances
+    action, column = found.plan.actions[0], scene.object_slice("tape")
+    (slid,) = (phase.qpos for phase in action.phases if phase.name == "slide")
+    model, data = scene.model, mujoco.MjData(scene.model)
+    hand, thing = scene.agent("R").arm(action.side).hand_geoms, scene.solid_geoms_of("tape")
+    way = slid[-1, column][:2] - slid[0, column][:2]
+    for row in slid:
+        data.qpos[:] = row
+        mujoco.mj_kinematics(model, data)
+        apart_m = min(mujoco.mj_geomDistance(model, data, a, b, 0.1, None) for a in hand for b in thing)
+        assert -0.002 < apart_m < 0.003
+        lowest = min(mujoco.mj_geomDistance(model, data, a, scene.solid_geoms_of("table")[0], 0.1, None) for a in hand)
+        assert lowest > 0.02 - 0.002, "above the thing's top"
+        moved = row[column][:2] - slid[0, column][:2]
+        assert abs(moved[0] * way[1] - moved[1] * way[0]) < 0.001 * np.linalg.norm(way)
+        assert np.abs(row[column][2:] - slid[0, column][2:]).max() < 0.001
+    half = np.array(TABLE.size_m[:2]) / 2
+    out_m = float((np.abs(slid[-1, column][:2] - TABLE.centre_m) - half).max()) + 0.11 / 2
+    assert 0.02 < out_m < 0.11 / 2, "it sticks out, and its middle is over the table"
+
+
+def test_what_cannot_be_slid_is_told() -> None:
+    """Things stand all around it, so that no edge is got to."""
+    walls = [
+        Thing(f"wall {n}", (0.04, 0.2, 0.2), (-0.1 + x, 0.3 + y, TOP), yaw)
+        for n, (x, y, yaw) in enumerate(
+            [(0.12, 0.0, 0.0), (-0.12, 0.0, 0.0), (0.0, 0.14, math.pi / 2), (0.0, -0.14, math.pi / 2)]
+        )
+    ]
+    scene = Room("room", (robot("R", -1.6), P2), (DISC, *walls), TABLE).scene()
+    outcome = perform(scene, Request(clause("show"), "R", "P2", "tape", means=("move",)))
+    assert "slid" not in why_not(outcome)
+    assert "R cannot grasp the tape" in why_not(outcome)
 
 
 # --- Cleared.
@@ -184,7 +246,7 @@ def parted(thing_m: float = 0.05) -> Scene:
         replace(P2, position_m=(1.0, -0.6), posture="standing"),
     )
     things = (
-        Thing("tape", (thing_m, thing_m, 0.05), (-0.45, 0.2, TOP)),
+        Thing("tape", (thing_m,) * 3, (-0.45, 0.2, TOP)),
         Thing("screen", (0.3, 0.06, 0.3), (2.2, 1.2, TOP)),
     )
     return Room("room", people, things, counter, (shelf,)).scene()
@@ -247,9 +309,7 @@ def test_why_nobody_helps() -> None:
     assert not nobody.performances
     assert not nobody.search.others
     told = why_not(perform(parted(0.12), request))
-    assert told.startswith(
-        "R1 brings the tape to where R2 takes it, R2 brings the tape there: R1 cannot pick the tape up: "
-    )
+    assert "R1 brings the tape to where R2 takes it, R2 brings the tape there: R1 does not get hold of the tape" in told
     assert "R2 brings the tape to where R1 takes it, R1 brings the tape there: R2 does not get hold of the tape" in told
 
 

@@ -38,7 +38,8 @@ def found(request: pytest.FixtureRequest) -> tuple[Performer, Grasping, Transfer
     thing = THINGS[name]
     performer = Performer(two_tables(robot, thing), "R")
     grasping = Grasping(performer, performer.start, name, goal_of(thing))
-    return performer, grasping, next(iter(Transfers(Picking(performer, performer.start, name), goal_of(thing))))
+    picking = Picking(Grasping(performer, performer.start, name))
+    return performer, grasping, next(iter(Transfers(picking, goal_of(thing))))
 
 
 def configurations(performer: Performer, transfer: Transfer) -> list[tuple[np.ndarray, str | None]]:
@@ -138,7 +139,7 @@ def test_the_same_question_has_the_same_answer() -> None:
     answers = []
     for _ in range(2):
         performer = Performer(two_tables("jido", THINGS["tape"]), "R")
-        transfer = next(iter(Transfers(Picking(performer, performer.start, "tape"), goal_of(THINGS["tape"]))))
+        transfer = next(iter(Transfers(Picking(Grasping(performer, performer.start, "tape")), goal_of(THINGS["tape"]))))
         answers.append(np.concatenate((transfer.start.base, transfer.pick.line.ravel(), transfer.place.rise.ravel())))
     np.testing.assert_array_equal(answers[0], answers[1])
 

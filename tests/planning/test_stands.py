@@ -88,15 +88,17 @@ def test_beneath_a_cover_the_effort_refuses_first(robot: str) -> None:
     assert stands.refusal is not None
     assert "R cannot grasp the tape" in stands.refusal
     assert "cover" in stands.refusal
+    assert not Picking(Grasping(performer, performer.start, "tape")).may_slide
     assert list(stands) == []
 
 
-def test_what_lies_too_flat_to_be_grasped_would_have_to_be_moved_first() -> None:
-    """No finger gets beneath a plate on a table: people tilt it, or slide it over the edge."""
+def test_what_lies_too_flat_to_be_grasped_has_to_be_slid_first() -> None:
+    """No finger gets beneath a plate on a table."""
     plate = Thing("plate", (0.06, 0.06, 0.01), (1.5, 0.0, 0.73))
     performer = Performer(two_tables("jido", plate), "R")
-    refusal = Stands(Grasping(performer, performer.start, "plate")).refusal
-    assert refusal == "the plate would have to be slid over the edge before it is grasped, which is not planned"
+    picking = Picking(Grasping(performer, performer.start, "plate"))
+    assert picking.refusal == "the plate would have to be slid over the edge before it is grasped"
+    assert picking.may_slide
 
 
 def test_behind_a_wall_nothing_is_got_to() -> None:
@@ -143,7 +145,7 @@ def test_a_transfer_that_fails_says_why() -> None:
     """The goal is between two boards that leave no room for a hand."""
     slot = [Thing(f"board{z}", (0.35, 0.5, 0.01), (-1.2, 1.0, z), free=False) for z in (0.73, 0.83)]
     performer = Performer(two_tables("jido", box(1.5), *slot), "R")
-    picking = Picking(performer, performer.start, "box")
+    picking = Picking(Grasping(performer, performer.start, "box"))
     assert picking.refusal is None
     transfers = Transfers(picking, np.array((-1.2, 1.0, 0.765, 1, 0, 0, 0)))
     assert list(transfers) == []
@@ -155,9 +157,9 @@ def test_a_transfer_that_fails_says_why() -> None:
 def test_what_one_goal_finds_about_the_start_another_does_not_find_again() -> None:
     performer = Performer(two_tables("jido", box(1.5)), "R")
     goals = [np.array((-1.1, y, 0.745, 1, 0, 0, 0)) for y in (0.8, 1.2)]
-    shared = Picking(performer, performer.start, "box")
+    shared = Picking(Grasping(performer, performer.start, "box"))
     for goal in goals:
-        alone = next(iter(Transfers(Picking(performer, performer.start, "box"), goal)))
+        alone = next(iter(Transfers(Picking(Grasping(performer, performer.start, "box")), goal)))
         together = next(iter(Transfers(shared, goal)))
         assert (alone.start.base, alone.pick.grasp) == (together.start.base, together.pick.grasp)
         assert np.array_equal(alone.place.line, together.place.line)
@@ -165,7 +167,7 @@ def test_what_one_goal_finds_about_the_start_another_does_not_find_again() -> No
 
 def test_several_transfers_differ() -> None:
     performer = Performer(two_tables("jido", box(1.5)), "R")
-    picking = Picking(performer, performer.start, "box")
+    picking = Picking(Grasping(performer, performer.start, "box"))
     found = list(islice(Transfers(picking, np.array((-1.1, 0.8, 0.745, 1, 0, 0, 0))), 3))
     assert len(found) == 3
     for one, other in pairwise(found):

@@ -25,6 +25,7 @@ DOINGS = {
     "approach": "brings its {side} hand around the {thing}",
     "close": "closes it",
     "lift": "lifts the {thing}",
+    "slide": "slides the {thing}",
     "carry": "draws it near",
     "transport": "drives with it",
     "transfer": "brings it over its place",
@@ -39,6 +40,7 @@ DOINGS = {
 MEANS = {
     "put_on": "puts the {thing} on the {carrier}",
     "put_in": "puts the {thing} into the {carrier}",
+    "slide_out": "slides the {thing} out over an edge of the {carrier}",
     "hold_up": "holds the {thing} up for {target}",
     "hand_over": "hands the {thing} over to {carrier}",
     "put_over": "puts the {thing} over the {covered}",
@@ -67,7 +69,7 @@ def acted(plan: Plan, action: Action) -> str:
     x, y, z = candidate.pose[:3]
     how = f"{action.performer} {MEANS[candidate.means].format(**words)}, its middle at ({x:.2f}, {y:.2f}, {z:.2f}) m"
     then = plan.actions[(plan.actions.index(action) + 1) % len(plan.actions)]
-    why = {"clear": ", out of the way", "relay": f", where {then.performer} takes it"}
+    why = {"clear": ", out of the way", "relay": f", where {then.performer} takes it", "slide": ", to get hold of it"}
     return how + why.get(action.purpose, "")
 
 

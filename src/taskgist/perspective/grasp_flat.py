@@ -17,30 +17,20 @@ from dataclasses import replace
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.perspective.grasp_sampling import PER_GRASP, TOUCH_M, Grasps
+from taskgist.perspective.grasp_sampling import PER_GRASP, Grasps
+from taskgist.perspective.sliding import CLEAR_M, Sliding
 from taskgist.perspective.target import Target
 from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.settings import Grasp
 from taskgist.world.geometry.shapes import lowest_point
 from taskgist.world.geometry.transforms import Pose
 
-LEVEL_M = 0.015
-"""Support this far beneath a sliding thing still carries it."""
-EDGE_STEP_M = 0.025
-"""Spacing of the points at which the edge of a support is looked for."""
-LEAST_OUT_M = 0.01
-"""What sticks out less than this cannot be taken from beneath (ours)."""
 DIRECTIONS = 8
 """In how many level directions a thing is drawn aside, evenly, from an axis of its own (ours)."""
 STEEP = -0.5
 """Least steepness at which hands come for what was drawn aside: in a corner, or a bin, they come from above (ours)."""
 SECTORS = 16
 """In how many level directions a thing is tilted or slid, at most (ours)."""
-LEAST_STEP_M = 0.005
-"""Steps of a way at which a small thing is tried; thinner walls than that are none (ours)."""
-CLEAR_M = 0.002
-"""Height over its support at which a thing is tilted and slid, so that it does not meet the support itself."""
-DOWN = np.array((0.0, 0.0, -1.0))
 
 
 def _upright(grasps: Grasps, settings: Grasp) -> Mask:
@@ -80,17 +70,15 @@ class LyingThing:
         self._here, self._pose, self._grasps = here, pose, grasps
         self._in_world = grasps.placed(pose)
         stage = here.stage
-        self._solids = grasps.solids
         offset = pose.position - stage.body_position(stage.scene.object_body(target.name))
-        positions, matrices = stage.geoms(self._solids)
-        self._positions, self._matrices = positions + offset, matrices.reshape(-1, 3, 3).copy()
         self._points = target.points + offset
         self._seen = [(geom, stage.geom(geom)) for geom in target.shapes.tolist()]
         self._offset = offset
         settings = here.settings.grasp
         radius_m = float(np.linalg.norm(self._points - pose.position, axis=1).max(initial=0.0))
-        self._obstacles, _ = here.collisions.around(pose.position, radius_m + settings.slide_m + settings.overhang_m)
-        self._obstacles = np.setdiff1d(self._obstacles, self._solids)
+        around, _ = here.collisions.around(pose.position, radius_m + settings.slide_m + settings.overhang_m)
+        obstacles = np.setdiff1d(around, grasps.solids)
+        self._sliding = Sliding(stage, grasps.solids, self._points, obstacles, settings, offset=offset)
 
     def _by_direction(self) -> Iterator[tuple[Array, Mask]]:
         """Level directions in which the hand comes when it closes from above and beneath, and the grasps of each."""
@@ -120,7 +108,8 @@ class LyingThing:
             for angle_rad in self._here.settings.grasp.tilts_rad:
                 turn = _about(np.array((-direction[1], direction[0], 0.0)), angle_rad)
                 shift = self._onto_edge(turn)
-                if self._is_free((self._positions - self._pose.position) @ turn.T + shift, turn @ self._matrices):
+                turned = (self._sliding.positions - self._pose.position) @ turn.T + shift
+                if self._sliding.is_free(turned, turn @ self._sliding.matrices):
                     found.append(self._moved(rows, turn, shift))
         return _joined(self._grasps, found)
 
@@ -141,18 +130,12 @@ class LyingThing:
     def slid(self) -> Grasps:
         """Its grasps when it is slid over an edge of what it lies on, where nothing stands in the way."""
         found = []
-        overhang_m = self._here.settings.grasp.overhang_m
         for direction, rows in self._by_direction():
             way = -direction  # the hand comes towards what sticks out
-            along = self._points @ way
-            out_m = min(overhang_m, 0.4 * float(np.ptp(along)))
-            edge_m = self._edge_m(way, float(along.max()), float(np.ptp(along)))
-            if edge_m is None or edge_m + out_m <= 0.0 or out_m < LEAST_OUT_M:
-                continue
-            by_m = edge_m + out_m
-            if self._slides(way, by_m):
-                beyond = rows & (self._in_world.centers @ way >= along.max() - out_m)
-                found.append(self._moved(beyond, np.eye(3), self._pose.position + way * by_m))
+            over = self._sliding.over_edge(way)
+            if over is not None:
+                beyond = rows & (self._in_world.centers @ way >= (self._points @ way).max() - over.out_m)
+                found.append(self._moved(beyond, np.eye(3), self._pose.position + way * over.by_m))
         return _joined(self._grasps, found)
 
     def drawn(self) -> Grasps:
@@ -161,34 +144,9 @@ class LyingThing:
         steep = (self._in_world.approaches[:, 2] <= STEEP) & ~self._grasps.in_itself
         for turn, by_m in itertools.product(range(DIRECTIONS), self._here.settings.grasp.asides_m):
             way = self._direction(turn / DIRECTIONS)
-            if self._slides(way, by_m):
+            if self._sliding.is_free_along(way, by_m):
                 found.append(self._moved(steep, np.eye(3), self._pose.position + way * by_m))
         return _joined(self._grasps, found)
-
-    def _slides(self, way: Array, by_m: float) -> bool:
-        """Whether the thing can be moved over its support along a level direction; it may touch others at first."""
-        step_m = min(max(float(np.ptp(self._points @ way)) / 2, LEAST_STEP_M), 2 * EDGE_STEP_M)
-        steps_m = np.append(np.arange(step_m, by_m, step_m), by_m)
-        moves = [way * step_m + (0.0, 0.0, CLEAR_M) for step_m in steps_m]
-        return all(self._is_free(self._positions + move, self._matrices) for move in moves)
-
-    def _edge_m(self, way: Array, front_m: float, depth_m: float) -> float | None:
-        """How far before the front of the thing its support ends, metres; None if it does not end near enough."""
-        middle = self._points.mean(axis=0)
-        ahead_m = np.arange(-depth_m / 2, self._here.settings.grasp.slide_m, EDGE_STEP_M)
-        starts = middle + way * (front_m - middle @ way + ahead_m)[:, None]
-        starts[:, 2] = self._points[:, 2].min() + CLEAR_M
-        _, distances_m, _ = self._here.stage.cast_each(self._obstacles, starts, np.tile(DOWN, (len(starts), 1)))
-        ends = np.flatnonzero(distances_m > LEVEL_M)
-        return float(ahead_m[ends[0]]) if len(ends) else None
-
-    def _is_free(self, positions: Array, matrices: Array) -> bool:
-        """Whether the thing meets nothing with its solid shapes somewhere; the stage shows the same as before."""
-        stage = self._here.stage
-        stage.place(self._solids, positions, matrices.reshape(-1, 9))
-        free = not any(stage.overlaps(self._solids, self._obstacles, deeper_than_m=TOUCH_M))
-        stage.show(stage.state)
-        return free
 
     def _moved(self, rows: Mask | Indices, turn: Array, position: Array) -> Grasps:
         """Some grasps, the thing having been turned about its frame's origin, which has come to a position."""

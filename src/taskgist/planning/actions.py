@@ -28,7 +28,8 @@ from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Phase, Purpose
 from taskgist.planning.robot_taking import taker_of
 from taskgist.planning.settling import settled
-from taskgist.planning.transfer import Picking, Transfers
+from taskgist.planning.sliding import slid_out
+from taskgist.planning.transfer import Picking, Transfers, slidings
 from taskgist.settings import Settings
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
@@ -130,7 +131,7 @@ class Actions:
         """A robot's picking a thing up, in a state in which it begins."""
         key = (robot.agent.name, state.qpos.tobytes(), thing)
         if key not in self._pickings:
-            self._pickings[key] = Picking(robot, state, thing)
+            self._pickings[key] = Picking(Grasping(robot, state, thing))
         return self._pickings[key]
 
     def _motions_of(self, robot: Performer) -> Motions:
@@ -144,6 +145,23 @@ class Actions:
         if picking is None or picking.refusal is None:
             return None
         return f"{name} cannot pick the {thing} up: {picking.refusal}"
+
+    def may_slide(self, state: State, name: str, thing: str) -> bool:
+        """Whether a robot's hand does not close on a thing as it lies, but perhaps where it sticks out over an edge."""
+        robot = self.robot(name, state)
+        return robot is not None and self.picking(robot, state, thing).may_slide
+
+    def slid_out(self, state: State, name: str, thing: str) -> Iterator[Candidate]:
+        """Where a robot may slide a thing out over an edge, to pick it up from there."""
+        robot = self.robot(name, state)
+        return iter(()) if robot is None else slid_out(self._scene, state, robot, thing)
+
+    def holds_at_both_ends(self, state: State, name: str, candidate: Candidate) -> bool:
+        """Whether some grasp of a robot's hand is free where a thing lies, and where it is to be; a person's is."""
+        robot = self.robot(name, state)
+        if robot is None:
+            return True
+        return len(self.picking(robot, state, candidate.thing).grasping.towards(candidate.pose).free) > 0
 
     def out_of_hold(self, state: State, name: str, thing: str) -> str:
         """Why an agent does not get hold of a thing where it is, by its own effort; nothing if it does."""
@@ -240,6 +258,10 @@ class Actions:
                     yield side, partial(acts, into=into)
             return
         motions = self._motions_of(robot)
+        if candidate.means == "slide_out":
+            for stand, slid in slidings(robot, state, candidate):
+                yield slid.press.side, partial(motions.slid, stand, slid)
+            return
         for transfer in islice(transfers, TRANSFERS_A_PLACE):
             yield transfer.pick.side, partial(motions.of, transfer, candidate.means, taker)
 

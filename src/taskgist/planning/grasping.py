@@ -82,8 +82,7 @@ class Grasping:
         self._hand: Hand = performer.agent.profile.hand
         self._stage = Stage(scene, state)
         performer.body.refuse_sunk(state.qpos, thing)
-        sampled = grasps_in_object(self._stage, thing, self._hand, performer.settings.grasp)
-        self.grasps: Grasps = performer.outside(self._stage, thing, sampled)
+        self.grasps: Grasps = self._sampled()
         self.miss = None if len(self.grasps) else self._no_grasp()
         self._touches: dict[bytes, dict[Pair, float]] = {}
 
@@ -267,6 +266,11 @@ class Grasping:
         """Where the palm is when the held thing is at a place."""
         pose, in_palm = pose_of(place.qpos[self.thing_slice]), grip.in_palm
         return Pose(pose.to_world(-in_palm.matrix.T @ in_palm.position), pose.matrix @ in_palm.matrix.T)
+
+    def _sampled(self) -> Grasps:
+        """Grasps on the outside of the thing, in its frame."""
+        sampled = grasps_in_object(self._stage, self.thing, self._hand, self.performer.settings.grasp)
+        return self.performer.outside(self._stage, self.thing, sampled)
 
     # --- What the hand meets at the thing.
 

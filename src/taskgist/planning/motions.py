@@ -23,6 +23,7 @@ from taskgist.planning.paths import base_path, joint_path
 from taskgist.planning.performer import TOLERANCE_M, Base, Grip, Performer, near_bases, with_values
 from taskgist.planning.placing import Means
 from taskgist.planning.plan import RATE_HZ, Phase, PhaseName
+from taskgist.planning.sliding import Slid
 from taskgist.planning.stands import Stand
 from taskgist.planning.sweeps import Sweep, points_are_free
 from taskgist.planning.timing import timed
@@ -164,6 +165,30 @@ class Motions:
         yield from self._fingers(at, "open", place, place.open_hand, place.grip, taken_by=self._hands(at, thing))
         yield self._line(at, "retreat", place, place.retreat)
         yield from self._fold(at)
+
+    def slid(self, stand: Stand, slid: Slid) -> tuple[Phase, ...]:
+        """The phases in which a thing is slid out over an edge, from the robot's start.
+
+        Args:
+            stand: Where the robot stands.
+            slid: How its hand slides the thing.
+
+        Raises:
+            NoMotionError: One of them was not found.
+        """
+        at, press = _At(np.array(self._performer.start.qpos)), slid.press
+        phases = [
+            *self._fold(at),
+            *self._drive(at, "drive", stand.base),
+            *self._fingers(at, "close", press, press.closed_hand),
+            self._arm(at, "reach", press, press.approach[0]),
+            self._line(at, "approach", press, press.approach),
+        ]
+        hold = Hold(self._performer.agent.name, press.side, press.thing)
+        at.held, at.holds = Held(press.grip, hold), frozenset({hold})
+        phases.append(self._line(at, "slide", press, press.rise))
+        at.held, at.holds = None, frozenset()
+        return (*phases, self._line(at, "retreat", press, slid.leave), *self._fold(at))
 
     def _until_lifted(self, transfer: Transfer) -> tuple[tuple[Phase, ...], _At]:
         """The phases until the thing is lifted, and how all is then: the same for all goals, so found once.

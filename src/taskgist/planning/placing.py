@@ -24,8 +24,9 @@ from taskgist.world.geometry.transforms import about_z, matrix_from_wxyz, multip
 from taskgist.world.stage import Stage
 from taskgist.world.state import Hold, State
 
-Means = Literal["put_on", "put_in", "put_over", "hold_up", "hand_over"]
-"""How a thing gets somewhere: onto something, into a container, over another, before a face, into another's hand."""
+Means = Literal["put_on", "put_in", "put_over", "slide_out", "hold_up", "hand_over"]
+"""How a thing gets somewhere: onto something, into a container, over another, out over an edge of its support, before a
+face, into another's hand."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,6 +25,7 @@ PhaseName = Literal[
     "approach",
     "close",
     "lift",
+    "slide",
     "carry",
     "transport",
     "transfer",
@@ -62,9 +63,10 @@ class Phase:
         return len(self.qpos) / RATE_HZ
 
 
-Purpose = Literal["move", "cover", "clear", "relay"]
+Purpose = Literal["move", "cover", "clear", "relay", "slide"]
 """What an action is for: to bring the thing where it shall be; to cover it; to take something out of the way of whoever
-shall see, reach or grasp it; to bring it where a helper takes it."""
+shall see, reach or grasp it; to bring it where a helper takes it; to slide it out over an edge, where a hand gets
+around it."""
 
 
 @dataclass(frozen=True, eq=False)

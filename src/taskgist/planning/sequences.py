@@ -39,9 +39,9 @@ from taskgist.world.state import State
 
 MOST_ACTIONS = 4
 """Actions of a sequence."""
-MOST_PLACES = {"move": 300, "cover": 120, "clear": 300, "relay": 300}
+MOST_PLACES = {"move": 300, "cover": 120, "clear": 300, "relay": 300, "slide": 32}
 """Places that are judged for a step at most, by what it is for."""
-MOST_TRIED = {"move": 4, "cover": 6, "clear": 6, "relay": 10}
+MOST_TRIED = {"move": 4, "cover": 6, "clear": 6, "relay": 10, "slide": 4}
 """Of those that will do, so many are tried with the body of whoever acts."""
 BY_PEOPLE = 3
 """So many times as many are tried with a person, whose motions are quickly found, and not planned around things."""
@@ -73,11 +73,15 @@ Sketch = tuple[Step, ...]
 
 @dataclass
 class _Trial:
-    """What becomes of a sketch: how many places were judged, why it fails, what was in the way of which step."""
+    """What becomes of a sketch: how many places were judged, why it fails, what was in the way of which step.
+
+    And the step whose thing may be slid over an edge before it is done, if one's lies too flat for the hand.
+    """
 
     places: int = 0
     why: str = ""
     blocked: tuple[int, tuple[str, ...]] | None = None
+    flat: int | None = None
 
 
 class _Waiting:
@@ -138,8 +142,14 @@ class Sequences:
             if plans:
                 continue
             self._search.others.append(Tried(self.told(sketch), trial.places, trial.why or "there is no place for it"))
-            for longer in self._cleared_first(sketch, trial):
+            for longer in (*self._cleared_first(sketch, trial), *self._slid_first(sketch, trial)):
                 waiting.add(longer)
+
+    def _slid_first(self, sketch: Sketch, trial: _Trial) -> Iterator[Sketch]:
+        """The sketch with the thing of a step slid over an edge before it."""
+        if trial.flat is not None:
+            step = sketch[trial.flat]
+            yield *sketch[: trial.flat], Step(step.agent, "slide", step.thing), *sketch[trial.flat :]
 
     def _cleared_first(self, sketch: Sketch, trial: _Trial) -> Iterator[Sketch]:
         """Sketches in which something is cleared before the step that it kept from being done."""
@@ -159,6 +169,7 @@ class Sequences:
                     "move": f"{step.agent} brings the {thing} there",
                     "cover": f"{step.agent} covers the {thing} with the {step.thing}",
                     "clear": f"{step.agent} clears the {step.thing} out of the way",
+                    "slide": f"{step.agent} slides the {step.thing} out over an edge",
                     "relay": f"{step.agent} brings the {thing} to where {then.agent if then else ''} takes it",
                 }[step.purpose]
             )
@@ -170,22 +181,28 @@ class Sequences:
         """Sketches to begin with."""
         request, state, who = self._request, self._state, self._request.performer
         move = Step(who, "move", request.thing)
+        if "move" in request.means and self._actions.may_slide(state, who, request.thing):
+            yield Step(who, "slide", request.thing), move
         if "cover" in request.means:
             for cover in self._endings.others(state):
                 yield (Step(who, "cover", cover),)
         if "clear" in request.means:
-            occluders = self._endings.occluders(state)
-            for name in occluders:
-                yield (Step(who, "clear", name),)
-            if len(occluders) > 1:
-                yield tuple(Step(who, "clear", name) for name in occluders[:2])
-            if "move" in request.means:
-                for name in dict.fromkeys((*blocked, *self._in_the_way(state, move))):
-                    yield Step(who, "clear", name), move
+            yield from self._clearing(state, move, blocked)
         if "relay" in request.means:
             for helper in self.helpers:
                 yield Step(who, "relay", request.thing), Step(helper, "move", request.thing)
                 yield Step(helper, "relay", request.thing), move
+
+    def _clearing(self, state: State, move: Step, blocked: tuple[str, ...]) -> Iterator[Sketch]:
+        """Sketches in which something is cleared: what hides the thing, or is in the way of moving it."""
+        who, occluders = move.agent, self._endings.occluders(state)
+        for name in occluders:
+            yield (Step(who, "clear", name),)
+        if len(occluders) > 1:
+            yield tuple(Step(who, "clear", name) for name in occluders[:2])
+        if "move" in self._request.means:
+            for name in dict.fromkeys((*blocked, *self._in_the_way(state, move))):
+                yield Step(who, "clear", name), move
 
     @property
     def helpers(self) -> tuple[str, ...]:
@@ -233,7 +250,8 @@ class Sequences:
 
         leaves = bool(rest) and rest[0].agent != step.agent
         most = MOST_TRIED[step.purpose] * (BY_PEOPLE if moves_itself(self._scene.agent(step.agent)) else 1)
-        for candidate in islice(self._reached(state, step, rest, trial), most):
+        slid = bool(done) and done[-1].purpose == "slide"
+        for candidate in islice(self._reached(state, step, rest, trial, slid=slid), most):
             action = self._action(state, step, candidate, why_not, leaves=leaves, blockers=blockers)
             if isinstance(action, str):
                 trial.why = action
@@ -279,16 +297,25 @@ class Sequences:
         elif not self._actions.grasps(state, step.agent, step.thing):
             trial.why = f"{step.agent} does not get hold of the {step.thing}"
             trial.blocked = (number, self._in_the_way(state, step))
-        elif cannot is not None:
+        elif cannot is not None and step.purpose != "slide":
             trial.why = cannot
+            if self._actions.may_slide(state, step.agent, step.thing):
+                trial.flat = number
         else:
             return True
         return False
 
-    def _reached(self, state: State, step: Step, rest: Sketch, trial: _Trial) -> Iterator[Candidate]:
-        """Of the places to which a step brings its thing those at which its agent gets."""
+    def _reached(
+        self, state: State, step: Step, rest: Sketch, trial: _Trial, *, slid: bool = False
+    ) -> Iterator[Candidate]:
+        """Of the places to which a step brings its thing those at which its agent gets.
+
+        What was slid out is held from beneath, and put down that way, too; so that is asked first.
+        """
         for candidate in self._places(state, step, rest, trial):
             out = self._actions.out_of_reach(step.agent, candidate)
+            if out is None and slid and not self._actions.holds_at_both_ends(state, step.agent, candidate):
+                out = f"no grasp of the {step.thing} does for both ends"
             if out is None:
                 yield candidate
             else:
@@ -315,6 +342,9 @@ class Sequences:
 
     def _between(self, state: State, step: Step, then: Step) -> Iterator[Candidate]:
         """Places to which something is brought before the next step: before a helper's hand, or near and put down."""
+        if step.purpose == "slide":
+            yield from self._actions.slid_out(state, step.agent, step.thing)
+            return
         if step.purpose == "relay" and moves_itself(self._scene.agent(then.agent)):
             yield from islice(self._endings.handed(state, step.agent, then.agent), MOST_HANDED)
         near = islice(self._endings.put(state, step.agent, step.thing), MOST_PLACES[step.purpose])

@@ -74,6 +74,7 @@ class Stands:
     Attributes:
         rejected: What blocked candidates until now, by what they met.
         looked_at: How many candidates were looked at until now.
+        may_slide: Whether it is refused as it lies, and would perhaps not be once it sticks out over an edge.
     """
 
     def __init__(
@@ -92,6 +93,7 @@ class Stands:
         self._now = with_values(self._now, grasping.thing_slice, place.qpos[grasping.thing_slice])
         self.rejected: Counter[str] = Counter()
         self.looked_at = 0
+        self.may_slide = False
 
     @cached_property
     def refusal(self) -> str | None:
@@ -114,9 +116,12 @@ class Stands:
         if not self._at_start or len(self._grasping.free):
             return None
         thing, evidence = self._grasping.thing, effort.evidence
+        both = isinstance(evidence.attained, GraspedByBoth)
+        self.may_slide = both or evidence.prepared == "slid over the edge"
         if evidence.prepared:
-            return f"the {thing} would have to be {evidence.prepared} before it is grasped, which is not planned"
-        if isinstance(evidence.attained, GraspedByBoth):
+            planned = "" if self.may_slide else ", which is not planned"
+            return f"the {thing} would have to be {evidence.prepared} before it is grasped{planned}"
+        if both:
             return f"the {thing} would have to be taken between both hands, which is not planned"
         return None
 

@@ -17,6 +17,8 @@ from taskgist.common.arrays import Array
 from taskgist.planning.grasping import Grasping, Kind
 from taskgist.planning.hand_ways import Failures, Gate, PickPose, PlacePose, farthest
 from taskgist.planning.performer import Performer
+from taskgist.planning.placing import Candidate
+from taskgist.planning.sliding import Pressing, Slid
 from taskgist.planning.stands import Stand, Stands, most
 from taskgist.world.state import State
 
@@ -107,19 +109,17 @@ class Picking:
     """What a robot's picking a thing up takes, wherever it is to go: grasps, stands, and the picks that were solved.
 
     Args:
-        performer: The robot.
-        state: Where everything is.
-        thing: The thing.
+        grasping: Its grasps of the thing.
 
     Attributes:
-        grasping: Its grasps of the thing.
+        grasping: As given.
         nowhere: How many stands were looked at to put it down where none was free.
         in_the_way: What was in the way there.
         cannot: Why the robot could not grasp it where it is to be, by its own effort.
     """
 
-    def __init__(self, performer: Performer, state: State, thing: str) -> None:
-        self.grasping = Grasping(performer, state, thing)
+    def __init__(self, grasping: Grasping) -> None:
+        self.grasping = grasping
         self._at_start = Stands(self.grasping, "start")
         self._coming = islice(self._at_start, MOST_STANDS)
         self._found: list[tuple[Stand, Picks]] = []
@@ -154,6 +154,11 @@ class Picking:
         if any(True for _, picks in self for _ in picks.by()):
             return None
         return grasping.tally.text(thing) if self._found else self._at_start.none_free(f"pick the {thing} up")
+
+    @property
+    def may_slide(self) -> bool:
+        """Whether no hand closes on the thing as it lies, but perhaps once it is slid over an edge."""
+        return self._at_start.refusal is not None and self._at_start.may_slide
 
     @property
     def text(self) -> tuple[str, ...]:
@@ -246,3 +251,21 @@ class Transfers:
         if not self.picked:
             return f"the {thing} cannot be picked up by any grasp that does there"
         return f"the {thing} cannot be put down as it can be picked up"
+
+
+def slidings(performer: Performer, state: State, candidate: Candidate) -> Iterator[tuple[Stand, Slid]]:
+    """Ways in which a robot slides a thing to where it sticks out: where it stands, and what its hand does.
+
+    Args:
+        performer: The robot.
+        state: Where everything is.
+        candidate: Where the thing is to stick out.
+    """
+    thing = candidate.thing
+    shift = candidate.pose[:3] - state.qpos[performer.scene.object_slice(thing)][:3]
+    pressing = Pressing(performer, state, thing, shift)
+    for stand, picks in Picking(pressing):
+        for press in islice(picks.by(), PICKS_A_STAND):
+            slid = pressing.left(press)
+            if slid is not None:
+                yield stand, slid
