@@ -259,7 +259,7 @@ class Actions:
             return
         motions = self._motions_of(robot)
         if candidate.means == "slide_out":
-            for stand, slid in slidings(robot, state, candidate):
+            for stand, slid in islice(slidings(robot, state, candidate), TRANSFERS_A_PLACE):
                 yield slid.press.side, partial(motions.slid, stand, slid)
             return
         for transfer in islice(transfers, TRANSFERS_A_PLACE):

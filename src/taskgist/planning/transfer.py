@@ -26,6 +26,8 @@ MOST_STANDS, STANDS_AT_GOAL = 24, 32
 """Stands that are looked at, at most, to pick the thing up, and for each goal."""
 PICKS_A_STAND, GOALS_A_GRASP, FITTING = 12, 6, 2
 """Picks that are solved from one stand, stands of the goal at which each grasp is tried, and enough that fit (ours)."""
+PRESSES_A_STAND = 2
+"""Ways to slide a thing that are solved from one stand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,7 +267,7 @@ def slidings(performer: Performer, state: State, candidate: Candidate) -> Iterat
     shift = candidate.pose[:3] - state.qpos[performer.scene.object_slice(thing)][:3]
     pressing = Pressing(performer, state, thing, shift)
     for stand, picks in Picking(pressing):
-        for press in islice(picks.by(), PICKS_A_STAND):
+        for press in islice(picks.by(), PRESSES_A_STAND):
             slid = pressing.left(press)
             if slid is not None:
                 yield stand, slid
