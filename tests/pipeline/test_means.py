@@ -79,7 +79,7 @@ def test_why_nothing_covers_it() -> None:
 
 # --- Slid over an edge.
 
-DISC = Thing("tape", (0.11, 0.02), (-0.1, 0.3, TOP))
+DISC = Thing("tape", (0.11, 0.035), (-0.1, 0.3, TOP))
 
 
 @pytest.mark.parametrize("profile", ["jido", pytest.param("pr2", marks=needs("pr2"))])
@@ -113,7 +113,7 @@ def test_fingers_press_on_what_they_slide_and_draw_it_straight_out() -> None:
         apart_m = min(mujoco.mj_geomDistance(model, data, a, b, 0.1, None) for a in hand for b in thing)
         assert -0.002 < apart_m < 0.003
         lowest = min(mujoco.mj_geomDistance(model, data, a, scene.solid_geoms_of("table")[0], 0.1, None) for a in hand)
-        assert lowest > 0.02 - 0.002, "above the thing's top"
+        assert lowest > DISC.height_m - 0.002, "above the thing's top"
         moved = row[column][:2] - slid[0, column][:2]
         assert abs(moved[0] * way[1] - moved[1] * way[0]) < 0.001 * np.linalg.norm(way)
         assert np.abs(row[column][2:] - slid[0, column][2:]).max() < 0.001

@@ -125,6 +125,8 @@ class Actions:
             return Action(name, side, purpose, candidate, effort, phases, self._thing)
         if picking is not None and blockers is not None:
             blockers |= dict.fromkeys(self._blockers(picking.grasping))
+        if candidate.means == "slide_out":
+            return failed or f"{name} gets its hand on the {candidate.thing} nowhere from where it could slide it"
         return failed or (transfers and transfers.refusal) or "no way was found"
 
     def picking(self, robot: Performer, state: State, thing: str) -> Picking:

@@ -34,6 +34,7 @@ from taskgist.planning.hand_ways import Failures, Gate, HandWay, PickPose, Place
 from taskgist.planning.performer import Grip, Performer, with_values
 from taskgist.planning.whole_body import IN_HAND_M, TOLERANCE_M, Pair, pose_of
 from taskgist.world.bodies.hands import Hand
+from taskgist.world.contacts import hand_gap_m
 from taskgist.world.geometry.transforms import Pose
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
@@ -84,6 +85,7 @@ class Grasping:
         performer.body.refuse_sunk(state.qpos, thing)
         self.grasps: Grasps = self._sampled()
         self.miss = None if len(self.grasps) else self._no_grasp()
+        self._near_m = performer.settings.contact.grip_m
         self._touches: dict[bytes, dict[Pair, float]] = {}
 
     def towards(self, goal: Array) -> Grasping:
@@ -388,6 +390,12 @@ class Grasping:
             shut = self._shut(side, row, found)
             if shut is None:
                 failed.append((Gate.FINGERS, None))
+                continue
+            off_m = hand_gap_m(
+                performer.body.show(shut), performer.agent.arm(side), self.thing, limit_m=2 * self._near_m
+            )
+            if off_m >= self._near_m:
+                failed.append((Gate.LOOSE, f"{100 * off_m:.0f} cm"))
                 continue
             held = grip or replace(performer.grip(shut, self.thing, side), usual_m=self._touching(before))
             rise = self._rise(side, palm, shut, held, failed)

@@ -97,6 +97,13 @@ class Gripper:
         point = self.axes @ (tips_m - self._hand.tips_m, middle_m, 0.0)
         return Pose(-self.axes.T @ point, self.axes.T)
 
+    def ahead_m(self, opening_m: float, direction: Array) -> float:
+        """How far the hand, so wide open, goes from the palm's frame along a direction in that (3,), metres."""
+        with self._stage.showing(self._with(self.opened(opening_m))) as stage:
+            palm = stage.site(self._arm.palm_site)
+            towards = palm.matrix @ direction
+            return max(self._extent_m(stage, int(geom), palm, towards) for geom in self._arm.hand_geoms)
+
     @cached_property
     def _measures(self) -> tuple[Array, list[Pads]]:
         """Shares of the way from closed to wide, and where the pads are then."""

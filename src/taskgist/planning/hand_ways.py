@@ -26,6 +26,7 @@ class Gate(Enum):
     APPROACH = "approaches to the {thing} are blocked by {others}"
     JUMP = "approaches to the {thing} are more than the arm follows without a jump"
     FINGERS = "grasps of the {thing} bring fingers into it"
+    LOOSE = "grasps of the {thing} leave the fingers {others} from it, which do not close so far"
     RISE = "ways up with the {thing} are blocked by {others}"
 
 

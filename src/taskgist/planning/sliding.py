@@ -32,12 +32,16 @@ from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 
-DIRECTIONS, TURNS = 16, 4
-"""Level directions in which a thing is slid; and in which the closed hand is turned, the way round left open."""
+DIRECTIONS = 16
+"""Level directions in which a thing is slid."""
+LEANS_RAD = (math.radians(30.0), math.radians(50.0))
+"""How far the closed hand may lean from the vertical."""
 OVERHANGS = (1.0, 0.75)
 """Shares of what may stick out over the edge that are tried."""
-PRESSED = (0.0, 0.25)
-"""Where fingertips press, as shares of the thing's breadth from its middle, in all directions."""
+ACROSS = 15
+"""Places, from side to side, that are asked whether they are of its top."""
+LEAVE_STEPS = 20
+"""Steps that the hand goes up again."""
 TOP_M, TOUCHES_M = 0.003, 0.003
 """Places as high as the thing's highest are its top; fingertips as near to it as this touch it."""
 DOWN = np.array((0.0, 0.0, -1.0))
@@ -107,17 +111,16 @@ class Pressing(Grasping):
         super().__init__(performer, state, thing)
 
     def _sampled(self) -> Grasps:
-        stage, thing = self._stage, self.thing
-        points = self._pressed()
-        turns = np.arange(TURNS) * (math.pi / TURNS)
-        closings = np.stack((np.cos(turns), np.sin(turns), np.zeros(TURNS)), axis=1)
-        pose, count = stage.body(stage.scene.object_body(thing)), len(points) * TURNS
-        centers = np.repeat(points, TURNS, axis=0) - self._hand.tips_m * DOWN
-        solids = stage.scene.solid_geoms_of(thing)
+        stage, scene, thing = self._stage, self._stage.scene, self.thing
+        point = self._pressed()
+        hands = [] if point is None else _hands(self._shift)
+        frames, count = np.array(hands).reshape(-1, 3, 3), len(hands)
+        centers = np.array([] if point is None else [self._center(point, hand) for hand in hands]).reshape(-1, 3)
+        pose, solids = stage.body(scene.object_body(thing)), scene.solid_geoms_of(thing)
         return Grasps(
             centers=pose.to_local(centers),
-            closings=np.tile(closings, (len(points), 1)) @ pose.matrix,
-            approaches=np.tile(DOWN, (count, 1)) @ pose.matrix,
+            closings=frames[:, :, 1] @ pose.matrix,
+            approaches=frames[:, :, 0] @ pose.matrix,
             widths_m=np.zeros(count),
             gaps_m=np.zeros(count),
             in_itself=np.zeros(count, dtype=bool),
@@ -127,17 +130,27 @@ class Pressing(Grasping):
             narrowest_m=0.0,
         )
 
-    def _pressed(self) -> Array:
-        """Points of its top, in the world, metres, (n, 3)."""
+    def _center(self, point: Array, hand: Array) -> Array:
+        """Where a closed hand, turned so, is (as grasps have it) when its lowest touches a point of the top, (3,)."""
+        gripper = self.performer.gripper(self.performer.sides[0])
+        in_hand = gripper.palm_in_hand(0.0)
+        lowest_m = gripper.ahead_m(0.0, (hand @ in_hand.matrix).T @ DOWN)
+        center = point - self._hand.tips_m * hand[:, 0]
+        center[2] = point[2] + lowest_m - (hand @ in_hand.position)[2]
+        return np.asarray(center)
+
+    def _pressed(self) -> Array | None:
+        """The place on its top that is nearest to its middle, in the world, metres, (3,); None if there is none."""
         stage, seen = self._stage, self._stage.scene.seen_geoms(self.thing)
         low, high = stage.bounds(seen)
-        angles = np.arange(TURNS) * (math.tau / TURNS)
-        level = np.stack((np.cos(angles), np.sin(angles)), axis=1) * float((high - low)[:2].min())
-        offsets = np.unique(np.round(np.concatenate([share * level for share in PRESSED]), 9), axis=0)
-        starts = np.concatenate(((low + high)[:2] / 2 + offsets, np.full((len(offsets), 1), high[2] + TOP_M)), axis=1)
+        grid_m = np.linspace(-0.5, 0.5, ACROSS) * float((high - low)[:2].min())
+        offsets = np.stack(np.meshgrid(grid_m, grid_m), axis=-1).reshape(-1, 2)
+        offsets = offsets[np.argsort(np.round(np.linalg.norm(offsets, axis=1), 6), kind="stable")]
+        heights = np.full((len(offsets), 1), high[2] + TOP_M)
+        starts = np.concatenate(((low + high)[:2] / 2 + offsets, heights), axis=1)
         _, distances_m, _ = stage.cast_each(seen, starts, np.tile(DOWN, (len(starts), 1)))
-        points = starts + distances_m[:, None] * DOWN
-        return np.asarray(points[distances_m <= 2 * TOP_M])
+        top = np.flatnonzero(distances_m <= 2 * TOP_M)
+        return starts[top[0]] + distances_m[top[0]] * DOWN if len(top) else None
 
     @cached_property
     def _free_at_start(self) -> Indices:
@@ -192,5 +205,18 @@ class Pressing(Grasping):
         return Slid(press, np.concatenate((press.rise[-1:], way)))
 
 
-LEAVE_STEPS = 20
-"""Steps that the hand goes up again."""
+def _hands(shift: Array) -> list[Array]:
+    """How a closed hand may be turned, (3, 3) each: columns along its approach, its closing direction, and across.
+
+    It comes straight from above, or leans to where the thing is slid, against that, or aside.
+    """
+    way = shift / np.linalg.norm(shift)
+    aside = np.cross(way, DOWN)
+    sides = [(0.0, way, aside)]
+    sides += [(lean, level, np.cross(level, DOWN)) for lean in LEANS_RAD for level in (-way, aside, -aside, way)]
+    found = []
+    for lean_rad, level, across in sides:
+        approach = math.cos(lean_rad) * DOWN + math.sin(lean_rad) * level
+        axes = (approach, across, np.cross(approach, across))
+        found += [np.stack(axes, axis=1), np.stack((axes[0], axes[2], -axes[1]), axis=1)]
+    return found
