@@ -10,7 +10,7 @@ import pytest
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.facts import UNKNOWN, Predicate, predicate_subtree
 from taskgist.learning import Knowledge, clause_of
-from taskgist.pipeline import explain_all, label_of, learn, shipped_recordings
+from taskgist.pipeline import episode_of, explain_all, explain_recording, label_of, learn, shipped_recordings
 from taskgist.settings import DEFAULT
 from taskgist.store import load, save, update
 from tests.learning.test_paper_clauses import predicates
@@ -89,6 +89,17 @@ def test_learning_from_recordings_is_explaining_each() -> None:
     assert [share for _, share in told] == sorted(share for _, share in told)
     assert told[-1] == ("done", 1.0)
     assert {what.partition(":")[0] for what, _ in told} == {*(each.name for each in short), "done"}
+
+
+def test_the_performing_agents_own_tree_is_that_of_who_is_alone() -> None:
+    """What a label without a target agent is explained by; from Python by the same word as on the command line."""
+    short = excerpt("handover_1", 1.2, 4.2, every=2)
+    (own,) = learn([short], of="performer").explanations
+    assert own == explain_recording(short, label=label_of(short).alone)
+    assert (own.tree_of, own.target_agents) == ("performer", ("P1",))
+    assert episode_of(short, of="performer").target_agent == "P1"
+    with pytest.raises(UnknownNameError, match=r"no tree of 'giver' \(known: performer, target\)"):
+        learn([short], of="giver")  # type: ignore[arg-type]
 
 
 def test_own_predicates_are_learned_too() -> None:
