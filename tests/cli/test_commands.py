@@ -308,16 +308,17 @@ def test_learn_and_explain(folder: Path, handovers: tuple[Path, Path]) -> None:
 
 
 def test_the_performing_agents_own_tree_stands_beside_the_targets(folder: Path, handovers: tuple[Path, Path]) -> None:
-    """P1, who gives, reaches the baton as before, and ends without it; P2 ends with it (7.2)."""
-    told = run_json(f"facts {handovers[0]} --of performer --every 3")
+    """P1, who gives, ends without the baton, reached as before; P2 ends with it (7.2)."""
+    told = run_json(f"facts {handovers[1]} --of performer --every 3")
     assert told["agent"] == "P1"
-    assert told == run_json(f"facts {handovers[0]} --agent P1 --every 3")
-    assert told["effect"]["hands.nature"]["value"] == "Manip_Not_Desired"
+    assert told == run_json(f"facts {handovers[1]} --agent P1 --every 3")
+    assert told["effect"]["hands.class"]["value"] == "Manip_Avoided"
+    assert told["effect"]["reach.class"]["value"] == "Remains_Same"
     run(f"learn {handovers[0]} -k k.db")
     message = refusal("explain give -k k.db --of performer", folder)
     assert "k.db: task give: --of: known of target agents alone" in message
     learned = run_json(f"learn {handovers[0]} {handovers[1]} -k k.db --of performer")["tasks"]["give"]
-    assert learned["nodes"]["hands.nature"]["value"] == "Manip_Not_Desired"
+    assert learned["nodes"]["reach.nature"]["value"] == "Supportive"
     assert run_json("explain give -k k.db --of performer") == learned
     assert [run_json(f"explain give -k k.db --of {of}")["of"] for of in ("target", "performer")] == [
         "target",
@@ -326,7 +327,7 @@ def test_the_performing_agents_own_tree_stands_beside_the_targets(folder: Path, 
     assert "“give” means for the performing agent: " in run("explain give -k k.db --of performer")
     assert "Task(give) ←   learned from 1 demonstration\n" in run("explain give -k k.db")
     assert run("explain -k k.db") == "give   (--of performer, too)\n"
-    assert run_json("explain give -k k.db --of performer --why hands.nature")["of"] == "performer"
+    assert run_json("explain give -k k.db --of performer --why reach.nature")["of"] == "performer"
     assert "no tree of 'giver'" in refusal(f"learn {handovers[0]} --of giver", folder)
     assert "--agent says already whose" in refusal(f"facts {handovers[0]} --agent P2 --of performer", folder)
 
