@@ -9,13 +9,13 @@ import pytest
 
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.facts import UNKNOWN, Predicate, predicate_subtree
-from taskgist.learning import Knowledge, clause_of
+from taskgist.learning import Experience, Knowledge, clause_of, understand
 from taskgist.pipeline import episode_of, explain_all, explain_recording, label_of, learn, shipped_recordings
 from taskgist.settings import DEFAULT
 from taskgist.store import load, save, update
 from tests.learning.test_paper_clauses import predicates
 from tests.pipeline.small import small
-from tests.shipped import NAMES, PATHS, TASKS, excerpt, explanation, knowledge, names_of, recording
+from tests.shipped import NAMES, PATHS, STUDY, TASKS, excerpt, explanation, knowledge, names_of, recording
 
 GIVE = {
     "Initial_Action_to_Reach": "Lean_Torso + Stretch_Out_Arm(left)",
@@ -41,6 +41,21 @@ saw no more of it."""
 
 def test_real_handovers_teach_to_give() -> None:
     assert predicates(clause_of(knowledge("give").understand("give"))) == GIVE
+
+
+TRACKED = names_of("give")[:4]
+"""Handovers whose right hands, which take and give, were tracked."""
+
+
+@pytest.mark.parametrize("held_out", TRACKED)
+def test_effects_that_three_handovers_teach_hold_in_the_fourth(held_out: str) -> None:
+    """Together with the three simulated ones, which differ more, the whole clause does."""
+    real = [explanation(name) for name in TRACKED if name != held_out]
+    simulated = [explanation(name) for name in STUDY["give"]]
+    nodes = explanation(held_out).nodes
+    effects = clause_of(understand(Experience.of("give", real))).effects
+    assert [each for each in effects if each.holds(nodes) is not True] == []
+    assert clause_of(understand(Experience.of("give", [*real, *simulated]))).holds(nodes) is True
 
 
 @pytest.mark.parametrize("task", TASKS)
