@@ -307,6 +307,31 @@ def test_learn_and_explain(folder: Path, handovers: tuple[Path, Path]) -> None:
     assert set(contents(folder)) == {"k.db"}
 
 
+def test_the_performing_agents_own_tree_stands_beside_the_targets(folder: Path, handovers: tuple[Path, Path]) -> None:
+    """P1, who gives, ends without the baton, reached as before; P2 ends with it (7.2)."""
+    told = run_json(f"facts {handovers[1]} --of performer --every 3")
+    assert told["agent"] == "P1"
+    assert told == run_json(f"facts {handovers[1]} --agent P1 --every 3")
+    assert told["effect"]["hands.class"]["value"] == "Manip_Avoided"
+    assert told["effect"]["reach.class"]["value"] == "Remains_Same"
+    run(f"learn {handovers[0]} -k k.db")
+    message = refusal("explain give -k k.db --of performer", folder)
+    assert "k.db: task give: --of: known of target agents alone" in message
+    learned = run_json(f"learn {handovers[0]} {handovers[1]} -k k.db --of performer")["tasks"]["give"]
+    assert learned["nodes"]["reach.nature"]["value"] == "Supportive"
+    assert run_json("explain give -k k.db --of performer") == learned
+    assert [run_json(f"explain give -k k.db --of {of}")["of"] for of in ("target", "performer")] == [
+        "target",
+        "performer",
+    ]
+    assert "“give” means for the performing agent: " in run("explain give -k k.db --of performer")
+    assert "Task(give) ←   learned from 1 demonstration\n" in run("explain give -k k.db")
+    assert run("explain -k k.db") == "give   (--of performer, too)\n"
+    assert run_json("explain give -k k.db --of performer --why reach.nature")["of"] == "performer"
+    assert "no tree of 'giver'" in refusal(f"learn {handovers[0]} --of giver", folder)
+    assert "--agent says already whose" in refusal(f"facts {handovers[0]} --agent P2 --of performer", folder)
+
+
 def test_learn_from_facts_and_recordings_at_once(folder: Path, handovers: tuple[Path, Path]) -> None:
     for path in handovers:
         shutil.copyfile(path, folder / path.name)
@@ -321,6 +346,7 @@ def test_learn_from_facts_and_recordings_at_once(folder: Path, handovers: tuple[
         "end": {"posture": "Sitting"},
     }
     (folder / "told.json").write_text(json.dumps(document), encoding="utf-8")
+    assert "its facts are those of the target agent, P2" in refusal("learn . told.json --of performer", folder)
     learned = run_json("learn . told.json")
     (nodes,) = [each["nodes"] for each in learned["tasks"].values()]
     assert nodes["posture.value.1"]["counts"] == {"Standing": 2, "Sitting": 1}

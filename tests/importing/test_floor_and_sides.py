@@ -35,6 +35,7 @@ def upright(frames: int = 20) -> Array:
         (-0.92, r"P1: the soles are 0.[89]\d m under the floor .*position_m = \[0, 0, 0.[89]\d\]", "unfit"),
         (0.70, r"P1: the soles are 0.7\d m over the floor .*position_m = \[0, 0, -0.7\d\]", "unfit"),
         (0.20, r"P1: the soles are 0.2\d m over the floor .*position_m = \[0, 0, -0.2\d\]", "warning"),
+        (0.12, r"P1: the soles are 0.1\d m over the floor .*position_m = \[0, 0, -0.1\d\]", "warning"),
     ],
 )
 def test_people_off_the_floor(tmp_path: Path, up_m: float, said: str, severity: str) -> None:

@@ -9,15 +9,17 @@ import pytest
 
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.facts import UNKNOWN, Predicate, predicate_subtree
-from taskgist.learning import Knowledge, clause_of
-from taskgist.pipeline import explain_all, label_of, learn, shipped_recordings
+from taskgist.learning import Experience, Knowledge, clause_of, understand
+from taskgist.pipeline import episode_of, explain_all, explain_recording, label_of, learn, shipped_recordings
 from taskgist.settings import DEFAULT
 from taskgist.store import load, save, update
 from tests.learning.test_paper_clauses import predicates
 from tests.pipeline.small import small
-from tests.shipped import NAMES, PATHS, TASKS, excerpt, explanation, knowledge, names_of, recording
+from tests.shipped import NAMES, PATHS, STUDY, TASKS, excerpt, explanation, knowledge, names_of, recording
 
 GIVE = {
+    "Initial_Action_to_Reach": "Lean_Torso + Stretch_Out_Arm(left)",
+    "Initial_Effort_to_Grasp": "Arm_Torso_Effort",
     "Action_to_Reach": "No_Action_Required",
     "Initial_Posture": "Standing",
     "Final_Posture": "Standing",
@@ -32,12 +34,28 @@ GIVE = {
     "Object_Initial_Status": "On_Support",
     "Object_Final_Status": "In_Hand",
 }
-"""Measured, not the paper's: all five people stood, took with the right hand, and walked off with the baton. All looked
-at it before, and their eyes were at it in the end, in the middle of a flat image, of which one saw no more."""
+"""Measured, not the paper's: all five people stood, would have had to lean for the baton, and took it with the right
+hand while it moved. All looked at it before, and their eyes were at it in the end, in the middle of a flat image: two
+saw no more of it."""
 
 
 def test_real_handovers_teach_to_give() -> None:
     assert predicates(clause_of(knowledge("give").understand("give"))) == GIVE
+
+
+TRACKED = names_of("give")[:4]
+"""Handovers whose right hands, which take and give, were tracked."""
+
+
+@pytest.mark.parametrize("held_out", TRACKED)
+def test_effects_that_three_handovers_teach_hold_in_the_fourth(held_out: str) -> None:
+    """Together with the three simulated ones, which differ more, the whole clause does."""
+    real = [explanation(name) for name in TRACKED if name != held_out]
+    simulated = [explanation(name) for name in STUDY["give"]]
+    nodes = explanation(held_out).nodes
+    effects = clause_of(understand(Experience.of("give", real))).effects
+    assert [each for each in effects if each.holds(nodes) is not True] == []
+    assert clause_of(understand(Experience.of("give", [*real, *simulated]))).holds(nodes) is True
 
 
 @pytest.mark.parametrize("task", TASKS)
@@ -89,6 +107,17 @@ def test_learning_from_recordings_is_explaining_each() -> None:
     assert [share for _, share in told] == sorted(share for _, share in told)
     assert told[-1] == ("done", 1.0)
     assert {what.partition(":")[0] for what, _ in told} == {*(each.name for each in short), "done"}
+
+
+def test_the_performing_agents_own_tree_is_that_of_who_is_alone() -> None:
+    """What a label without a target agent is explained by; from Python by the same word as on the command line."""
+    short = excerpt("handover_1", 1.2, 4.2, every=2)
+    (own,) = learn([short], of="performer").explanations
+    assert own == explain_recording(short, label=label_of(short).alone)
+    assert (own.tree_of, own.target_agents) == ("performer", ("P1",))
+    assert episode_of(short, of="performer").target_agent == "P1"
+    with pytest.raises(UnknownNameError, match=r"no tree of 'giver' \(known: performer, target\)"):
+        learn([short], of="giver")  # type: ignore[arg-type]
 
 
 def test_own_predicates_are_learned_too() -> None:

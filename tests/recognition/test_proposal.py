@@ -14,6 +14,7 @@ from taskgist.observe import Observer
 from taskgist.recognition import Grip, Proposal, grips_of, propose, propose_label
 from taskgist.recording import Recording
 from taskgist.world import Hold, Stage
+from taskgist_lab.paper.grip_forces import GRIP_N
 from tests.pipeline.small import FRAMES, room, small, still
 from tests.recognition.told import Held, Told
 from tests.scenes import TABLE, agent, cylinder, scene
@@ -43,14 +44,14 @@ def grips_of_baton(name: str) -> tuple[Grip, ...]:
 
 
 @pytest.mark.parametrize("name", HANDOVERS)
-def test_the_shipped_labels_begin_where_would_be_proposed_and_end_when_it_has_changed_hands(name: str) -> None:
-    """They were set 0.1 s after fingers had opened; proposed is the middle of the time in which both have it."""
+def test_the_shipped_labels_are_as_proposed_and_end_when_hands_change_by_the_grip_forces(name: str) -> None:
+    """In the middle between the moments when the taker presses and when the giver does no longer."""
     proposed = propose_label(recording(name), observer(name))
-    assert proposed.start_s == pytest.approx(label(name).start_s, abs=1 / 60)
-    assert 0.0 <= label(name).end_s - proposed.end_s < 0.6
-    taken = Hold("P2", "right", "baton")
-    assert taken in observer(name).holds(label(name).end_s)
-    assert taken in observer(name).holds(proposed.end_s)
+    assert proposed == label(name)
+    giver, taker = (recording(name).signals[f"{who}_grip"].values > GRIP_N for who in ("P1", "P2"))
+    changes = [taker.argmax(), (taker & ~giver).argmax()]
+    assert proposed.end_s == pytest.approx(recording(name).times_s[changes].mean(), abs=0.1)
+    assert Hold("P2", "right", "baton") in observer(name).holds(proposed.end_s)
 
 
 @pytest.mark.parametrize("name", ["hide_a", "show_d"])

@@ -15,7 +15,7 @@ from taskgist.common.text import clean_name
 from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.tree import HypothesisTree, Node
+from taskgist.facts.tree import HypothesisTree, Node, TreeOf, tree_of
 from taskgist.language.sentences import asked, indifference, meaning, why
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Context
@@ -41,8 +41,7 @@ def print_understanding(understanding: Understanding, *, whole_tree: bool = True
     if told := indifference(understanding):
         console.print(told)
     console.print()
-    each = "".join(f", each of the {role}" for role in clause.each_of)
-    console.print(f"Task({clause.task}{each}) ←   learned from {count} demonstration{'s' if count != 1 else ''}")
+    console.print(f"{clause.head} ←   learned from {count} demonstration{'s' if count != 1 else ''}")
     for title, literals in (("effects", clause.effects), ("preconditions", clause.preconditions)):
         for number, literal in enumerate(literals):
             console.print(Text(f"  {title if number == 0 else '':14}{literal}"))
@@ -98,6 +97,7 @@ def understanding_document(understanding: Understanding) -> dict[str, Any]:
     clause = clause_of(understanding)
     return {
         "task": understanding.task,
+        "of": clause.tree_of,
         "meaning": meaning(understanding),
         "indifference": indifference(understanding),
         "demonstrations": [
@@ -148,11 +148,16 @@ def _node_document(judgement: Judgement) -> dict[str, Any]:
 
 
 def understood(
-    known: Knowledge, where: str, task: str, tree: HypothesisTree, settings: Learning = DEFAULT.learning
+    known: Knowledge,
+    where: str,
+    task: str,
+    tree: HypothesisTree,
+    settings: Learning = DEFAULT.learning,
+    of: TreeOf = "target",
 ) -> Understanding:
     """What is known of a task, however its name is spelled; errors name where the knowledge is kept."""
-    with about(where):
-        return known.understand(task if task in known.tasks else clean_name(task), tree, settings)
+    with about(where, {"of": "--of"}):
+        return known.understand(task if task in known.tasks else clean_name(task), tree, settings, of)
 
 
 @command
@@ -160,6 +165,9 @@ def explain(
     task: Annotated[str | None, typer.Argument(help="The task; without one, the known tasks are listed.")] = None,
     knowledge: KnowledgeOption = KNOWLEDGE,
     node: Annotated[str | None, typer.Option("--why", help="Only: why this node counts or not (see.class).")] = None,
+    of: Annotated[
+        str, typer.Option(help="Whose tree: target (what changes for the target agent) or performer (for itself).")
+    ] = "target",
     band: Annotated[str, typer.Option(help=f"Confusion band: {', '.join(BANDS)}.")] = DEFAULT.learning.band,
     as_json: JsonOption = False,
 ) -> None:
@@ -167,10 +175,16 @@ def explain(
 
     Prints one sentence, the clause, the tree with each node's figures, and open questions.
 
+    With --of performer: how it changes what the performing agent can do, where that was learned (learn --of performer).
+    A task that is performed for nobody else has that tree alone, which is shown without the option, too.
+
     Example: taskgist explain give -k knowledge.db
+
+    Example: taskgist explain give --of performer
 
     Example: taskgist explain give --why see.class
     """
+    whose = tree_of(of)
     if band not in BANDS:
         raise UnknownNameError("band", band, BANDS)
     tree = with_predicates(STANDARD_TREE)
@@ -181,20 +195,25 @@ def explain(
         raise KnowledgeError("of which task?", field="--why", value=node, hint="taskgist explain TASK --why NODE")
     known = load(knowledge, expected=Context.of(DEFAULT, tree))
     if task is None:
-        _list_tasks(known.tasks, as_json=as_json)
+        _list_tasks(known, as_json=as_json)
         return
-    understanding = understood(known, shown(knowledge), task, tree, replace(DEFAULT.learning, band=band))
+    understanding = understood(known, shown(knowledge), task, tree, replace(DEFAULT.learning, band=band), whose)
     if node is not None:
         sentence = why(understanding, node)
-        print_json({"task": understanding.task, "node": node, "why": sentence}) if as_json else console.print(sentence)
+        document = {"task": understanding.task, "of": understanding.experience.tree_of, "node": node, "why": sentence}
+        print_json(document) if as_json else console.print(sentence)
     elif as_json:
         print_json(understanding_document(understanding))
     else:
         print_understanding(understanding)
 
 
-def _list_tasks(tasks: tuple[str, ...], *, as_json: bool) -> None:
+def _list_tasks(known: Knowledge, *, as_json: bool) -> None:
     if as_json:
-        print_json(list(tasks))
-    else:
-        console.print("\n".join(tasks) or "nothing learned yet")
+        print_json(list(known.tasks))
+        return
+    for task in known.tasks:
+        told = "   (--of performer, too)" if len(known.trees_of(task)) > 1 else ""
+        console.print(f"{task}{told}")
+    if not known.tasks:
+        console.print("nothing learned yet")

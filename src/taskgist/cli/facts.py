@@ -17,6 +17,7 @@ from taskgist.common.frozen import thaw
 from taskgist.errors import LabelError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.tree import TreeOf, tree_of
 from taskgist.facts.values import UNKNOWN
 from taskgist.language.phrases import listed
 from taskgist.learning.explanation import Explanation
@@ -34,6 +35,9 @@ from taskgist.world.state import State
 def facts(
     recording: RecordingArgument,
     agent: Annotated[str | None, typer.Option(help="From whose perspective; default: the label's targets.")] = None,
+    of: Annotated[
+        str, typer.Option(help="Without --agent: the label's target, or performer (its own tree).")
+    ] = "target",
     object: Annotated[str | None, typer.Option("--object", help="Of which object; default: the label's.")] = None,  # noqa: A002
     at: Annotated[float | None, typer.Option(help="Only at this time, with evidence; seconds.")] = None,
     every: Annotated[float, typer.Option(min=0.02, help="Seconds between samples of the timeline.")] = 0.5,
@@ -47,6 +51,8 @@ def facts(
     Prints every attribute over time, and the effect between the label's start and end. With --relations: who has what
     in sight, looks at it, is near, approaches, touches and carries it, exact to the frame.
 
+    With --of performer: what the task changes for the agent that performs it (its own effort, hands, posture).
+
     Where the label has several target agents or objects, each agent's facts on each object are shown, and in the end
     what is the same for all of them.
 
@@ -54,11 +60,13 @@ def facts(
 
     Example: taskgist facts handover.mcap --agent giver --object baton --at 2.0
 
+    Example: taskgist facts handover.mcap --of performer
+
     Example: taskgist facts handover.mcap --relations
     """
-    opened = read(recording)
+    opened, whose = read(recording), tree_of(of)
     with about(recording, {"time_s": "--at"}):
-        agents, objects = _subjects(opened, agent, object)
+        agents, objects = _subjects(opened, agent, object, whose)
         state = None if at is None else opened.at(at)
     observer = Observer(opened.scene, opened)
     over_time = not relations and state is None
@@ -79,8 +87,12 @@ def facts(
         _print_effect(effect)
 
 
-def _subjects(recording: Recording, agent: str | None, name: str | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    label = recording.label
+def _subjects(
+    recording: Recording, agent: str | None, name: str | None, of: TreeOf
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    if agent is not None and of == "performer":
+        raise LabelError("--agent says already whose", field="--of", value=of, hint="leave one of both out")
+    label = recording.label.alone if recording.label and of == "performer" else recording.label
     if (agent is None or name is None) and label is None:
         raise LabelError("the recording has no label", hint="name --agent and --object")
     agents = (agent,) if agent is not None else label.watched if label else ()
@@ -99,10 +111,8 @@ def _effect(
     label = recording.label
     if label is None:
         return None
-    if agents != (label.performing_agent,) or label.target_agents:
-        other = label.watched[0] if label.performing_agent in agents else label.performing_agent
-        label = replace(label, performing_agent=other, target_agents=agents)
-    label = replace(label, target_objects=objects)
+    of_performer = agents == (label.performing_agent,)
+    label = replace(label, target_agents=() if of_performer else agents, target_objects=objects)
     return explain_recording(recording, label=label, observer=observer)
 
 

@@ -25,11 +25,11 @@ from taskgist.cli.common import (
 )
 from taskgist.cli.explain import print_understanding, understanding_document
 from taskgist.common.files import reading
-from taskgist.errors import InputError, KnowledgeError, RecordingError
+from taskgist.errors import FactsError, InputError, KnowledgeError, RecordingError
 from taskgist.facts.elsewhere import read_facts
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.tree import HypothesisTree
+from taskgist.facts.tree import HypothesisTree, TreeOf, tree_of
 from taskgist.learning.explanation import Context, Explanation, explain
 from taskgist.learning.knowledge import Knowledge
 from taskgist.settings import DEFAULT
@@ -51,6 +51,9 @@ def learn(
     replace: Annotated[
         bool, typer.Option("--replace", help="Forget what a recording taught under another label or other times.")
     ] = False,
+    of: Annotated[
+        str, typer.Option(help="What they mean for whom: target, or performer (the performing agent's own tree).")
+    ] = "target",
     as_json: JsonOption = False,
 ) -> None:
     """Learn what tasks mean from labelled demonstrations.
@@ -60,10 +63,17 @@ def learn(
     A recording that was learned from with another label is refused, unless --replace says to forget that.
     What was explained until something is refused is kept in a knowledge file of its own, to go on from.
 
+    With --of performer: how the agent that performs prefers to do it, from its own reach, sight, hands and posture.
+    That is kept in the same file, apart from what the task means for its target agents: one does not count for the
+    other.
+
     Example: taskgist learn give_1.mcap give_2.mcap -k knowledge.db
+
+    Example: taskgist learn give_1.mcap give_2.mcap --of performer
 
     Example: taskgist learn facts.json
     """
+    whose = tree_of(of)
     if not demonstrations:
         raise RecordingError(
             "no demonstrations to learn from", hint="name at least one labelled recording or facts file"
@@ -77,26 +87,28 @@ def learn(
     check(knowledge, expected=context)
     databases = [path for path in demonstrations if _is_knowledge(path)]
     others = reduce(Knowledge.merge, (load(path, expected=context) for path in databases), Knowledge())
-    explanations = [_from_facts(path, tree) for path in demonstrations if path.suffix == ".json"]
+    explanations = [_from_facts(path, tree, whose) for path in demonstrations if path.suffix == ".json"]
     recordings = _labelled([path for path in demonstrations if path.suffix != ".json" and path not in databases])
     with _kept(others, explanations, knowledge):
         if recordings:
             from taskgist.pipeline.explain import explain_all
 
             with progress_bar(quiet=as_json) as progress:
-                explanations.extend(explain_all(recordings, predicates=predicates, progress=progress))
+                explanations.extend(explain_all(recordings, of=whose, predicates=predicates, progress=progress))
         added = others.add(*explanations)
         check(knowledge, tasks=added.tasks)  # all of them are shown afterwards
         update(knowledge, added.explanations, added.answers, relabelled="replace" if replace else "refuse")
     known = load(knowledge, tasks=added.tasks)
+    learned = {task: known.understand(task, tree, of=_shown_of(added, task, whose)) for task in added.tasks}
     if as_json:
-        learned = {task: understanding_document(known.understand(task, tree)) for task in added.tasks}
-        print_json({"knowledge": shown(knowledge), "tasks": learned})
+        documents = {task: understanding_document(each) for task, each in learned.items()}
+        print_json({"knowledge": shown(knowledge), "tasks": documents})
         return
-    for task in added.tasks:
-        print_understanding(known.understand(task, tree), whole_tree=False)
+    for each in learned.values():
+        print_understanding(each, whole_tree=False)
         console.print()
-    console.print(f"kept in {shown(knowledge)}; for the whole tree: taskgist explain TASK -k {shown(knowledge)}")
+    options = f"-k {shown(knowledge)}{' --of performer' if whose == 'performer' else ''}"
+    console.print(f"kept in {shown(knowledge)}; for the whole tree: taskgist explain TASK {options}")
 
 
 @contextmanager
@@ -150,5 +162,20 @@ def _labelled(paths: list[Path]) -> list[Recording]:
     return list(recordings.values())
 
 
-def _from_facts(path: Path, tree: HypothesisTree) -> Explanation:
-    return explain(read_facts(path, tree), tree, DEFAULT)
+def _from_facts(path: Path, tree: HypothesisTree, of: TreeOf) -> Explanation:
+    """The explanation of facts from elsewhere, which are those of the target agent.
+
+    Raises:
+        FactsError: Another agent's are asked for.
+    """
+    episode = read_facts(path, tree)
+    if of == "performer":
+        problem = f"its facts are those of the target agent, {episode.target_agent}"
+        raise FactsError(problem, where=path, field="--of", value=of, hint="learn from it without --of")
+    return explain(episode, tree, DEFAULT)
+
+
+def _shown_of(added: Knowledge, task: str, of: TreeOf) -> TreeOf:
+    """Which of a task's trees to show after learning: that which was asked for, if something was added to it."""
+    known = added.trees_of(task)
+    return of if of in known else known[0]

@@ -10,6 +10,7 @@ from .predicates import register as register
 from .predicates import with_predicates as with_predicates
 from .standard import STANDARD_TREE as STANDARD_TREE
 from .tree import LEVELS as LEVELS
+from .tree import TREES_OF as TREES_OF
 from .tree import Comparison as Comparison
 from .tree import Episode as Episode
 from .tree import HypothesisTree as HypothesisTree
@@ -22,6 +23,8 @@ from .tree import Nodes as Nodes
 from .tree import Relation as Relation
 from .tree import Snapshot as Snapshot
 from .tree import Subtree as Subtree
+from .tree import TreeOf as TreeOf
+from .tree import tree_of as tree_of
 from .values import NEGLIGIBLE as NEGLIGIBLE
 from .values import NOT_OBSERVED as NOT_OBSERVED
 from .values import UNKNOWN as UNKNOWN

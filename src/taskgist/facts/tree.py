@@ -36,7 +36,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, get_args
 
 from taskgist.common.frozen import FrozenMap, Json, canonical_text, freeze
 from taskgist.errors import FactsError, UnknownNameError
@@ -47,6 +47,11 @@ from taskgist.settings import DEFAULT, Settings
 
 Instant: TypeAlias = Literal[1, 2]
 """1: the initial world state (WI); 2: the final one (WF)."""
+
+TreeOf: TypeAlias = Literal["target", "performer"]
+"""Whose tree it is, all facts from that agent's perspective: the target agent's (what the task does for it), or the
+performing agent's own (how it prefers to perform, 7.2)."""
+TREES_OF: tuple[TreeOf, ...] = get_args(TreeOf)
 
 Snapshot: TypeAlias = Mapping[str, Observation[Raw]]
 """What was observed at one instant, by attribute. An attribute that is missing is unknown."""
@@ -252,6 +257,18 @@ class Episode:
     def __post_init__(self) -> None:
         object.__setattr__(self, "start", FrozenMap(self.start))
         object.__setattr__(self, "end", FrozenMap(self.end))
+
+
+def tree_of(name: str) -> TreeOf:
+    """Whose tree a name asks for.
+
+    Raises:
+        UnknownNameError: It is no such name.
+    """
+    for known in TREES_OF:
+        if name == known:
+            return known
+    raise UnknownNameError("tree of", name, TREES_OF)
 
 
 LEVELS = ("nature", "action")

@@ -11,6 +11,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Mask
 from taskgist.errors import SceneError
+from taskgist.settings import DEFAULT
 from taskgist.world.bodies.human import SHARES, HumanSize
 from taskgist.world.fit import Marker
 
@@ -52,8 +53,6 @@ SOLES_M: Mapping[tuple[str, ...], float] = {
     ("left_ankle", "right_ankle"): 0.09,
 }
 """How high points of the feet are over what they stand on: heels and toes, else ankles (ours)."""
-OFF_THE_FLOOR_M = 0.15
-"""How far feet may be from the floor (ours)."""
 
 
 def estimate_size(
@@ -98,7 +97,7 @@ def _stature(points: Points, measured: Mapping[str, float], markers: Mapping[str
     head, hips = _head(points, markers), _hips(points)
     if head is not None and hips is not None:
         soles_m = height_of_soles_m(points)
-        floor_m = soles_m if abs(soles_m) > OFF_THE_FLOOR_M else 0.0
+        floor_m = soles_m if abs(soles_m) > DEFAULT.checks.off_floor_m else 0.0
         upright = _upright(hips, head[0])
         standing = upright & stands({name: track - (0.0, 0.0, floor_m) for name, track in points.items()}, markers)
         if standing.any():

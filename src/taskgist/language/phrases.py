@@ -1,11 +1,11 @@
-"""A phrase for any predicate and value; "it" is the target agent."""
+"""A phrase for any predicate and value; "it" is the agent whose tree it is."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
 from taskgist.facts import vocabulary as v
-from taskgist.facts.tree import Instant, Node
+from taskgist.facts.tree import Instant, Node, TreeOf
 from taskgist.facts.values import NEGLIGIBLE
 
 # Phrases of changes: comparisons (level 2) and natures (level 1) in plain English.
@@ -72,7 +72,7 @@ CHANGES: dict[str, dict[str, str]] = {
         v.MOTION_AVOIDED: "the object is at rest before and after",
     },
 }
-"""What each value of a node of level 1 or 2 says; "it" is the target agent."""
+"""What each value of a node of level 1 or 2 says; "it" is the agent whose tree it is."""
 
 
 # Phrases of states (level 3) in plain English, at the start and at the end.
@@ -193,17 +193,20 @@ STATES: dict[str, Phrase] = {
 }
 """Phrases by subtree and part."""
 
+AGENTS: dict[TreeOf, str] = {"target": "the target agent", "performer": "the performing agent"}
+"""Whose tree it is."""
+
 TOPICS = {
     "reach": "how hard the object is to reach",
     "grasp": "how hard the object is to grasp",
     "see": "how hard the object is to see",
     "visibility": "how much of the object is in view",
-    "posture": "whether the target agent sits or stands",
-    "hands": "what the target agent's hands do",
+    "posture": "whether {agent} sits or stands",
+    "hands": "what {agent}'s hands do",
     "placement": "where the object lies",
     "motion": "whether the object moves",
 }
-"""What each subtree is about."""
+"""What each subtree is about, of the agent whose tree it is."""
 
 
 def phrase(node: Node, value: str) -> str:
@@ -220,10 +223,10 @@ def phrase(node: Node, value: str) -> str:
     return CHANGES.get(f"{subtree}.{part}", {}).get(value) or f"{plain(node.title)} is {plain(value)}"
 
 
-def topic(node: Node) -> str:
+def topic(node: Node, of: TreeOf) -> str:
     """What the subtree of a node is about: "where the object lies"."""
     name = node.name.split(".")[0]
-    return TOPICS.get(name, plain(name))
+    return TOPICS[name].format(agent=AGENTS[of]) if name in TOPICS else plain(name)
 
 
 def listed(parts: Sequence[str], conjunction: str = "and") -> str:

@@ -7,14 +7,14 @@ from collections.abc import Iterable
 from fractions import Fraction
 from typing import cast
 
-from taskgist.language.phrases import ABILITIES, listed, phrase, topic
+from taskgist.language.phrases import ABILITIES, AGENTS, listed, phrase, topic
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.understanding import Choice, Judgement, Literal, Question, Understanding, clause_of
 
 
 def meaning(understanding: Understanding) -> str:
-    """What the task means, in one sentence: the effects for the target agent, then how it begins.
+    """What the task means, in one sentence: the effects for the agent whose tree it is, then how it begins.
 
     Where demonstrations had several target agents or objects, it is said of each of them.
     """
@@ -24,7 +24,7 @@ def meaning(understanding: Understanding) -> str:
         return f"{told} nothing yet: the demonstrations have nothing in common."
     effects = _spoken(understanding, clause.effects)
     before = _spoken(understanding, clause.preconditions)
-    target = "each of the target agents" if "target agents" in clause.each_of else "the target agent"
+    target = "each of the target agents" if "target agents" in clause.each_of else AGENTS[clause.tree_of]
     sentence = f"{told} for {target}: {listed(effects)}" if effects else f"{told} no effect yet"
     return f"{sentence}; beforehand, {listed(before)}." if before else f"{sentence}."
 
@@ -39,7 +39,7 @@ def indifference(understanding: Understanding) -> str:
     }
     sentences = []
     for verdict, beginning in beginnings.items():
-        topics = [topic(each.node) for each in roots if each.verdict is verdict]
+        topics = [topic(each.node, understanding.experience.tree_of) for each in roots if each.verdict is verdict]
         if topics:
             conjunction = "or" if verdict is Verdict.IRRELEVANT else "and"
             sentences.append(f"{beginning} {listed(topics, conjunction)}.")
@@ -69,7 +69,8 @@ def why(understanding: Understanding, node: str) -> str:
 def asked(question: Question) -> str:
     """A question to a person, with the values in conflict and the demonstrations behind each (6.4 iii)."""
     told = [f"{phrase(question.node, choice.value)} ({_behind(choice)})" for choice in question.choices]
-    when = " at the start" if question.node.instant == 1 else ""
+    whose = f" for {AGENTS['performer']}" if question.tree_of == "performer" else ""
+    when = f"{whose} at the start" if question.node.instant == 1 else whose
     title = question.node.title
     return f"What does “{question.task}” mean{when}: that {listed(told, 'or that')}; or does {title} not matter?"
 

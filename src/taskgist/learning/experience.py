@@ -1,4 +1,4 @@
-"""Experience: the explanations of one task, and the counts that follow from them (6.3).
+"""Experience: the explanations of one task in the trees of the same agents, and the counts that follow from them (6.3).
 
 Experience is a set: explanations are known by their digest, so that experiences merge in any order and grouping,
 and a demonstration that two of them share counts once. Counts are carried along; adding a demonstration touches
@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 from taskgist.common.frozen import FrozenMap, canonical_text
 from taskgist.errors import KnowledgeError, UnknownNameError
+from taskgist.facts.tree import TreeOf
 from taskgist.facts.values import Unknown
 from taskgist.learning.explanation import Context, Explanation
 
@@ -23,7 +24,9 @@ _NONE: FrozenMap[str, int] = FrozenMap()
 
 @dataclass(frozen=True)
 class Experience:
-    """What has been seen of one task. Immutable: each change gives a new one.
+    """What has been seen of one task, in trees of its target agents or of its performing agents.
+
+    Immutable: each change gives a new one.
 
     Args:
         task: Name of the task.
@@ -35,6 +38,11 @@ class Experience:
     counts: Counts = field(default_factory=FrozenMap, compare=False, repr=False)
     contexts: FrozenMap[Context, int] = field(default_factory=FrozenMap, compare=False, repr=False)
     """Explanations by context; one context, unless mixing was asked for."""
+
+    @property
+    def tree_of(self) -> TreeOf:
+        """Whose trees they are; that of the target agents if there are none yet."""
+        return next((each.tree_of for each in self.explanations.values()), "target")
 
     @staticmethod
     def of(task: str, explanations: Iterable[Explanation], *, allow_mixed: bool = False) -> Experience:
@@ -53,8 +61,9 @@ class Experience:
             allow_mixed: Count it even if it was made with other settings or another tree.
 
         Raises:
-            KnowledgeError: It explains another task, was made under another context, or contradicts an explanation
-                of the very same demonstration.
+            KnowledgeError: It explains another task, is the tree of another agent (the performing one's beside those
+                of target agents), was made under another context, or contradicts an explanation of the very same
+                demonstration.
         """
         return self.extended((explanation,), allow_mixed=allow_mixed)
 
@@ -76,6 +85,7 @@ class Experience:
         fresh: list[Explanation] = []
         for explanation in explanations:
             _check_task(self.task, explanation)
+            _check_tree(next(iter(index.values()), explanation), explanation)
             known = index.get(explanation.digest)
             if known is None:
                 fresh.append(explanation)
@@ -155,6 +165,17 @@ def _check_task(task: str, explanation: Explanation) -> None:
         hint = f"this is the experience of {task!r}; add it to that of {explanation.task!r}"
         raise KnowledgeError(
             "another task", where=explanation.demonstration, field="task", value=explanation.task, hint=hint
+        )
+
+
+def _check_tree(known: Explanation, explanation: Explanation) -> None:
+    if explanation.tree_of != known.tree_of:
+        raise KnowledgeError(
+            f"the {explanation.tree_of}'s tree beside the {known.tree_of}'s: they tell of different agents",
+            where=explanation.demonstration,
+            field="tree_of",
+            value=explanation.tree_of,
+            hint="keep an experience of each, as Knowledge does",
         )
 
 

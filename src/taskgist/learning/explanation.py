@@ -20,7 +20,7 @@ from taskgist.common.frozen import FrozenMap, Json, canonical_text
 from taskgist.common.text import one_or_list
 from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.tree import Episode, HypothesisTree, Nodes
+from taskgist.facts.tree import Episode, HypothesisTree, Nodes, TreeOf
 from taskgist.facts.values import UNKNOWN, Observation, Unknown, Value
 from taskgist.settings import DEFAULT, Settings
 
@@ -85,6 +85,11 @@ class Explanation:
         object.__setattr__(self, "digest", hashlib.sha256(canonical_text(identity).encode()).hexdigest()[:16])
 
     @property
+    def tree_of(self) -> TreeOf:
+        """Whose tree it is: the performing agent's own where it is explained as done for nobody else."""
+        return "performer" if self.target_agents == (self.performing_agent,) else "target"
+
+    @property
     def recording(self) -> tuple[str, ...]:
         """Which recording it explains; the label's words and times stay out of it.
 
@@ -96,9 +101,13 @@ class Explanation:
         return (self.source.partition(" ")[0],)
 
     def is_rival_of(self, other: Explanation) -> bool:
-        """Whether both explain one recording for an agent and an object that they share, but not the same label."""
+        """Whether both explain one recording for an agent and an object that they share, but not the same label.
+
+        A target agent's tree and a performing agent's own are no rivals: nothing is counted in both.
+        """
         return (
             self.digest != other.digest
+            and self.tree_of == other.tree_of
             and self.recording == other.recording
             and not set(self.target_agents).isdisjoint(other.target_agents)
             and not set(self.target_objects).isdisjoint(other.target_objects)

@@ -36,9 +36,9 @@ from datetime import datetime
 from pathlib import Path
 
 from taskgist.common.frozen import FrozenMap, Json
-from taskgist.errors import KnowledgeError
+from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.tree import HypothesisTree, Instant, Node, Nodes
+from taskgist.facts.tree import HypothesisTree, Instant, Node, Nodes, TreeOf, tree_of
 from taskgist.facts.values import NEGLIGIBLE, UNKNOWN, Unknown
 from taskgist.learning.estimate import Estimate, Rule, Verdict, canonical_key, weigh
 from taskgist.learning.experience import Experience
@@ -64,10 +64,12 @@ class Answer:
         value: Desired value where relevant; None takes the one observed most often.
         author: Who said so.
         time: When, in ISO 8601 with the offset from UTC: ``"2024-05-01T12:00:00+00:00"``.
+        tree_of: Whose tree the node is in.
 
     Raises:
         KnowledgeError: The verdict is none that a person can give, a value comes without relevance, or the time
             cannot be read.
+        UnknownNameError: It is nobody's tree.
     """
 
     task: str
@@ -76,6 +78,7 @@ class Answer:
     author: str
     time: str
     value: str | None = None
+    tree_of: TreeOf = "target"
 
     def __post_init__(self) -> None:
         where = f"answer on {self.task}"
@@ -86,10 +89,13 @@ class Answer:
             hint = "only a relevant node has a desired value"
             raise KnowledgeError("value without relevance", where=where, field=self.node, value=self.value, hint=hint)
         _instant(self.time, where)
+        tree_of(self.tree_of)
 
     def to_json(self) -> dict[str, Json]:
         """Plain data; ``answer_from_json`` reads it back."""
         plain = {each.name: getattr(self, each.name) for each in fields(self)}
+        if self.tree_of == "target":
+            del plain["tree_of"]  # as those of earlier releases, which know no other, are kept
         return {**plain, "verdict": self.verdict.value if self.verdict else None}
 
 
@@ -107,7 +113,7 @@ def answer_from_json(document: object, *, where: str | Path | None = None) -> An
         if strange:
             raise TypeError(f"{', '.join(strange)}: no text")
         return Answer(verdict=None if verdict is None else Verdict(verdict), **data)
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, UnknownNameError) as error:
         raise KnowledgeError(f"not an answer: {error!r}", where=where, hint=hint) from error
 
 
@@ -193,13 +199,15 @@ def understand(
         experience: Explanations of the task. Empty is allowed: then all is unobserved.
         tree: The nodes to judge; may leave out subtrees or levels of the tree that the explanations were made with.
         settings: Parameters of the m-estimate and the band.
-        answers: What people said; answers on other tasks, or on nodes that the tree lacks, have no effect.
+        answers: What people said; answers on other tasks, in other agents' trees, or on nodes that the tree lacks, have
+            no effect.
 
     Raises:
         KnowledgeError: An answer calls a node relevant that has no value.
     """
     rule = Rule.of(settings)
-    holding = in_force(answer for answer in answers if answer.task == experience.task)
+    about = (experience.task, experience.tree_of)
+    holding = in_force(answer for answer in answers if (answer.task, answer.tree_of) == about)
     several = sorted(
         (each for each in experience.explanations.values() if each.parts), key=lambda e: (e.demonstration, e.digest)
     )
@@ -279,6 +287,8 @@ class Question:
     node: Node
     choices: tuple[Choice, ...]
     """The values observed, most frequent first, those of single targets last."""
+    tree_of: TreeOf = "target"
+    """Whose tree the node is in."""
 
     def answer(self, verdict: Verdict, *, author: str, time: str, value: str | None = None) -> Answer:
         """An answer to this question; see ``Answer``.
@@ -292,7 +302,7 @@ class Question:
         Raises:
             KnowledgeError: As ``Answer``.
         """
-        return Answer(self.task, self.node.name, verdict, author=author, time=time, value=value)
+        return Answer(self.task, self.node.name, verdict, author, time, value, self.tree_of)
 
 
 def questions_of(understanding: Understanding) -> tuple[Question, ...]:
@@ -326,7 +336,7 @@ def _question(understanding: Understanding, judgement: Judgement) -> Question:
         Choice(value, tuple(each.demonstration for each in understanding.demonstrations(name, value)), tuple(who))
         for value, who in targets.items()
     )
-    return Question(understanding.task, judgement.node, tuple(choices))
+    return Question(understanding.task, judgement.node, tuple(choices), understanding.experience.tree_of)
 
 
 # --- The clause: what a task means, as a conjunction of predicates (6, step 3; Eq. 36-42).
@@ -365,11 +375,13 @@ class Clause:
         task: Name of the task.
         literals: Its predicates, in the canonical order of the tree.
         each_of: Roles of which demonstrations had several: the predicates hold for each of them.
+        tree_of: For whom they hold: the target agents, or who performs it.
     """
 
     task: str
     literals: tuple[Literal, ...]
     each_of: tuple[Role, ...] = ()
+    tree_of: TreeOf = "target"
 
     @property
     def effects(self) -> tuple[Literal, ...]:
@@ -382,8 +394,13 @@ class Clause:
         return tuple(literal for literal in self.literals if literal.instant == 1)
 
     def __str__(self) -> str:
-        each = "".join(f", each of the {role}" for role in self.each_of)
-        return f"Task({self.task}{each}) ← {' ∧ '.join(map(str, self.literals)) or 'nothing in common'}"
+        return f"{self.head} ← {' ∧ '.join(map(str, self.literals)) or 'nothing in common'}"
+
+    @property
+    def head(self) -> str:
+        """The task, and for whom its predicates hold where that is not the one target agent."""
+        whose = ", for the performing agent" if self.tree_of == "performer" else ""
+        return f"Task({self.task}{whose}{''.join(f', each of the {role}' for role in self.each_of)})"
 
     def holds(self, nodes: Nodes) -> bool | Unknown:
         """Whether all predicates hold: false if one surely does not, else unknown if one is unknown."""
@@ -400,7 +417,8 @@ def clause_of(understanding: Understanding) -> Clause:
         for each in kept
         if each.node.name not in (parents_of_preconditions if each.node.instant == 1 else parents_of_effects)
     )
-    return Clause(understanding.task, tuple(_literal(each) for each in deepest), understanding.each_of)
+    literals = tuple(_literal(each) for each in deepest)
+    return Clause(understanding.task, literals, understanding.each_of, understanding.experience.tree_of)
 
 
 def conjunction(truths: Iterator[bool | Unknown]) -> bool | Unknown:

@@ -13,7 +13,7 @@ from taskgist.common.workers import Progress, cores, in_order, silent
 from taskgist.errors import LabelError, RecordingError
 from taskgist.facts.predicates import Predicate, known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.tree import Episode, HypothesisTree
+from taskgist.facts.tree import Episode, HypothesisTree, TreeOf, tree_of
 from taskgist.learning.explanation import Explanation, explain, merged
 from taskgist.learning.knowledge import Knowledge
 from taskgist.observe.attributes import Snapshot, snapshot
@@ -41,6 +41,7 @@ def episodes_of(
     recording: Recording,
     *,
     label: Label | None = None,
+    of: TreeOf = "target",
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] = (),
     observer: Observer | None = None,
@@ -51,6 +52,7 @@ def episodes_of(
     Args:
         recording: A recording.
         label: Instead of the recording's own.
+        of: From whose perspective: the target agents', or the performing agent's own.
         settings: All settings.
         predicates: A user's own predicates.
         observer: One of this recording, if there is one already: it need not look again at what it has seen.
@@ -62,7 +64,7 @@ def episodes_of(
     Raises:
         LabelError: There is no label.
     """
-    label = label or label_of(recording)
+    label = _label_about(recording, label, of)
     observer = observer or Observer(recording.scene, recording, settings)
     predicates, stage = tuple(predicates), Stage(recording.scene)
     ends: list[list[Snapshot]] = []
@@ -91,6 +93,7 @@ def episode_of(
     recording: Recording,
     *,
     label: Label | None = None,
+    of: TreeOf = "target",
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] = (),
     observer: Observer | None = None,
@@ -100,16 +103,23 @@ def episode_of(
     Raises:
         LabelError: There is no label, or it has several target agents or objects.
     """
-    label = label or label_of(recording)
+    label = _label_about(recording, label, of)
     _ = label.target_agent, label.target_object  # several are refused before any work
     (episode,) = episodes_of(recording, label=label, settings=settings, predicates=predicates, observer=observer)
     return episode
+
+
+def _label_about(recording: Recording, label: Label | None, of: TreeOf) -> Label:
+    """The label, the recording's own unless one is given, by which the tree of these agents is made."""
+    label = label or label_of(recording)
+    return label.alone if tree_of(of) == "performer" else label
 
 
 def explain_recording(
     recording: Recording,
     *,
     label: Label | None = None,
+    of: TreeOf = "target",
     tree: HypothesisTree = STANDARD_TREE,
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] | None = None,
@@ -117,6 +127,9 @@ def explain_recording(
     progress: Progress = silent,
 ) -> Explanation:
     """The explanation of a labelled recording; predicates join the tree: by default all that are known.
+
+    It is the target agents' tree, or with ``of="performer"`` the performing agent's own (7.2), which is the only one
+    where the label has no target agent.
 
     Where the label has several target agents or objects, each pair is explained alone (``Explanation.parts``), and
     these are merged to one.
@@ -127,7 +140,7 @@ def explain_recording(
     predicates = known_predicates() if predicates is None else tuple(predicates)
     whole = with_predicates(tree, predicates)
     episodes = episodes_of(
-        recording, label=label, settings=settings, predicates=predicates, observer=observer, progress=progress
+        recording, label=label, of=of, settings=settings, predicates=predicates, observer=observer, progress=progress
     )
     return merged(explain(episode, whole, settings) for episode in episodes)
 
@@ -139,6 +152,7 @@ FEW = 6
 def learn(
     recordings: Iterable[Recording | Path],
     *,
+    of: TreeOf = "target",
     tree: HypothesisTree = STANDARD_TREE,
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] | None = None,
@@ -149,6 +163,7 @@ def learn(
 
     Args:
         recordings: Labelled recordings of one or several tasks, or paths of their files.
+        of: What they mean for whom: for their target agents, or for who performs them (7.2).
         tree: The hypothesis space; ``predicates`` extend it.
         settings: All settings.
         predicates: A user's own predicates; by default all that are known.
@@ -160,7 +175,7 @@ def learn(
         LabelError: A recording has no label.
     """
     explanations = explain_all(
-        recordings, tree=tree, settings=settings, predicates=predicates, progress=progress, processes=processes
+        recordings, of=of, tree=tree, settings=settings, predicates=predicates, progress=progress, processes=processes
     )
     return Knowledge().add(*explanations)
 
@@ -168,6 +183,7 @@ def learn(
 def explain_all(
     recordings: Iterable[Recording | Path],
     *,
+    of: TreeOf = "target",
     tree: HypothesisTree = STANDARD_TREE,
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] | None = None,
@@ -179,6 +195,7 @@ def explain_all(
     Args:
         recordings: Labelled recordings, or paths of their files: those are read when it is their turn, so that
             thousands need no memory.
+        of: Whose tree: the target agents', or the performing agent's own.
         tree: The hypothesis space; ``predicates`` extend it.
         settings: All settings.
         predicates: A user's own predicates; by default all that are known.
@@ -203,7 +220,7 @@ def explain_all(
         def of_this(what: str, share: float) -> None:
             told(f"{recording.name}: {what}", (number + share) / len(sources))
 
-        return explain_recording(recording, tree=tree, settings=settings, predicates=known, progress=of_this)
+        return explain_recording(recording, of=of, tree=tree, settings=settings, predicates=known, progress=of_this)
 
     yield explained(0, progress)  # what is compiled now, workers need not compile
     if processes is None:

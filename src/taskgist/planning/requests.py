@@ -59,6 +59,10 @@ class Request(About):
     def __post_init__(self) -> None:
         _check("means", self.means, MEANS)
         _check("spare", (self.spare,), SPARED)
+        if self.clause.tree_of == "performer":
+            hint = "learn it without --of performer, from labels with a target agent"
+            problem = "its clause tells of who performs it, and not of whom it is performed for"
+            raise InputError(problem, where="Request", field="clause", value=self.clause.task, hint=hint)
         who, what = ("also_for" if self.also_for else "target"), "also_with"
         for field_, names in ((who, (self.performer, *self.targets)), (what, self.things)):
             twice = next((name for name in names if names.count(name) > 1), None)

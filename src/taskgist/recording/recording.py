@@ -8,7 +8,7 @@ import hashlib
 import json
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from types import MappingProxyType
@@ -107,6 +107,11 @@ class Label:
     def watched(self) -> tuple[str, ...]:
         """Whose perspective it is explained from: the target agents, or else the performing agent itself."""
         return self.target_agents or (self.performing_agent,)
+
+    @property
+    def alone(self) -> Label:
+        """The same, performed for nobody else: what changes for the performing agent itself is looked at."""
+        return replace(self, target_agents=())
 
     @property
     def pairs(self) -> tuple[Pair, ...]:

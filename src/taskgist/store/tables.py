@@ -1,9 +1,9 @@
 """Tables of the knowledge database, of types that every database has.
 
 An explanation's row holds its document and three *keys*, short digests that are indexed: of its task, of its context
-(settings and tree), and of its recording. By these an addition finds what it has to do with, whatever else the
-knowledge holds: the same demonstration, the same recording under another label, and one explanation of each context of
-its tasks.
+(settings, tree, and whether it is the performing agent's own), and of its recording. By these an addition finds what it
+has to do with, whatever else the knowledge holds: the same demonstration, the same recording under another label, and
+one explanation of each context of its tasks.
 """
 
 from __future__ import annotations
@@ -257,7 +257,7 @@ def forget(connection: Connection, digests: Iterable[str]) -> None:
 
 
 def contexts(connection: Connection, where: str, tasks: Iterable[str] | None = None) -> Iterator[Explanation]:
-    """One explanation of each task and context, found without a look at the others.
+    """One explanation of each task, context, and whose tree it is, found without a look at the others.
 
     Args:
         connection: Inside a transaction.
@@ -344,11 +344,12 @@ def _insert(connection: Connection, table: Table, rows: Iterable[dict[str, str]]
 def found_by(explanation: Explanation) -> dict[str, str]:
     """The row of an explanation without its document."""
     context: Context = explanation.context
+    whose = () if explanation.tree_of == "target" else (explanation.tree_of,)
     return {
         "digest": explanation.digest,
         "task": explanation.task,
         "task_key": _key(explanation.task),
-        "context_key": _key(context.settings_digest, context.tree_version),
+        "context_key": _key(context.settings_digest, context.tree_version, *whose),
         "recording_key": _key(*explanation.recording),
     }
 
