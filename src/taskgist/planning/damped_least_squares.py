@@ -53,6 +53,21 @@ def palm_at(joints: Array, palm: Array, values: Array) -> Array:
 
 
 @compiled
+def levers_m(joints: Array, palm: Array, configurations: Array) -> Array:
+    """How far a unit of each joint moves the palm, at most, in any of some configurations (n, k), metres, (k,)."""
+    count = len(joints)
+    frames, now = np.empty((count + 1, POSE_COLUMNS)), np.empty(POSE_COLUMNS)
+    jacobian, found = np.empty((6, count)), np.zeros(count)
+    for values in configurations:
+        _carried(joints, palm, values, frames, now)
+        _put_jacobian(joints, frames, now, jacobian)
+        for joint in range(count):
+            x, y, z = jacobian[0, joint], jacobian[1, joint], jacobian[2, joint]
+            found[joint] = max(found[joint], math.sqrt(x * x + y * y + z * z))
+    return found
+
+
+@compiled
 def descend(
     joints: Array, palm: Array, target: Array, values: Array, moving: Mask, near_m: float, near_rad: float
 ) -> bool:

@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled
-from taskgist.planning.damped_least_squares import descend, nearest_kept, palm_at
+from taskgist.planning.damped_least_squares import descend, levers_m, nearest_kept, palm_at
 from taskgist.world.bodies.agent import Agent, ArmIndices
-from taskgist.world.bodies.arm_chain import ALONG, GIRDLE_M, LOW, SPAN, STEPS, put, put_frames, within_limits
+from taskgist.world.bodies.arm_chain import ALONG, GIRDLE_M, LOW, SLIDES, SPAN, STEPS, put, put_frames, within_limits
 from taskgist.world.bodies.capability import DIRECTIONS, SPREAD, CapabilityMap, pointing
 from taskgist.world.geometry.transforms import Pose, normalized
 from taskgist.world.stage import Stage
@@ -41,6 +41,8 @@ LIFT_STEPS = 4
 """Heights of a lift at which the capability map is asked."""
 LIFT_WEIGHT = 5.0
 """How many radians of an arm's joint a metre of a lift counts like: lifts are slow (ours)."""
+LEVER_SAMPLES, HAND_M = 300, 0.1
+"""Configurations in which levers are looked at; how far from the palm hands, and most things in them, get (ours)."""
 SAME_RAD = 0.05
 """Configurations that differ by less in every joint are one."""
 JUMP_RAD = 0.3
@@ -132,6 +134,13 @@ class ArmKinematics:
             carrier, shoulder = stage.body(arm.carrier_body).matrix, stage.site(arm.shoulder_site).position
             self._shoulder = Pose(root.to_local(shoulder), root.matrix.T @ carrier)
             self._ahead = ahead_in_palm(stage, arm)
+
+    @cached_property
+    def levers_m(self) -> Array:
+        """How far a unit of each joint moves a point of the hand, at most, metres, (n,): its own, for lifts."""
+        drawn = np.random.default_rng(0).random((LEVER_SAMPLES, len(self.chain)))
+        at_palm = levers_m(self._joints, self._palm, self._joints[:, LOW] + self._joints[:, SPAN] * drawn)
+        return np.asarray(np.where(self._joints[:, SLIDES] == 1.0, at_palm, at_palm + HAND_M))
 
     def palm(self, values: Array) -> Pose:
         """Where a configuration, (n,), brings the palm, in the frame of the robot's root."""
