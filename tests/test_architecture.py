@@ -74,7 +74,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "recording": {"numpy", "mcap", "zstandard", "lz4"},
     "importing": {"numpy", "mujoco"},
     "recognition": set(),
-    "planning": {"numpy", "scipy", "mujoco", "mink", "ompl", "toppra"},
+    "planning": {"numpy", "scipy", "mujoco", "ompl", "toppra"},
     "performing": {"numpy", "mujoco"},
     "language": set(),
     "pipeline": {"numpy"},

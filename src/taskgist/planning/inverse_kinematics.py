@@ -1,12 +1,11 @@
 """Inverse kinematics of one arm: configurations of its joints, and of the lift that carries it, for a pose of the palm.
 
-The arm is taken out of the scene: a small model holds the joints between the robot's root and the palm and nothing
-else, so that a step of mink's costs a tenth of what it costs in the whole room. Joints that are no variables (a torso
-that leans, a shoulder girdle) stay where the state has them; they are part of the links.
+The arm is taken out of the scene as numbers: the joints between the robot's root and the palm. Joints that are no
+variables (a torso that leans, a shoulder girdle) stay where the state has them; they are part of the links.
 
-Steps of differential inverse kinematics start where the arm is, and from configurations that the arm's capability map
-keeps for the cells around the place, which nearly point the hand the right way already. The map also says at once that
-a place is out of reach. Nothing is drawn at random but the last starts, by a seed.
+Steps of damped least squares start where the arm is, and from configurations that the arm's capability map keeps for
+the cells around the place, which nearly point the hand the right way already. The map also says at once that a place is
+out of reach. Nothing is drawn at random but the last starts, by a seed.
 """
 
 from __future__ import annotations
@@ -17,27 +16,23 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import islice
 
-import mink
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled
+from taskgist.planning.damped_least_squares import descend, levers_m, nearest_kept, palm_at
 from taskgist.world.bodies.agent import Agent, ArmIndices
-from taskgist.world.bodies.arm_chain import GIRDLE_M, LOW, SPAN, STEPS, put, put_frames, within_limits
-from taskgist.world.bodies.capability import DIRECTIONS, SPREAD, CapabilityMap, pointing
-from taskgist.world.geometry.transforms import Pose, normalized, wxyz_from_matrix
+from taskgist.world.bodies.arm_chain import ALONG, GIRDLE_M, LOW, SLIDES, SPAN, STEPS, put, put_frames, within_limits
+from taskgist.world.bodies.capability import DIRECTIONS, CapabilityMap, pointing
+from taskgist.world.geometry.transforms import Pose, normalized
 from taskgist.world.stage import Stage
 
 NEAR_M, NEAR_RAD = 0.002, math.radians(1.0)
 """How near the palm comes to the pose that is asked for."""
 SHARPER = 8
 """Steps end so many times nearer than that: Newton steps are so near one step later, and lines stay straight."""
-SOLVER_STEPS, STALLED = 40, 0.6
-"""Steps from one start, and the share of the error that must be left after five of them to call it stuck."""
-DAMPING, LEVER_M = 1e-4, 0.15
-"""Damping of a step; and the lever with which an error of direction (radians) counts like one of place (metres)."""
 TURN_RAD = 2 * math.pi
 """A joint without end is put at most one turn off its zero."""
 POINTING_COS = math.cos(math.radians(60.0))
@@ -46,16 +41,17 @@ LIFT_STEPS = 4
 """Heights of a lift at which the capability map is asked."""
 LIFT_WEIGHT = 5.0
 """How many radians of an arm's joint a metre of a lift counts like: lifts are slow (ours)."""
+LEVER_SAMPLES, HAND_M = 300, 0.1
+"""Configurations in which levers are looked at; how far from the palm hands, and most things in them, get (ours)."""
 SAME_RAD = 0.05
 """Configurations that differ by less in every joint are one."""
 JUMP_RAD = 0.3
 """Largest change of a joint from one pose of a line to the next; what changes more has gone over to another branch."""
-RIGID_KG = 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """The joints that move a palm, lifts first.
+    """The joints that move a palm, from the root to the hand: lifts carry arms, and come first.
 
     Attributes:
         names: Without the agent's prefix.
@@ -128,28 +124,28 @@ class ArmKinematics:
 
     def __init__(self, stage: Stage, agent: Agent, arm: ArmIndices, chain: Chain) -> None:
         self._arm, self.chain = arm, chain
-        root = stage.body(agent.root_body)
-        with stage.showing(stage.state.replace(dict(zip(chain.positions.tolist(), _zero(stage, chain), strict=True)))):
-            self._model, order = _arm_model(stage, agent, arm, chain)
+        self._zero = np.array(stage.scene.model.qpos0[chain.positions])
+        with stage.showing(stage.state.replace(dict(zip(chain.positions.tolist(), self._zero, strict=True)))):
+            root, palm = stage.body(agent.root_body), stage.site(arm.palm_site)
+            self._joints = _rows(stage, agent, chain, root, self._zero)
+            self._as_in_map = self._joints.copy()
+            self._as_in_map[~chain.lifts, LOW:] = arm.chain.joints[:, LOW:]  # the spans of which it counts steps
+            self._palm = _row(Pose(root.to_local(palm.position), root.matrix.T @ palm.matrix))
             carrier, shoulder = stage.body(arm.carrier_body).matrix, stage.site(arm.shoulder_site).position
             self._shoulder = Pose(root.to_local(shoulder), root.matrix.T @ carrier)
-            joints = [stage.scene.model.joint(f"{agent.name}/{name}").id for name, on in _lifts(chain) if on]
-            self._up = np.array([stage.screw(int(joint))[1] @ root.matrix for joint in joints]).reshape(-1, 3)
             self._ahead = ahead_in_palm(stage, arm)
-        self._zero = _zero(stage, chain)
-        self._order = order
-        self._configuration = mink.Configuration(self._model)
-        self._task = mink.FrameTask("palm", "site", position_cost=1.0, orientation_cost=LEVER_M, lm_damping=0.0)
-        self._limits = [mink.ConfigurationLimit(self._model)]
-        lifting = [int(self._model.jnt_dofadr[joint]) for joint, column in enumerate(order) if chain.lifts[column]]
-        self._lift_fixed = [mink.DofFreezingTask(self._model, lifting)] if lifting else []
+
+    @cached_property
+    def levers_m(self) -> Array:
+        """How far a unit of each joint moves a point of the hand, at most, metres, (n,): its own, for lifts."""
+        drawn = np.random.default_rng(0).random((LEVER_SAMPLES, len(self.chain)))
+        at_palm = levers_m(self._joints, self._palm, self._joints[:, LOW] + self._joints[:, SPAN] * drawn)
+        return np.asarray(np.where(self._joints[:, SLIDES] == 1.0, at_palm, at_palm + HAND_M))
 
     def palm(self, values: Array) -> Pose:
         """Where a configuration, (n,), brings the palm, in the frame of the robot's root."""
-        data = self._configuration.data
-        data.qpos[:] = values[self._order]
-        mujoco.mj_kinematics(self._model, data)
-        return Pose(data.site_xpos[0].copy(), data.site_xmat[0].reshape(3, 3).copy())
+        found = palm_at(self._joints, self._palm, values - self._zero)
+        return Pose(found[:3], found[3:].reshape(3, 3))
 
     def solve(
         self, target: Pose, now: Array, *, lift: bool = True, starts: int = 2, most: int = 3, seed: int = 0
@@ -172,7 +168,7 @@ class ArmKinematics:
     ) -> Iterator[Array]:
         """The same as they are found, that from the present configuration first; arguments as above."""
         from_map = self._starts(target, now, lift=lift, count=starts)
-        if not from_map:
+        if not len(from_map):
             return
         found: list[Array] = []
         for start in (now, *from_map, *self._random(now, lift, starts // 2, seed)):
@@ -202,78 +198,60 @@ class ArmKinematics:
 
     def _descend(self, target: Pose, start: Array, *, lift: bool) -> Array | None:
         """The configuration at which steps from a start arrive; None if they do not."""
-        configuration, task = self._configuration, self._task
-        wxyz_xyz = np.concatenate((wxyz_from_matrix(target.matrix), target.position))
-        task.set_target(mink.SE3(wxyz_xyz))
-        configuration.update(start[self._order])
-        fixed = [] if lift else self._lift_fixed
-        errors: list[float] = []
-        for _ in range(SOLVER_STEPS):
-            off = task.compute_error(configuration)
-            place_m, turn_rad = float(np.linalg.norm(off[:3])), float(np.linalg.norm(off[3:]))
-            if place_m < NEAR_M / SHARPER and turn_rad < NEAR_RAD / SHARPER:
-                return self._values()
-            errors.append(place_m + LEVER_M * turn_rad)
-            if len(errors) > 5 and errors[-1] > STALLED * errors[-6]:
-                return None
-            velocity = mink.solve_ik(
-                configuration, [task], 1.0, "daqp", DAMPING, limits=self._limits, constraints=fixed
-            )
-            velocity *= min(1.0, 0.6 / max(float(np.abs(velocity).max()), 1e-9))
-            configuration.integrate_inplace(velocity, 1.0)
-        return None
+        values, moving = np.clip(start, self.chain.low, self.chain.high) - self._zero, lift | ~self.chain.lifts
+        near_m, near_rad = NEAR_M / SHARPER, NEAR_RAD / SHARPER
+        if not descend(self._joints, self._palm, _row(target), values, moving, near_m, near_rad):
+            return None
+        values = np.clip(values + self._zero, self.chain.low, self.chain.high)
+        return values if self._is_taken(values) else None
 
-    def _values(self) -> Array | None:
-        """The present configuration in the order of the chain; None where a ball-and-socket joint does not take it."""
-        values = np.empty(len(self.chain))
-        values[self._order] = self._configuration.q
-        values = np.clip(values, self.chain.low, self.chain.high)
+    def _is_taken(self, values: Array) -> bool:
+        """Whether ball-and-socket joints take a configuration."""
         limits = self._arm.chain.limits
-        if len(limits):
-            joints = self._arm.chain.joints
-            share = (values[~self.chain.lifts] - self._zero[~self.chain.lifts] - joints[:, LOW]) / joints[:, SPAN]
-            steps = np.round(np.clip(share, 0.0, 1.0) * STEPS).astype(np.uint16)
-            if not _taken(joints, steps, limits):
-                return None
-        return values
-
-    def _starts(self, target: Pose, now: Array, *, lift: bool, count: int) -> list[Array]:
-        """Configurations of the capability map that bring the palm nearest to a pose."""
-        ranked: list[tuple[float, int, Array]] = []
-        for lifts in self._heights(now, lift):
-            shoulder = Pose(self._shoulder.position + lifts @ self._up, self._shoulder.matrix)
-            for arm_values in self._near(shoulder.to_local(target.position)):
-                values = np.concatenate((lifts + self._zero[self.chain.lifts], arm_values))
-                palm = self.palm(values)
-                if float(palm.matrix @ self._ahead @ (target.matrix @ self._ahead)) < POINTING_COS:
-                    continue
-                cosine = (np.trace(palm.matrix.T @ target.matrix) - 1) / 2
-                off = float(np.linalg.norm(palm.position - target.position))
-                off += LEVER_M * math.acos(float(np.clip(cosine, -1.0, 1.0)))
-                off += 0.1 * float(np.abs(values - now)[self.chain.lifts].sum())
-                ranked.append((off, len(ranked), values))
-        return [values for _, _, values in sorted(ranked)[:count]]
-
-    def _heights(self, now: Array, lift: bool) -> Iterator[Array]:
-        """Ways of the lifts above their zeros: as they are, and evenly spread."""
-        of_lift = self.chain.lifts
-        yield (now - self._zero)[of_lift]
-        if lift and of_lift.any():
-            for share in np.linspace(0.0, 1.0, LIFT_STEPS):
-                yield (self.chain.low + share * (self.chain.high - self.chain.low) - self._zero)[of_lift]
-
-    def _near(self, place: Array) -> Array:
-        """Configurations kept for the cell of a place from the shoulder, in the carrier's frame, (n, arm's joints)."""
-        reach = self._arm.reach
-        found = reach.map
-        at = place / reach.scale * ((1.0, -1.0, 1.0) if reach.mirrored else (1.0, 1.0, 1.0))
-        cell = np.floor((at - found.corner) / found.cell_m).astype(int)
-        if (cell < 0).any() or (cell >= found.shape).any():
-            return np.empty((0, int((~self.chain.lifts).sum())))
-        index = int(np.ravel_multi_index(tuple(cell), found.shape))
-        rows = found.configurations[found.starts[index] : found.starts[index + 1]]
+        if not len(limits):
+            return True
         joints = self._arm.chain.joints
-        return np.asarray(self._zero[~self.chain.lifts] + joints[:, LOW] + joints[:, SPAN] * rows / STEPS)
+        share = (values[~self.chain.lifts] - self._zero[~self.chain.lifts] - joints[:, LOW]) / joints[:, SPAN]
+        return _taken(joints, np.round(np.clip(share, 0.0, 1.0) * STEPS).astype(np.uint16), limits)
+
+    def _starts(self, target: Pose, now: Array, *, lift: bool, count: int) -> Array:
+        """Configurations of the capability map that bring the palm nearest to a pose, (n, k), at most so many."""
+        lifts = self._heights(now, lift)
+        axes = self._joints[self.chain.lifts, ALONG : ALONG + 3]
+        places = (target.position - (self._shoulder.position + lifts @ axes)) @ self._shoulder.matrix
+        found = self._arm.reach.map
+        kept = nearest_kept(
+            self._as_in_map,
+            self._palm,
+            _row(target),
+            self._ahead,
+            POINTING_COS,
+            lifts,
+            np.abs(lifts - lifts[0]).sum(axis=1),
+            self._cells(places),
+            found.starts,
+            found.configurations,
+            count,
+        )
+        return np.asarray(self._zero + kept)
+
+    def _heights(self, now: Array, lift: bool) -> Array:
+        """Values of the lifts from their zeros, (h, l): as they are, and evenly spread."""
+        of_lift = self.chain.lifts
+        as_now = np.asarray((now - self._zero)[of_lift])[None]
+        if not lift or not of_lift.any():
+            return as_now
+        low, high = (self.chain.low - self._zero)[of_lift], (self.chain.high - self._zero)[of_lift]
+        return np.concatenate((as_now, np.linspace(low, high, LIFT_STEPS)))
+
+    def _cells(self, places: Array) -> Indices:
+        """Cells of the capability map, (h,), for places from the shoulder, in the carrier's frame; −1 outside of it."""
+        reach = self._arm.reach
+        found, side = reach.map, (1.0, -1.0 if reach.mirrored else 1.0, 1.0)
+        cells = np.floor((places / reach.scale * side - found.corner) / found.cell_m).astype(np.intp)
+        inside = np.all((cells >= 0) & (cells < found.shape), axis=1)
+        index = np.ravel_multi_index(tuple(np.where(inside[:, None], cells, 0).T), found.shape)
+        return np.asarray(np.where(inside, index, -1))
 
     def _random(self, now: Array, lift: bool, count: int, seed: int) -> Iterator[Array]:
         rng = np.random.default_rng(seed)
@@ -288,13 +266,19 @@ def ahead_in_palm(stage: Stage, arm: ArmIndices) -> Array:
     return normalized(-palm.to_local(stage.body_position(arm.hand_body)))
 
 
-def _lifts(chain: Chain) -> list[tuple[str, bool]]:
-    return list(zip(chain.names, chain.lifts.tolist(), strict=True))
+def _rows(stage: Stage, agent: Agent, chain: Chain, root: Pose, zero: Array) -> Array:
+    """A chain's joints, (n, 9), as ``damped_least_squares`` has them, of an arm that is shown at its zero."""
+    model, rows = stage.scene.model, []
+    for name, low, high in zip(chain.names, chain.low - zero, chain.high - zero, strict=True):
+        joint = int(model.joint(f"{agent.name}/{name}").id)
+        anchor, axis = stage.screw(joint)
+        slides = model.jnt_type[joint] == int(mujoco.mjtJoint.mjJNT_SLIDE)
+        rows.append((*root.to_local(anchor), *(axis @ root.matrix), float(slides), low, high - low))
+    return np.array(rows)
 
 
-def _zero(stage: Stage, chain: Chain) -> Array:
-    """The values at which the model's bodies stand as it places them."""
-    return np.array(stage.scene.model.qpos0[chain.positions])
+def _row(pose: Pose) -> Array:
+    return np.concatenate((pose.position, pose.matrix.reshape(9)))
 
 
 # --- Where a hand may be, and which way it may point there, by the capability map.
@@ -311,26 +295,39 @@ class Pointing:
         self._reach = arm.reach
         self._known = _directions(self._reach.map)
 
-    def able(self, shoulder: Array, places: Array, directions: Array) -> Mask:
+    def able(self, shoulder: Array, places: Array, directions: Array, lifts: Sequence[float] = (0.0,)) -> Mask:
         """Whether a palm may be at places while it points in directions, (n,).
 
         Args:
             shoulder: Its position in metres and the frame that carries it, a row of 12.
             places: Of the palm, metres, (n, 3).
             directions: From where the hand begins to the palm, unit vectors, (n, 3).
+            lifts: How far the shoulder may be lifted from there, metres.
         """
         found, side = self._reach.map, (1.0, -1.0 if self._reach.mirrored else 1.0, 1.0)
         turn = shoulder[3:].reshape(3, 3) * side
-        at = (places - shoulder[:3]) @ turn / self._reach.scale
-        cells = np.floor((at - found.corner) / found.cell_m).astype(np.intp)
-        inside = ((cells >= 0) & (cells < found.shape)).all(axis=1)
-        ahead = directions @ turn
-        signs = np.sign(ahead) * (np.abs(ahead) >= SPREAD)
-        bins = ((signs + 1) @ (9, 3, 1)).astype(np.intp)
-        able = np.zeros(len(places), dtype=bool)
-        index = np.ravel_multi_index(tuple(cells[inside].T), found.shape)
-        able[inside] = self._known[index, bins[inside]]
-        return able
+        up = np.array([(0.0, 0.0, up_m) for up_m in lifts])
+        shoulders = (shoulder[:3] + up) @ turn / self._reach.scale
+        at, ahead = places @ turn / self._reach.scale, directions @ turn
+        return _able(shoulders, at, ahead, self._known, found.corner, found.cell_m, np.array(found.shape))
+
+
+@compiled
+def _able(shoulders: Array, at: Array, ahead: Array, known: Mask, corner: Array, cell_m: float, shape: Indices) -> Mask:
+    """Whether places (n, 3) and directions (n, 3) are known from any of some shoulders (l, 3), all in a map's axes."""
+    able = np.zeros(len(at), dtype=np.bool_)
+    for row in range(len(at)):
+        bearing = pointing(ahead[row, 0], ahead[row, 1], ahead[row, 2])
+        for lift in range(len(shoulders)):
+            index, inside = 0, True
+            for axis in range(3):
+                cell = math.floor((at[row, axis] - shoulders[lift, axis] - corner[axis]) / cell_m)
+                inside = inside and 0 <= cell < shape[axis]
+                index = index * shape[axis] + cell
+            if inside and known[index, bearing]:
+                able[row] = True
+                break
+    return able
 
 
 @lru_cache(maxsize=8)
@@ -361,44 +358,7 @@ def _taken(joints: Array, steps: NDArray[np.uint16], limits: Array) -> bool:
     return within_limits(frames, limits)
 
 
-# --- The arm as a model of its own.
-
-
-def _arm_model(stage: Stage, agent: Agent, arm: ArmIndices, chain: Chain) -> tuple[mujoco.MjModel, Indices]:
-    """A model of the bodies that the chain moves; and which of the chain's joints each of its positions is, (n,).
-
-    Args:
-        stage: The scene with the chain at its zero.
-        agent: Whose arm.
-        arm: Which.
-        chain: Its joints.
-    """
-    model = stage.scene.model
-    columns = {int(position): column for column, position in enumerate(chain.positions)}
-    spec, order = mujoco.MjSpec(), []
-    spec.compiler.degree = False
-    parent, frame = spec.worldbody, stage.body(agent.root_body)
-    for body in _bodies_to(model, int(model.site_bodyid[arm.palm_site]), agent.root_body):
-        joints = range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body])
-        own = [joint for joint in joints if int(model.jnt_qposadr[joint]) in columns]
-        if not own:
-            continue
-        pose = stage.body(body)
-        parent, frame = parent.add_body(**_placed(frame, pose)), pose
-        parent.mass, parent.inertia, parent.explicitinertial = RIGID_KG, [RIGID_KG] * 3, True
-        for joint in own:
-            column = columns[int(model.jnt_qposadr[joint])]
-            added = parent.add_joint(type=model.jnt_type[joint], pos=model.jnt_pos[joint], axis=model.jnt_axis[joint])
-            added.range, added.ref = (chain.low[column], chain.high[column]), model.qpos0[chain.positions[column]]
-            added.limited = mujoco.mjtLimited.mjLIMITED_TRUE
-            order.append(column)
-    parent.add_site(name="palm", **_placed(frame, stage.site(arm.palm_site)))
-    return spec.compile(), np.array(order, dtype=np.intp)
-
-
-def _placed(frame: Pose, pose: Pose) -> dict[str, Array]:
-    """A pose within a frame, as MuJoCo's specification has it."""
-    return {"pos": frame.to_local(pose.position), "quat": wxyz_from_matrix(frame.matrix.T @ pose.matrix)}
+# --- Bodies and joints.
 
 
 def _bodies_to(model: mujoco.MjModel, body: int, root: int) -> list[int]:

@@ -32,8 +32,8 @@ from taskgist.settings import Planning
 from taskgist.world.geometry.transforms import wrapped
 from taskgist.world.state import Hold
 
-ARM_STEP_RAD, LIFT_STEP_M = 0.015, 0.005
-"""Steps in which ways of arms are checked: a stretched arm's hand moves by 1.5 cm at most."""
+HAND_STEP_M = 0.015
+"""How far a hand moves at most for a step of each joint, in which ways of arms are measured."""
 BASE_STEP_M, BASE_STEP_RAD = 0.01, 0.02
 ARM_CHECKS, BASE_CHECKS = 6_000, 6_000
 """Configurations that the search of one way may check."""
@@ -329,16 +329,18 @@ class Motions:
         raise failed
 
     def _joints(self, at: _At, name: PhaseName, side: str, goal: Array, what: str) -> Phase:
-        """Joints of an arm to others, (k,), along a free way."""
+        """Joints of an arm to others, (k,), along a free way; what turns without end turns the shorter way round."""
         chain = self._performer.chain(side)
-        ranges = np.stack((np.where(chain.endless, -np.inf, chain.low), np.where(chain.endless, np.inf, chain.high)), 1)
-        step = np.where(chain.lifts, LIFT_STEP_M, ARM_STEP_RAD)
         start = at.qpos[chain.positions]
+        goal = np.where(chain.endless, start + np.remainder(goal - start + math.pi, math.tau) - math.pi, goal)
+        low = np.where(chain.endless, start - math.pi, chain.low)
+        high = np.where(chain.endless, start + math.pi, chain.high)
+        step = self._performer.arm_steps(side, at.qpos, HAND_STEP_M)
         sweep = self._performer.arm_sweep(at.qpos, side, _grip(at), ends=(start, goal))
         way = joint_path(
             start,
             goal[None],
-            ranges,
+            np.stack((low, high), axis=1),
             sweep.is_free,
             step=step,
             seed=self._seed,

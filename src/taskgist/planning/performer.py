@@ -283,6 +283,10 @@ class Performer:
         targets = [self._in_root(palm, qpos) for palm in palms]
         return self._arm(side, qpos).follow(targets, qpos[chain.positions], lift=lift)
 
+    def arm_steps(self, side: str, qpos: Array, step_m: float) -> Array:
+        """Changes of each joint of a chain, (n,), that move no point of the hand by more than ``step_m``."""
+        return np.asarray(step_m / self._arm(side, qpos).levers_m)
+
     def pointing(self, side: str) -> Pointing:
         """Which way the hand of a side may point, at each place from its shoulder, by its capability map."""
         if side not in self._pointings:
