@@ -31,7 +31,7 @@ from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled
 from taskgist.perspective.effort import Blocking
 from taskgist.planning.whole_body import TOLERANCE_M, Grip, WholeBody
-from taskgist.world.geometry.distances import RADIUS, may_be_near
+from taskgist.world.geometry.distances import RADIUS, least_gap_m, may_be_near
 from taskgist.world.geometry.transforms import turned_about_z, yaw_of
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
@@ -46,6 +46,8 @@ NOISE_M = 2e-4
 """What a gap that is measured again may be less."""
 FARTHEST_M = 0.25
 """How far a look looks, at most: shapes farther apart than that are many, and cost time."""
+NOTICED_M = 0.05
+"""By how much what is out of reach is farther than that (ours: ways may begin a little outside of their ranges)."""
 NOWHERE = -1.0
 
 Look = Callable[[Array, Array], float]
@@ -202,18 +204,18 @@ class Sweep:
         one, other = pairs.T
         # What a joint moves together stays as far apart as it is.
         between = self._farthest[one] * ~self._moved[other] + self._farthest[other] * ~self._moved[one]
-        counts = between.any(axis=1)
-        self._pairs, self._levers, self._usual_m = pairs[counts], between[counts], self._usual_m[counts]
-        self._moving = np.flatnonzero(self._moved.any(axis=1))
         self._joints = moves.joints(body)
         self._slides = body.scene.model.jnt_type[self._joints] == int(mujoco.mjtJoint.mjJNT_SLIDE)
         self._table = stage.boxes(self._geoms)
+        counts = between.any(axis=1) & self._within_reach(stage, pairs, clearance_m)
+        self._pairs, self._levers, self._usual_m = pairs[counts], between[counts], self._usual_m[counts]
+        self._shapes: list[list[int]] = self._geoms[self._pairs].tolist()
+        self._moving = np.flatnonzero(self._moved.any(axis=1))
         self._groups = self._grouped(own)
         self._least_m = -self._usual_m - TOLERANCE_M
         self._needs_m, self._floors_m = self._least_m, -self._usual_m - LEAST_M
         # The gap of each pair as it was measured last, and where: it changes by no more than shapes move from there.
-        self._known_m = np.full(len(self._pairs), -np.inf)
-        self._known_at = np.zeros(self._levers.shape)
+        self._known = np.full(len(self._pairs), -np.inf), np.zeros(self._levers.shape)
         self._close_to(ends, clearance_m)
 
     def look(self, values: Array, half: Array) -> float:
@@ -235,20 +237,36 @@ class Sweep:
         travel_m = self._travel(stage, np.abs(half))
         longest_m = float(travel_m.max(initial=0.0))
         share = 1.0 if longest_m <= FARTHEST_M else FARTHEST_M / longest_m
-        limits_m = np.maximum(needs_m, floors_m + share * travel_m)
-        near = _near_rows(self._table, self._pairs, limits_m)
-        near = near[_unknown(near, limits_m, self._levers, values, self._known_m, self._known_at)]
-        for row, (geom, other), limit_m in zip(
-            near.tolist(), self._geoms[self._pairs[near]].tolist(), limits_m[near].tolist(), strict=True
-        ):
+        known_m, known_at = self._known
+        rows, shares = _suspects(
+            self._table, self._pairs, needs_m, floors_m, travel_m, share, self._levers, values, known_m, known_at
+        )
+        for row, within in zip(rows.tolist(), shares.tolist(), strict=True):
+            if within >= share:
+                break  # those that follow are no nearer
+            geom, other = self._shapes[row]
+            need_m, floor_m, way_m = float(needs_m[row]), float(floors_m[row]), float(travel_m[row])
+            limit_m = max(need_m, floor_m + share * way_m)
             gap_m = stage.gap(geom, other, limit_m=limit_m)
-            self._known_m[row], self._known_at[row] = gap_m, values
-            if gap_m < needs_m[row]:
+            known_m[row], known_at[row] = gap_m, values
+            if gap_m < need_m:
                 self.blocked = self._body.met(geom, other, -gap_m)
                 return NOWHERE
-            if gap_m < limit_m and travel_m[row] > 0.0:
-                share = min(share, float(gap_m - floors_m[row]) / float(travel_m[row]))
+            if gap_m < limit_m and way_m > 0.0:
+                share = min(share, (gap_m - floor_m) / way_m)
         return share
+
+    def _within_reach(self, stage: Stage, pairs: Indices, clearance_m: float) -> Mask:
+        """Which pairs may meet at all, (k,): what an arm carries stays around the first joint that turns."""
+        turning = np.flatnonzero(~self._slides)
+        if not len(turning):
+            return np.ones(len(pairs), dtype=bool)
+        first, (one, other) = int(turning[0]), pairs.T
+        anchor = stage.screws(self._joints[[first]])[0][0]
+        ranges = self._body.scene.model.jnt_range[self._joints[:first]]
+        reach_m = self._farthest[one, first] + float(np.ptp(ranges, axis=1).sum()) + clearance_m + NOTICED_M
+        away_m = np.linalg.norm(self._table[other, :3] - anchor, axis=1) - self._table[other, RADIUS]
+        return np.asarray(~self._moved[one, first] | self._moved[other].any(axis=1) | (away_m < reach_m))
 
     def _travel(self, stage: Stage, half: Array) -> Array:
         """How far the shapes of each pair may move against each other, (k,), around the configuration that is shown."""
@@ -391,16 +409,50 @@ def _travel(
 
 
 @compiled
-def _unknown(rows: Indices, limits_m: Array, levers: Array, values: Array, known_m: Array, known_at: Array) -> Mask:
-    """Which of some pairs may be nearer than their limits, by gaps that were measured elsewhere, (n,)."""
-    found = np.empty(len(rows), dtype=np.bool_)
-    for index in range(len(rows)):
-        row = rows[index]
+def _suspects(
+    table: Array,
+    pairs: Indices,
+    needs_m: Array,
+    floors_m: Array,
+    travel_m: Array,
+    share: float,
+    levers: Array,
+    values: Array,
+    known_m: Array,
+    known_at: Array,
+) -> tuple[Indices, Array]:
+    """Pairs that may not be free within a share of a way, by rows, (n,), and within which share they surely are, (n,).
+
+    What is known of each is how far its boxes are apart, and its gap as it was measured elsewhere. Those that may be
+    hit where the robot is come first, with shares below nothing; then those with the least shares.
+
+    Args:
+        table: Boxes of all shapes, (s, 18).
+        pairs: Rows of these, (k, 2).
+        needs_m: What each gap must be, metres, (k,).
+        floors_m: What it must be nowhere around, (k,).
+        travel_m: By how much it may change around, metres, (k,).
+        share: Of that.
+        levers: By how much it changes at most for a unit of each value, wherever that is, (k, v).
+        values: The configuration, (v,).
+        known_m: Gaps as they were measured last, metres, (k,),
+        known_at: and at which configurations, (k, v).
+    """
+    found, shares, count = np.empty(len(pairs), dtype=np.intp), np.empty(len(pairs)), 0
+    for row in range(len(pairs)):
+        enough_m = max(needs_m[row], floors_m[row] + share * travel_m[row])
         least_m = known_m[row]
-        for column in range(len(values)):
-            least_m -= levers[row, column] * abs(values[column] - known_at[row, column])
-        found[index] = least_m < limits_m[row]
-    return found
+        if least_m > -math.inf:
+            for column in range(len(values)):
+                least_m -= levers[row, column] * abs(values[column] - known_at[row, column])
+        if least_m < enough_m:
+            least_m = max(least_m, least_gap_m(table, pairs[row, 0], table, pairs[row, 1], enough_m))
+        if least_m < enough_m:
+            off_m = least_m - needs_m[row]
+            found[count], shares[count] = row, off_m if off_m < 0.0 else (least_m - floors_m[row]) / travel_m[row]
+            count += 1
+    order = np.argsort(shares[:count], kind="mergesort")
+    return found[order], shares[order]
 
 
 # --- Lines, and what follows points.

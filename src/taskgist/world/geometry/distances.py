@@ -169,15 +169,18 @@ def next_near(first: Array, second: Array, limit_m: float, start: int) -> int:
 @compiled_part
 def may_be_near(first: Array, i: int, second: Array, j: int, limit_m: float) -> bool:
     """Whether the gap of two shapes may be below a limit: neither their balls nor their boxes keep them apart."""
+    return bool(least_gap_m(first, i, second, j, limit_m) < limit_m)
+
+
+@compiled_part
+def least_gap_m(first: Array, i: int, second: Array, j: int, enough_m: float) -> float:
+    """What the gap of two shapes is at least, metres, by their balls and boxes; nothing beyond ``enough_m`` is told."""
     x, y, z = first[i, 0] - second[j, 0], first[i, 1] - second[j, 1], first[i, 2] - second[j, 2]
-    reach = max(first[i, RADIUS] + second[j, RADIUS] + limit_m, 0.0)
+    reach = max(first[i, RADIUS] + second[j, RADIUS] + enough_m, 0.0)
     if x * x + y * y + z * z > reach * reach:
-        return False
-    if ball_gap_m(first, i, first[i, RADIUS], second, j) >= limit_m:
-        return False
-    if ball_gap_m(second, j, second[j, RADIUS], first, i) >= limit_m:
-        return False
-    return bool(boxes_gap_m(first, i, second, j, limit_m) < limit_m)
+        return enough_m
+    gap = max(ball_gap_m(first, i, first[i, RADIUS], second, j), ball_gap_m(second, j, second[j, RADIUS], first, i))
+    return gap if gap >= enough_m else max(gap, boxes_gap_m(first, i, second, j, enough_m))
 
 
 @compiled
@@ -281,32 +284,6 @@ def _turned(first: Array, i: int, second: Array, j: int, axis: int) -> tuple[flo
 # as deep in the box as its radius, and deeper by as much as its axis is.
 
 
-def gap_m(model: mujoco.MjModel, data: mujoco.MjData, geom: int, other: int, *, limit_m: float) -> float:
-    """Signed gap in metres between two shapes (negative: how deep they overlap), at most ``limit_m``.
-
-    Args:
-        model: The model.
-        data: Where its shapes are.
-        geom: Index of one shape.
-        other: Index of the other.
-        limit_m: Gaps wider than this are not measured.
-    """
-    kinds = int(model.geom_type[geom]), int(model.geom_type[other])
-    if kinds in ((CAPSULE, BOX), (BOX, CAPSULE)):
-        capsule, box = (geom, other) if kinds[0] == CAPSULE else (other, geom)
-        depth_m = axis_depth_m(
-            data.geom_xpos[capsule],
-            data.geom_xmat[capsule],
-            float(model.geom_size[capsule, 1]),
-            data.geom_xpos[box],
-            data.geom_xmat[box],
-            model.geom_size[box],
-        )
-        if depth_m >= 0.0:
-            return -depth_m - float(model.geom_size[capsule, 0])
-    return float(mujoco.mj_geomDistance(model, data, geom, other, limit_m, None))
-
-
 @compiled
 def axis_depth_m(
     middle: Array, matrix: Array, half_length_m: float, position: Array, frame: Array, half: Array
@@ -344,6 +321,8 @@ def axis_depth_m(
 # Balls and boxes around shapes reject most pairs for many at once; MuJoCo measures the rest.
 
 Pair = tuple[int, int]
+CROSSING = frozenset({(CAPSULE, BOX), (BOX, CAPSULE)})
+"""Kinds of shapes of which one may go right through the other."""
 
 
 class Clearance:
@@ -360,6 +339,7 @@ class Clearance:
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         self._model, self._data = model, data
         self._kinds = np.array(model.geom_type, dtype=np.int64)
+        self._kind_of = tuple(self._kinds.tolist())
         self._radii = np.where(model.geom_rbound == 0.0, np.inf, model.geom_rbound)  # endless planes
         self._bounds = np.array(model.geom_aabb)
         self._positions, self._matrices = data.geom_xpos, data.geom_xmat
@@ -368,7 +348,18 @@ class Clearance:
     def gap_m(self, geom: int, other: int, *, limit_m: float) -> float:
         """Signed gap in metres between two shapes (negative: how deep they overlap), at most ``limit_m``."""
         self.measured_count += 1
-        return gap_m(self._model, self._data, geom, other, limit_m=limit_m)
+        if (self._kind_of[geom], self._kind_of[other]) in CROSSING:
+            depth_m = self._axis_depth_m(*((geom, other) if self._kind_of[geom] == CAPSULE else (other, geom)))
+            if depth_m is not None:
+                return -depth_m
+        return float(mujoco.mj_geomDistance(self._model, self._data, geom, other, limit_m, None))
+
+    def _axis_depth_m(self, capsule: int, box: int) -> float | None:
+        """How deep a capsule is in a box through which its axis goes, metres; None if that does not."""
+        data, sizes = self._data, self._model.geom_size
+        at = data.geom_xpos[capsule], data.geom_xmat[capsule], float(sizes[capsule, 1])
+        depth_m = axis_depth_m(*at, data.geom_xpos[box], data.geom_xmat[box], sizes[box])
+        return depth_m + float(sizes[capsule, 0]) if depth_m >= 0.0 else None
 
     def near_pairs(self, geoms: ArrayLike, others: ArrayLike, *, limit_m: float) -> list[Pair]:
         """Pairs of shapes, one of each set, that may come closer than ``limit_m``; all others do not."""
