@@ -132,11 +132,7 @@ class Grasping:
     def reached_from(self, shoulder: Array, side: str, place: State, lifts: Sequence[float] = (0.0,)) -> Indices:
         """The same, from where a shoulder is and how what carries it is turned, (12,)."""
         pose, (palms, ahead) = pose_of(place.qpos[self.thing_slice]), self._palms[side]
-        pointing, reached = self.performer.pointing(side), np.zeros(len(self.free), dtype=bool)
-        for up_m in lifts:
-            lifted = shoulder.copy()
-            lifted[2] += up_m
-            reached |= pointing.able(lifted, pose.to_world(palms), ahead @ pose.matrix.T)
+        reached = self.performer.pointing(side).able(shoulder, pose.to_world(palms), ahead @ pose.matrix.T, lifts)
         return self.free[reached]
 
     @cached_property

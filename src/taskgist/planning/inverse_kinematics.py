@@ -25,7 +25,7 @@ from taskgist.common.compiled import compiled
 from taskgist.planning.damped_least_squares import descend, levers_m, nearest_kept, palm_at
 from taskgist.world.bodies.agent import Agent, ArmIndices
 from taskgist.world.bodies.arm_chain import ALONG, GIRDLE_M, LOW, SLIDES, SPAN, STEPS, put, put_frames, within_limits
-from taskgist.world.bodies.capability import DIRECTIONS, SPREAD, CapabilityMap, pointing
+from taskgist.world.bodies.capability import DIRECTIONS, CapabilityMap, pointing
 from taskgist.world.geometry.transforms import Pose, normalized
 from taskgist.world.stage import Stage
 
@@ -295,26 +295,39 @@ class Pointing:
         self._reach = arm.reach
         self._known = _directions(self._reach.map)
 
-    def able(self, shoulder: Array, places: Array, directions: Array) -> Mask:
+    def able(self, shoulder: Array, places: Array, directions: Array, lifts: Sequence[float] = (0.0,)) -> Mask:
         """Whether a palm may be at places while it points in directions, (n,).
 
         Args:
             shoulder: Its position in metres and the frame that carries it, a row of 12.
             places: Of the palm, metres, (n, 3).
             directions: From where the hand begins to the palm, unit vectors, (n, 3).
+            lifts: How far the shoulder may be lifted from there, metres.
         """
         found, side = self._reach.map, (1.0, -1.0 if self._reach.mirrored else 1.0, 1.0)
         turn = shoulder[3:].reshape(3, 3) * side
-        at = (places - shoulder[:3]) @ turn / self._reach.scale
-        cells = np.floor((at - found.corner) / found.cell_m).astype(np.intp)
-        inside = ((cells >= 0) & (cells < found.shape)).all(axis=1)
-        ahead = directions @ turn
-        signs = np.sign(ahead) * (np.abs(ahead) >= SPREAD)
-        bins = ((signs + 1) @ (9, 3, 1)).astype(np.intp)
-        able = np.zeros(len(places), dtype=bool)
-        index = np.ravel_multi_index(tuple(cells[inside].T), found.shape)
-        able[inside] = self._known[index, bins[inside]]
-        return able
+        up = np.array([(0.0, 0.0, up_m) for up_m in lifts])
+        shoulders = (shoulder[:3] + up) @ turn / self._reach.scale
+        at, ahead = places @ turn / self._reach.scale, directions @ turn
+        return _able(shoulders, at, ahead, self._known, found.corner, found.cell_m, np.array(found.shape))
+
+
+@compiled
+def _able(shoulders: Array, at: Array, ahead: Array, known: Mask, corner: Array, cell_m: float, shape: Indices) -> Mask:
+    """Whether places (n, 3) and directions (n, 3) are known from any of some shoulders (l, 3), all in a map's axes."""
+    able = np.zeros(len(at), dtype=np.bool_)
+    for row in range(len(at)):
+        bearing = pointing(ahead[row, 0], ahead[row, 1], ahead[row, 2])
+        for lift in range(len(shoulders)):
+            index, inside = 0, True
+            for axis in range(3):
+                cell = math.floor((at[row, axis] - shoulders[lift, axis] - corner[axis]) / cell_m)
+                inside = inside and 0 <= cell < shape[axis]
+                index = index * shape[axis] + cell
+            if inside and known[index, bearing]:
+                able[row] = True
+                break
+    return able
 
 
 @lru_cache(maxsize=8)

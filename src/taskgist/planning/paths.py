@@ -37,6 +37,8 @@ CHECKS = 20_000
 """Configurations that a search may ask about, unless told otherwise: some seconds of a whole robot's collisions."""
 SHORTCUTS, IN_VAIN = 40, 10
 """Shortcuts that are tried, and how many in a row may fail before that ends."""
+WORTH, STRAIGHT = 0.02, 1.1
+"""The least share of a way that a shortcut saves; and how much longer than the straight line a way is short enough."""
 RANGE = 30.0
 """Longest line that the search adds at once, in steps."""
 FULL_TURN_RAD = 2.0 * math.pi
@@ -308,11 +310,12 @@ def _shortened(lines: _Lines, corners: Array, random: np.random.Generator) -> Ar
     They lead from each corner to the farthest that it gets to, and then between any two places of the way, at random.
     """
     corners, failed = _skipped(lines, corners), 0
+    straight = float(np.linalg.norm((corners[-1] - corners[0]) / lines.step))
     for _ in range(SHORTCUTS):
-        if len(corners) == 2 or failed == IN_VAIN or lines.left <= 0:
-            break
         lengths = np.linalg.norm(np.diff(corners, axis=0) / lines.step, axis=1)
         ends = np.cumsum(lengths)
+        if len(corners) == 2 or failed == IN_VAIN or lines.left <= 0 or ends[-1] <= STRAIGHT * straight:
+            break
         one, other = np.sort(random.uniform(0.0, ends[-1], size=2))
         first, last = (min(int(edge), len(lengths) - 1) for edge in np.searchsorted(ends, (one, other)))
         if first == last:
@@ -321,8 +324,9 @@ def _shortened(lines: _Lines, corners: Array, random: np.random.Generator) -> Ar
             corners[edge + 1] - (corners[edge + 1] - corners[edge]) * ((ends[edge] - place) / lengths[edge])
             for edge, place in ((first, one), (last, other))
         )
+        worth = other - one - float(np.linalg.norm((end - start) / lines.step)) >= WORTH * ends[-1]
         # Its start lies on the way, but maybe between two steps of it.
-        if lines.is_free(start) and lines.are_free(start, end):
+        if worth and lines.is_free(start) and lines.are_free(start, end):
             joined = np.concatenate((corners[: first + 1], [start, end], corners[last + 1 :]))
             # The pieces that are left of the two lines are walked in other steps than the lines were.
             if lines.are_free(joined[first], start) and lines.are_free(end, corners[last + 1]):
