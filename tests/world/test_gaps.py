@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from taskgist.world.geometry.distances import gap_m
+from taskgist.world.geometry.distances import Clearance
 
 BOX = (0.4, 0.6, 0.02)
 RADIUS, HALF = 0.07, 0.16
@@ -37,9 +37,9 @@ def sampled_gap_m(data: mujoco.MjData) -> float:
 def test_a_capsule_right_through_a_thin_box_is_deep_in_it(z: float) -> None:
     model, data = world((0.1, 0.1, z))
     for pair in ((0, 1), (1, 0)):
-        gap = gap_m(model, data, *pair, limit_m=1.0)
+        gap = Clearance(model, data).gap_m(*pair, limit_m=1.0)
         assert sampled_gap_m(data) - 1e-6 <= gap <= -RADIUS
-        assert gap_m(model, data, *pair, limit_m=0.0) == gap
+        assert Clearance(model, data).gap_m(*pair, limit_m=0.0) == gap
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -47,7 +47,7 @@ def test_capsules_outside_keep_their_distance_and_crossing_ones_overlap(seed: in
     rng = np.random.default_rng(seed)
     place = (rng.uniform(-0.6, 0.6), rng.uniform(-0.8, 0.8), rng.uniform(-0.4, 0.4))
     model, data = world(place, rng.uniform(-math.pi, math.pi))
-    expected, gap = sampled_gap_m(data), gap_m(model, data, 0, 1, limit_m=2.0)
+    expected, gap = sampled_gap_m(data), Clearance(model, data).gap_m(0, 1, limit_m=2.0)
     if expected > -RADIUS:
         assert gap == pytest.approx(expected, abs=1e-4)
     else:

@@ -335,10 +335,16 @@ class Grasping:
         """Where the palm is in a grasp, in the world; with fingers and thumb changed over, too, if that is the same."""
         in_hand = self.performer.gripper(side).palm_in_hand(self._openings(side, row)[0])
         pose, axes = pose_of(place.qpos[self.thing_slice]), hand_frames(self.grasps.only(np.array([row])))[0]
-        alike = self._hand.one_sided or self.performer.rolls_about(side, self.performer.gripper(side).axes[:, 0])
-        for turned in (1.0,) if alike else (1.0, -1.0):
+        for turned in (1.0,) if self._alike_changed_over[side] else (1.0, -1.0):
             at = Pose(pose.to_world(self.grasps.centers[row]), pose.matrix @ axes * (1.0, turned, turned))
             yield Pose(at.to_world(in_hand.position), at.matrix @ in_hand.matrix)
+
+    @cached_property
+    def _alike_changed_over(self) -> Mapping[str, bool]:
+        """Whether each side's hand is turned by the wrist's last joint, or fingers and thumb are not to change over."""
+        performer = self.performer
+        rolls = {side: performer.rolls_about(side, performer.gripper(side).axes[:, 0]) for side in performer.sides}
+        return {side: self._hand.one_sided or freely for side, freely in rolls.items()}
 
     def _openings(self, side: str, row: int) -> tuple[float, float]:
         """How wide the hand is open before it closes, and around the thing, metres."""

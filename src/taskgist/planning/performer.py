@@ -323,8 +323,7 @@ class Performer:
     def _arm(self, side: str, qpos: Array) -> ArmKinematics:
         """The kinematics of an arm whose links are as the other joints of a configuration have them."""
         chain = self.chain(side)
-        others = np.setdiff1d(self._own_joints, chain.positions)
-        key = (side, np.round(qpos[others], 6).tobytes())
+        key = (side, np.round(qpos[self._own_joints], 6).tobytes())
         if key not in self._arms:
             stage = self._stage.show(self._state(qpos))
             self._arms[key] = ArmKinematics(stage, self.agent, self.agent.arm(side), chain)
