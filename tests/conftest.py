@@ -1,7 +1,26 @@
-"""Property tests draw the same examples in every run, and are never judged by the clock of a busy machine."""
+"""What tests of several rooms share.
 
+Property tests draw the same examples in every run, and are never judged by the clock of a busy machine.
+"""
+
+import pytest
 from hypothesis import HealthCheck, settings
 
 slow = [HealthCheck.too_slow]
 settings.register_profile("seeded", derandomize=True, deadline=None, database=None, suppress_health_check=slow)
 settings.load_profile("seeded")
+
+
+@pytest.fixture
+def coarse_maps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cells three times as long as usual: what a command does with its map is the same."""
+    from taskgist.maps.grid import Grid
+    from taskgist.settings import Maps
+    from taskgist.world import Stage
+
+    around = Grid.around
+
+    def coarse(stage: Stage, *agents: str, **_: object) -> Grid:
+        return around(stage, *agents, settings=Maps(cell_m=0.15))
+
+    monkeypatch.setattr(Grid, "around", staticmethod(coarse))

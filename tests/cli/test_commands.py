@@ -7,6 +7,7 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from taskgist.facts import STANDARD_TREE
@@ -117,7 +118,8 @@ def test_label_sets_and_changes_nothing_else(own: Path) -> None:
 @pytest.fixture
 def several(folder: Path) -> Path:
     """A recording that is about two things: the cup that is shown, and the bottle that stays where it is."""
-    path = Path(shutil.copyfile(SHOW, folder / "several.mcap"))
+    path = folder / "several.mcap"
+    write(excerpt("show_a", 0.0, np.inf, every=2), path)
     document = run_json("label several.mcap --object cup --object bottle")
     assert (document["target_agent"], document["target_object"]) == ("P2", ["cup", "bottle"])
     return path

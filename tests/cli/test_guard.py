@@ -89,7 +89,7 @@ from taskgist.cli import main
 from taskgist.maps.grid import Grid
 from taskgist.settings import Maps
 around = Grid.around
-Grid.around = staticmethod(lambda *names, **_: around(*names, settings=Maps(cell_m=0.2)))
+Grid.around = staticmethod(lambda *names, **_: around(*names, settings=Maps(cell_m=0.4)))
 main()
 """
 

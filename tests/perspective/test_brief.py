@@ -17,7 +17,7 @@ def levels(stage: Stage, agent: str, name: str, *, explained: bool) -> list[tupl
     return [(each.level, each.actions, each.amount, each.joints_rad, each.turns_rad) for each in efforts]
 
 
-@pytest.mark.parametrize("seed", range(520, 526))
+@pytest.mark.parametrize("seed", range(520, 523))
 def test_the_level_alone_is_that_of_the_full_search(seed: int) -> None:
     case = random_case(seed, image_px=(48, 36))
     stage = Stage(case.scene, case.state)

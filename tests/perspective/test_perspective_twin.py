@@ -76,7 +76,7 @@ def test_the_rooms_above_reach_every_level_but_held() -> None:
     assert levels == wanted - {("reach", 0), ("grasp", 0)}
 
 
-@pytest.mark.parametrize("seed", range(9))
+@pytest.mark.parametrize("seed", range(5))
 def test_fast_search_agrees_with_trying_every_state_in_furnished_rooms(seed: int) -> None:
     case = random_case(seed)
     found = compare_levels(case, case.scene.agents[seed % len(case.scene.agents)])
@@ -92,7 +92,7 @@ def test_fast_search_agrees_with_trying_every_state_in_the_steps_of_the_default_
     assert not found.differences
 
 
-@pytest.mark.parametrize("seed", range(100, 140, 10))
+@pytest.mark.parametrize("seed", range(100, 120, 10))
 def test_windows_count_the_pixels_of_the_whole_image(seed: int) -> None:
     found = Comparison()
     for number in range(seed, seed + 10):
@@ -101,9 +101,8 @@ def test_windows_count_the_pixels_of_the_whole_image(seed: int) -> None:
     assert not found.differences
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_windows_count_the_pixels_of_a_fine_image(seed: int) -> None:
-    assert not compare_pixels(random_case(seed, image_px=(320, 240))).differences
+def test_windows_count_the_pixels_of_a_fine_image() -> None:
+    assert not compare_pixels(random_case(1, image_px=(320, 240))).differences
 
 
 @pytest.mark.parametrize("seed", range(3))

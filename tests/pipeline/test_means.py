@@ -55,9 +55,14 @@ def with_covers() -> Scene:
     return Room("room", (robot("R", -1.6), P2), (IT, dome, bin_), TABLE).scene()
 
 
+@cache
+def covered() -> Outcome:
+    return perform(with_covers(), Request(clause("hide"), "R", "P2", "tape", means=("cover",)))
+
+
 def test_a_thing_is_hidden_beneath_a_cover() -> None:
     scene = with_covers()
-    (found,) = perform(scene, Request(clause("hide"), "R", "P2", "tape", means=("cover",))).performances
+    (found,) = covered().performances
     (action,) = found.plan.actions
     assert (action.purpose, action.thing, action.candidate.means) == ("cover", "dome", "put_over")
     assert found.audit.clean
@@ -216,9 +221,14 @@ def test_what_stands_on_the_thing_is_cleared_before_it_is_moved() -> None:
     assert [(each.purpose, each.thing) for each in found.plan.actions] == [("clear", "block"), ("move", "tape")]
 
 
-def test_what_lies_on_what_is_in_the_way_is_cleared_before_that() -> None:
+@cache
+def cleared() -> Outcome:
     request = Request(clause("make accessible"), "R", "P2", "tape", means=("clear",))
-    (found,) = perform(beneath_a_laden_dome(0.05), request).performances
+    return perform(beneath_a_laden_dome(0.05), request)
+
+
+def test_what_lies_on_what_is_in_the_way_is_cleared_before_that() -> None:
+    (found,) = cleared().performances
     assert [(each.purpose, each.thing) for each in found.plan.actions] == [("clear", "book"), ("clear", "dome")]
     assert found.audit.clean
     assert found.strict is True

@@ -12,19 +12,10 @@ import pytest
 from taskgist.pipeline.performing import Outcome, perform
 from taskgist.planning.pddl import Names
 from taskgist.planning.requests import Request
-from tests.pipeline.test_means import beneath_a_laden_dome, parted, relayed, with_covers
+from tests.pipeline.test_means import cleared, covered, parted, relayed
 from tests.pipeline.test_performing import clause
 
 ROOT = Path(__file__).parent.parent.parent
-
-
-def covered() -> Outcome:
-    return perform(with_covers(), Request(clause("hide"), "R", "P2", "tape", means=("cover",)))
-
-
-def cleared() -> Outcome:
-    request = Request(clause("make accessible"), "R", "P2", "tape", means=("clear",))
-    return perform(beneath_a_laden_dome(0.05), request)
 
 
 def _carried(plan: list[str]) -> list[list[str]]:

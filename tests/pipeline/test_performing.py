@@ -185,7 +185,7 @@ def test_without_planners_it_says_so_before_robots_are_asked(monkeypatch: pytest
     people = (Person("P1", 1.75, (-0.67, 0.2), 0.0), Person("P2", 1.7, (0.75, 0.0), math.pi))
     robot = Person("R", 1.5, (0.0, -2.0), math.pi / 2, "standing", profile="jido")
     scene = Room("room", (*people, robot), (on_table("cup", -0.1, 0.3),), TABLE).scene()
-    request = Request(clause("give"), "P1", "P2", "cup")
+    request = Request(clause("make accessible"), "P1", "P2", "cup")
     monkeypatch.setattr(extras, "importlib", type("none", (), {"import_module": staticmethod(missing)}))
     install = r"ompl is not installed; install it: pip install 'taskgist\[planning\]'"
     for asked in (replace(request, performer="R"), request, replace(request, helpers=("R",))):
@@ -195,7 +195,8 @@ def test_without_planners_it_says_so_before_robots_are_asked(monkeypatch: pytest
         assert perform(scene, alone).performances
 
 
-def test_a_person_does_not_get_to_the_sideboard() -> None:
+def test_a_person_does_not_get_to_the_sideboard(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("taskgist.planning.planner.MOST_PLACES", 100)
     outcome = perform(table_for_two(), Request(clause("put away"), "P1", "P2", "cup", allow=("sideboard",)))
     assert not outcome.performances
     assert outcome.search.tried == 0

@@ -7,6 +7,7 @@ from functools import cache
 
 import mujoco
 import numpy as np
+import pytest
 
 from taskgist.facts import vocabulary as v
 from taskgist.facts.standard import STANDARD_TREE
@@ -103,7 +104,8 @@ def test_the_takers_controllers_get_a_trajectory_too() -> None:
     assert len(taker["joint_trajectories"]["right_arm"]["points"]) > 30
 
 
-def test_why_a_robot_cannot_take_it() -> None:
+def test_why_a_robot_cannot_take_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("taskgist.planning.planner.MOST_PLACES", 150)
     wide = box(-0.1, 0.2, (0.0415, 0.0415, 0.0415))
     outcome = perform(between("pr2", "jido", wide), Request(clause("give"), "R", "R2", "box", means=("move",)))
     told = why_not(outcome)

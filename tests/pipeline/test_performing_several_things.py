@@ -26,7 +26,7 @@ def scene() -> Scene:
         Person("R", 1.5, (-1.6, 0.0), 0.0, "standing", profile="jido"),
         Person("P2", 1.7, (0.75, 0.0), math.pi, "sitting"),
     )
-    things = (on_table("cup", -0.2, 0.3), on_table("wooden_cube", -0.2, 0.12), on_table("white_box", 0.0, -0.2))
+    things = (on_table("cup", -0.25, 0.0), on_table("wooden_cube", -0.25, 0.35), on_table("white_box", 0.0, -0.2))
     return Room("room", people, things, TABLE).scene()
 
 

@@ -120,24 +120,18 @@ def test_a_target_that_is_not_visible(tmp_path: Path) -> None:
 
 
 def test_before_and_after(tmp_path: Path) -> None:
-    shown, subject = recording("show_a"), label("show_a")
-    stage = Stage(shown.scene)
-    states = (shown.at(subject.start_s), shown.at(subject.end_s))
-    path = before_after_picture(stage, states, subject, tmp_path / "both.png")
-    assert marked_pixels(path) > 200
-    assert stage.state is states[1]
-    assert matplotlib.image.imread(path).shape[:2] == (860, 1200)
-
-
-def test_before_and_after_of_several(tmp_path: Path) -> None:
     """All target objects are marked, and each target agent's eyes have a row."""
     shown, subject = recording("show_a"), label("show_a")
     states = (shown.at(subject.start_s), shown.at(subject.end_s))
     things = dataclasses.replace(subject, target_objects=("cup", "white_box"))
+    stage = Stage(shown.scene)
     one, two = (
-        before_after_picture(Stage(shown.scene), states, each, tmp_path / f"{len(each.target_objects)}.png")
+        before_after_picture(stage, states, each, tmp_path / f"{len(each.target_objects)}.png")
         for each in (subject, things)
     )
+    assert stage.state is states[1]
+    assert matplotlib.image.imread(one).shape[:2] == (860, 1200)
+    assert marked_pixels(one) > 200
     assert marked_pixels(two) > marked_pixels(one) + 200
     both = dataclasses.replace(subject, performing_agent="nobody", target_agents=("P1", "P2"))
     path = before_after_picture(Stage(shown.scene), states, both, tmp_path / "both.png")
