@@ -40,7 +40,7 @@ lint: $(READY)  ## linters
 	$(BIN)/ruff format --check .
 
 types: $(READY)  ## strict types
-	$(BIN)/mypy
+	$(BIN)/mypy -n auto
 
 test: lint types  ## linters, types and tests
 	$(PYTEST)
