@@ -111,6 +111,7 @@ class _Auditor:
             for agent in scene.agents
             for arm in scene.agent(agent).arms
         }
+        self._may: dict[tuple[tuple[int, int], frozenset[Hold]], bool] = {}
         self._solid = np.flatnonzero((model.geom_contype != 0) | (model.geom_conaffinity != 0))
         self._tell_what_touches(model, self._of_robot | self._load)
 
@@ -176,7 +177,11 @@ class _Auditor:
             first, second = (int(model.geom_bodyid[geom]) for geom in contact.geom)
             pair = (min(first, second), max(first, second))
             allowed = usual.get(pair, 0.0)
-            if -contact.dist - allowed <= least_m or self._may_touch(pair, held):
+            if -contact.dist - allowed <= least_m:
+                continue
+            if (pair, held) not in self._may:
+                self._may[pair, held] = self._may_touch(pair, held)
+            if self._may[pair, held]:
                 continue
             again = -float(mujoco.mj_geomDistance(model, data, *map(int, contact.geom), 0.0, None))
             beyond = min(again, -float(contact.dist)) - allowed
