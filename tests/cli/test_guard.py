@@ -60,6 +60,24 @@ def test_debug_shows_where_bad_input_was_noticed() -> None:
     assert "error: nowhere.mcap: " in done.stderr
 
 
+def test_an_interrupt_that_a_callback_drops_ends_the_command_all_the_same() -> None:
+    script = """
+import signal, time, weakref
+from taskgist.cli import main, label
+class Thing: pass
+def slow(*_, **__):
+    weakly = weakref.ref(thing := Thing(), lambda _: signal.raise_signal(signal.SIGINT))
+    del thing
+    print("dropped")
+    time.sleep(20)
+    print("went on")
+label.read = slow
+main()
+"""
+    done = taskgist(script, "label", str(SHOW))
+    assert (done.returncode, done.stdout, done.stderr) == (130, "dropped\n", "interrupted\n")
+
+
 def test_an_interrupted_command_says_so_and_leaves_nothing(tmp_path: Path) -> None:
     script = f"""
 import time

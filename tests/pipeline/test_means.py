@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from taskgist.errors import UnknownNameError
+from taskgist.errors import InputError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.language.performing import chosen, refused, steps
 from taskgist.performing.execution import phase_frames
@@ -136,9 +136,46 @@ def test_what_cannot_be_slid_is_told() -> None:
         )
     ]
     scene = Room("room", (robot("R", -1.6), P2), (DISC, *walls), TABLE).scene()
-    outcome = perform(scene, Request(clause("show"), "R", "P2", "tape", means=("move",)))
+    outcome = perform(scene, Request(clause("show"), "R", "P2", "tape", means=("move", "slide")))
     assert "slid" not in why_not(outcome)
     assert "R cannot grasp the tape" in why_not(outcome)
+
+
+def test_nothing_is_slid_by_a_robot_that_is_not_to_slide() -> None:
+    scene = Room("room", (robot("R", -1.6), P2), (DISC,), TABLE).scene()
+    outcome = perform(scene, Request(clause("show"), "R", "P2", "tape", means=("move", "cover", "relay")))
+    told = "R cannot pick the tape up: the tape would have to be slid over the edge before it is grasped"
+    assert why_not(outcome) == told
+    alone = perform(scene, Request(clause("show"), "R", "P2", "tape", means=("slide",)))
+    assert why_not(alone) == "what is slid out over an edge must be brought somewhere, too"
+
+
+def test_why_not_where_no_means_could_even_be_tried() -> None:
+    scene = Room("room", (robot("R", -1.6), P2), (IT,), TABLE).scene()
+    outcome = perform(scene, Request(clause("hide"), "R", "P2", "tape", means=("cover", "clear", "relay")))
+    assert why_not(outcome) == (
+        "there is nothing to cover the tape with; nothing is in the way that could be cleared; "
+        "there is nobody who could help"
+    )
+
+
+@pytest.mark.parametrize("name", ["R", "P2"])
+def test_who_takes_part_already_is_no_helper(name: str) -> None:
+    with pytest.raises(InputError, match=rf"helpers: takes part already \(got '{name}'\)"):
+        Request(clause("hide"), "R", "P2", "tape", helpers=(name,))
+
+
+def test_people_are_told_by_their_names() -> None:
+    """Of a disc in a lap."""
+    scene = Room("room", (robot("R", -1.6), P2), (replace(DISC, position_m=(0.45, 0.0, 0.62)),), TABLE).scene()
+    told = why_not(perform(scene, Request(clause("show"), "R", "P2", "tape", means=("move",))))
+    assert "are blocked by P2;" in told
+
+
+def test_a_literal_that_fails_by_another_means_is_told_in_words() -> None:
+    scene = Room("room", (robot("R", -1.6), P2), (DISC,), TABLE).scene()
+    told = why_not(perform(scene, Request(clause("hide"), "R", "P2", "tape", means=("move", "slide"))))
+    assert "R brings the tape there: it fails that it sees next to nothing of the object afterwards" in told
 
 
 # --- Cleared.

@@ -9,10 +9,12 @@ the command loaded for its help.
 
 from __future__ import annotations
 
+import _thread
 import ast
 import importlib.util
 import inspect
 import sys
+import threading
 import traceback
 import warnings
 from collections.abc import Iterator, Mapping
@@ -187,6 +189,7 @@ def options(
 ) -> None:
     """Take the options that stand before a command."""
     silence_libraries()
+    keep_interrupts()
     when_compiling(_say_that_it_compiles)
 
 
@@ -203,6 +206,8 @@ UNEXPECTED, INTERRUPTED = 3, 130
 """Exit codes: a fault of ours; ended by Ctrl-C."""
 DEBUG = "--debug"
 LONGEST = 300
+SOON_S = 0.01
+"""When an interrupt that was dropped comes again."""
 
 
 class Debugging:
@@ -219,6 +224,23 @@ def take_debug_option() -> None:
     """Take ``--debug``, which may stand anywhere, from the command line."""
     Debugging.on = DEBUG in sys.argv[1:]
     sys.argv[1:] = [argument for argument in sys.argv[1:] if argument != DEBUG]
+
+
+def keep_interrupts() -> None:
+    """Let no Ctrl-C get lost.
+
+    Python drops what is raised while it calls back for a weak reference or an object that is deleted, as libraries have
+    them do. An interrupt that is dropped there comes again.
+    """
+    otherwise = sys.unraisablehook
+
+    def interrupted_or(dropped: sys.UnraisableHookArgs) -> None:
+        if issubclass(dropped.exc_type, KeyboardInterrupt):
+            threading.Timer(SOON_S, _thread.interrupt_main).start()
+        else:
+            otherwise(dropped)
+
+    sys.unraisablehook = interrupted_or
 
 
 def silence_libraries() -> None:

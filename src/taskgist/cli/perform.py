@@ -91,7 +91,8 @@ def perform(
     allow: Annotated[list[str] | None, typer.Option(help="Only on, or in, this; may be given again.")] = None,
     prefer: Annotated[list[str] | None, typer.Option(help="First on, or in, this; may be given again.")] = None,
     means: Annotated[
-        str, typer.Option(help="By what: some of move, cover, clear, relay, with commas; moving it alone comes first.")
+        str,
+        typer.Option(help="By what: some of move, cover, clear, relay, slide, with commas; moving alone comes first."),
     ] = "",
     helpers: Annotated[
         list[str] | None,
@@ -250,7 +251,7 @@ def outcome_document(
         written: Of each way, the files that were written, by kind.
         problem: The folder with the problem for other planners; None: there is none.
     """
-    from taskgist.language.performing import assumed, not_as_demonstrated, refused, would_help
+    from taskgist.language.performing import assumed, not_as_demonstrated, refused, why_not, would_help
 
     request, tree, search = outcome.request, with_predicates(STANDARD_TREE), outcome.search
     return {
@@ -276,7 +277,9 @@ def outcome_document(
             "failed": [{"literal": str(literal), "count": count} for literal, count in search.missed.most_common()],
             "refusals": [{"reason": reason, "count": count} for reason, count in search.refusals.most_common()],
             "thrown_away": list(outcome.spoiled),
-            "others": [{"what": each.what, "places": each.places, "why": each.why} for each in search.others],
+            "others": [
+                {"what": each.what, "places": each.places, "why": why_not(each, tree)} for each in search.others
+            ],
         },
         "pddl": None if problem is None else str(problem),
         "why_not": [] if outcome.performances else list(refused(request, outcome.goal, search, outcome.spoiled, tree)),

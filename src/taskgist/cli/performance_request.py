@@ -82,7 +82,7 @@ def spared_of(text: str) -> Spared:
     for spared in SPARED:
         if text == spared:
             return spared
-    raise UnknownNameError("whose effort", text, SPARED, where="--spare")
+    raise UnknownNameError("choice", text, SPARED, where="--spare")
 
 
 def when_and_where(given: Sequence[str]) -> tuple[float | None, tuple[float, float, float] | None]:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # with NumPy, and words need none
     from taskgist.planning.goal import Goal
     from taskgist.planning.helping import Help
     from taskgist.planning.plan import Action, PhaseName, Plan
-    from taskgist.planning.requests import Request, Search
+    from taskgist.planning.requests import Request, Search, Tried
 
 DOINGS = {
     "drive": "drives to the {thing}",
@@ -45,6 +45,13 @@ MEANS = {
     "hand_over": "hands the {thing} over to {carrier}",
     "put_over": "puts the {thing} over the {covered}",
 }
+NONE_BY = {
+    "cover": "there is nothing to cover the {thing} with",
+    "clear": "nothing is in the way that could be cleared",
+    "relay": "there is nobody who could help",
+    "slide": "what is slid out over an edge must be brought somewhere, too",
+}
+"""Why something is not performed by a means of which nothing could be tried."""
 ATTENTION = {
     "stays": "{target} assumed to keep the head as it is",
     "thing": "{target} assumed to look at the {thing} once it is there",
@@ -123,10 +130,15 @@ def refused(
     told = [search.out_of_hold] if search.out_of_hold else list(_places_refused(request, search, tree))
     alike: dict[str, list[str]] = {}
     for each in search.others:
-        alike.setdefault(each.why, []).append(each.what)
+        alike.setdefault(why_not(each, tree), []).append(each.what)
     told += [f"{'; or '.join(ways)}: {why}" for why, ways in alike.items()]
     told += [f"1 plan was thrown away: {reason}" for reason in spoiled]
-    return tuple(told)
+    return tuple(told) or tuple(NONE_BY[means].format(thing=search.thing) for means in request.means if means != "move")
+
+
+def why_not(tried: Tried, tree: HypothesisTree) -> str:
+    """Why another way than moving the thing alone does not do."""
+    return tried.why if isinstance(tried.why, str) else f"it fails that {_said(tried.why, tree)}"
 
 
 def _places_refused(request: Request, search: Search, tree: HypothesisTree) -> Iterator[str]:

@@ -302,10 +302,11 @@ class Grasping:
                 free.append(found)
                 rest = rest[int(np.flatnonzero(rest == found)[0]) + 1 :]
             owners = [*(scene.owners[geom] for geom in trials.others.tolist()), self.thing]
+            names = [owner if owner in scene.agents else f"the {owner}" for owner in owners]
         for row in np.setdiff1d(rows, free):
             met = int(trials.met[row])
             tally = self.place_tally if gate is Gate.HAND_AT_GOAL else self.tally
-            tally.add(gate, f"the {owners[met]}" if met >= 0 else None)
+            tally.add(gate, names[met] if met >= 0 else None)
         return np.array(free, dtype=np.intp)
 
     def _spread(self, rows: Indices) -> Indices:

@@ -63,6 +63,10 @@ class Request(About):
             hint = "learn it without --of performer, from labels with a target agent"
             problem = "its clause tells of who performs it, and not of whom it is performed for"
             raise InputError(problem, where="Request", field="clause", value=self.clause.task, hint=hint)
+        busy = next((name for name in self.helpers or () if name in (self.performer, *self.targets)), None)
+        if busy is not None:
+            hint = "name others: who performs a task, or whom it is performed for, does not help"
+            raise InputError("takes part already", where="Request", field="helpers", value=busy, hint=hint)
         who, what = ("also_for" if self.also_for else "target"), "also_with"
         for field_, names in ((who, (self.performer, *self.targets)), (what, self.things)):
             twice = next((name for name in names if names.count(name) > 1), None)
@@ -144,9 +148,9 @@ class Tried:
     Attributes:
         what: The way, in words: "R covers the cup with the bin".
         places: How many places were judged for its first action.
-        why: Why it does not do.
+        why: Why it does not do; or the literal that fails.
     """
 
     what: str
     places: int
-    why: str
+    why: str | Literal

@@ -28,6 +28,7 @@ import numpy as np
 
 from taskgist.common.workers import Progress
 from taskgist.errors import SceneError
+from taskgist.learning.understanding import Literal
 from taskgist.planning.actions import Actions, WhyNot, after
 from taskgist.planning.endings import NOT_KNOWN, Endings, Judged, laden
 from taskgist.planning.persons import moves_itself
@@ -75,11 +76,12 @@ Sketch = tuple[Step, ...]
 class _Trial:
     """What becomes of a sketch: how many places were judged, why it fails, what was in the way of which step.
 
-    And the step whose thing may be slid over an edge before it is done, if one's lies too flat for the hand.
+    The reason may be a literal that fails. And the step whose thing may be slid over an edge before it is done, if
+    one's lies too flat for the hand.
     """
 
     places: int = 0
-    why: str = ""
+    why: str | Literal = ""
     blocked: tuple[int, tuple[str, ...]] | None = None
     flat: int | None = None
 
@@ -147,7 +149,7 @@ class Sequences:
 
     def _slid_first(self, sketch: Sketch, trial: _Trial) -> Iterator[Sketch]:
         """The sketch with the thing of a step slid over an edge before it."""
-        if trial.flat is not None:
+        if trial.flat is not None and "slide" in self._request.means:
             step = sketch[trial.flat]
             yield *sketch[: trial.flat], Step(step.agent, "slide", step.thing), *sketch[trial.flat :]
 
@@ -181,7 +183,7 @@ class Sequences:
         """Sketches to begin with."""
         request, state, who = self._request, self._state, self._request.performer
         move = Step(who, "move", request.thing)
-        if "move" in request.means and self._actions.may_slide(state, who, request.thing):
+        if {"move", "slide"} <= {*request.means} and self._actions.may_slide(state, who, request.thing):
             yield Step(who, "slide", request.thing), move
         if "cover" in request.means:
             for cover in self._endings.others(state):
@@ -208,9 +210,9 @@ class Sequences:
     def helpers(self) -> tuple[str, ...]:
         """Who may take part besides the performer: those that are named, or all robots with a hand."""
         request, scene = self._request, self._scene
-        out = (request.performer, *request.targets)
         if request.helpers is not None:
-            return tuple(name for name in request.helpers if name not in out)
+            return request.helpers
+        out = (request.performer, *request.targets)
         agents = (scene.agent(name) for name in scene.agents if name not in out)
         return tuple(
             agent.name for agent in agents if agent.arms and agent.profile.hand is not None and not moves_itself(agent)
@@ -359,7 +361,7 @@ class Sequences:
             elif found.verdict.holds is True:
                 yield found.candidate
             elif found.verdict.failed is not None:
-                trial.why = trial.why or f"{found.verdict.failed} fails"
+                trial.why = trial.why or found.verdict.failed
             else:
                 trial.why = trial.why or NOT_KNOWN
 

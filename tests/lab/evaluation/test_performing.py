@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import replace
 from functools import cache, partial
@@ -41,7 +42,7 @@ from taskgist_lab.evaluation.performing.trials import (
     trial,
     tried,
 )
-from taskgist_lab.simulator.room import TABLE, Person, Room, on_table, right
+from taskgist_lab.simulator.room import TABLE, Person, Room, Thing, on_table, right
 from tests.planning.rooms import box, cover, table
 from tools.performing_page import PAGE, parts
 from tools.rooms import Person as Somebody
@@ -166,6 +167,20 @@ def test_a_thing_that_hangs_in_the_air_does_not_rest() -> None:
     (fault,) = audited(times, qpos)
     assert (fault.kind, fault.other) == ("rest", "under gravity")
     assert fault.amount > 0.15
+
+
+@pytest.mark.parametrize(("aside_m", "kinds"), [(0.0, []), (0.03, ["rest"])])
+def test_a_heavy_thing_stands_on_a_light_one_but_not_on_its_edge(aside_m: float, kinds: list[str]) -> None:
+    """It sinks in by nothing that counts, however much heavier it is than what carries it."""
+    tin = Thing("tin", (0.063, 0.089), (0.0, 0.3, TABLE.height_m))
+    plate = Thing(
+        "plate", (0.03, 0.20, 0.16), (0.006 + aside_m, 0.305, TABLE.height_m + tin.height_m), math.radians(24)
+    )
+    people = (Person("R", 1.5, (-1.6, 0.0), 0.0, "standing", profile="jido"),)
+    room = Room("room", people, (tin, plate), TABLE).scene()
+    times = np.arange(30) / 30
+    faults = second_audit(room, "R", "plate", times, np.tile(room.initial.qpos, (30, 1)), [frozenset[Hold]()] * 30)
+    assert [fault.kind for fault in faults] == kinds
 
 
 def test_a_hand_that_holds_what_is_elsewhere_and_a_joint_beyond_its_limit() -> None:

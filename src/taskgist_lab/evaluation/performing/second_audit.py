@@ -333,10 +333,11 @@ class _Auditor:
         model.geom_conaffinity[self._solid] = np.where(self._load[model.geom_bodyid[self._solid]], 2, 1)
         model.opt.timestep, model.opt.gravity[:] = 0.002, (0.0, 0.0, -9.81)
         data = mujoco.MjData(model)
-        data.qpos[:] = positions
         free = int(model.body_dofadr[self._things[self._thing]])
         of_others = np.setdiff1d(np.arange(model.nv), np.arange(free, free + 6))
         model.dof_armature[of_others] = IMMOVABLE_KG  # else a thing beneath would give way in each step
+        mujoco.mj_setConst(model, data)  # contacts are as hard as what meets is heavy: else one sinks into light things
+        data.qpos[:] = positions
         for _ in range(round(WATCHED_S / model.opt.timestep)):
             now, speed = data.qpos[start : start + 7].copy(), data.qvel[free : free + 6].copy()
             data.qpos[:], data.qvel[:] = positions, 0.0

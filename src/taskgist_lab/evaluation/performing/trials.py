@@ -145,7 +145,7 @@ def trial(task: str, clause: Clause, robot: str, *, seed: int, number: int) -> T
             scene = room_for_means(means, robot, seed, number)
             possible = Solvable(True, "the room is made for it")
             allow = ("shelf",) if means == "relay" else None  # the other side of the counter
-            request = Request(clause, ROBOT, TARGET, THING, means=(means,), allow=allow)
+            request = Request(clause, ROBOT, TARGET, THING, means=(means, "slide"), allow=allow)
             return tried(number, scene.name, scene, task, clause, robot, possible, request)
     room, scene = room_for(task, clause, robot, seed=seed, number=number)
     possible = solvable(scene, clause, ROBOT, TARGET, THING)
