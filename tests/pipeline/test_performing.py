@@ -22,7 +22,7 @@ from taskgist.pipeline import performing
 from taskgist.pipeline.performing import Outcome, perform
 from taskgist.planning.requests import Request
 from taskgist.world import Scene, Stage
-from taskgist_lab.simulator.room import TABLE, Person, Room, on_table
+from taskgist_lab.simulator.room import TABLE, Person, Room, Thing, on_table
 
 AT_REST = {"placement.status.1": v.ON_SUPPORT, "motion.status.2": v.STATIC}
 FREE_HANDS = {"hands.class": v.MANIP_AVOIDED}
@@ -156,6 +156,15 @@ def table_for_two() -> Scene:
 @pytest.mark.parametrize("task", ["give", "hide"])
 def test_so_does_a_person(task: str) -> None:
     (found,) = perform(table_for_two(), Request(clause(task), "P1", "P2", "cup")).performances
+    assert found.audit.clean
+    assert found.strict is True
+
+
+def test_a_person_who_stands_reaches_across() -> None:
+    """An upper arm is pressed against the chest, as flesh lets it."""
+    people = (Person("P1", 1.75, (-0.75, 0.2), 0.0, "standing"), Person("P2", 1.7, (0.75, 0.0), math.pi))
+    room = Room("room", people, (Thing("cup", (0.05,) * 3, (-0.1, 0.3, TABLE.height_m)),), TABLE).scene()
+    (found,) = perform(room, Request(clause("make accessible"), "P1", "P2", "cup")).performances
     assert found.audit.clean
     assert found.strict is True
 

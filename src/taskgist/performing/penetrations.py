@@ -11,7 +11,8 @@ What may touch, and how deep:
 - a thing, and what it touches at the start, or later: no deeper than what is let pass; what lies deeper in something
   lies nowhere where things lie;
 - people, and what they touch at the start: as deep as then, up to ``SOFT_M``; seats give, and thighs;
-- two links of one robot: as deep as they are in the model's neutral pose, or in that in which the robot rests;
+- two links of one robot: as deep as they are in the model's neutral pose, or in that in which the robot rests; of one
+  person 3 cm deeper: flesh gives;
 - a hand and what it holds, also while it closes and opens around it without moving otherwise: a few millimetres;
 - the shapes of one hand; neighbours in a body, and next neighbours whose hulls overlap in one of these two poses.
 
@@ -29,6 +30,7 @@ import mujoco
 import numpy as np
 
 from taskgist.common.arrays import Array, Indices, Mask
+from taskgist.planning.people_colliding import GIVES_M
 from taskgist.planning.persons import moves_itself
 from taskgist.world import Agent, Hold, Scene
 from taskgist.world.geometry.distances import Clearance
@@ -202,6 +204,10 @@ class Penetrations:
         moved = (motion.travel_m + 2 * motion.bulge_m).max(axis=1, initial=0.0)
         around = np.concatenate(([0.0], moved, [0.0]))
         self._limits_m = np.maximum(NEAR_M, 2 * np.maximum(around[1:], around[:-1])).tolist()
+        people = [name for name in performers if moves_itself(scene.agent(name))]
+        self._person = np.full(motion.model.ngeom, -1)
+        for number, name in enumerate(people):
+            self._person[scene.agent(name).geoms] = number
         self._at_ease_m = {pair: depth_m for name in performers for pair, depth_m in _at_ease(motion, name).items()}
         self._apart = _never_meet(motion, self._movers, self._at_ease_m)
         self._masks: dict[tuple[int, ...], Mask] = {}
@@ -295,13 +301,18 @@ class Penetrations:
 
     def _most_m(self, pair: Pair, in_hand: Mask) -> float:
         """Down to which depth a pair is let pass."""
-        return max(self._allowed_m.get(pair, 0.0) + self._tolerance_m, self._in_hand_m if in_hand[pair] else 0.0)
+        return max(self._may_m(pair) + self._tolerance_m, self._in_hand_m if in_hand[pair] else 0.0)
+
+    def _may_m(self, pair: Pair) -> float:
+        """How deep a pair may be by design: parts of one person as flesh gives."""
+        one, other = self._person[list(pair)]
+        return self._allowed_m.get(pair, 0.0) + (GIVES_M if one == other >= 0 else 0.0)
 
     def _too_deep(self, frame: int, share: float, gaps: dict[Pair, float]) -> Iterator[Penetration]:
         in_hand = self._in_hand(frame, frame + 1 if share else frame)
         for pair, gap in gaps.items():
             if gap < -self._most_m(pair, in_hand):
-                allowed_m = self._in_hand_m if in_hand[pair] else self._allowed_m.get(pair, 0.0)
+                allowed_m = self._in_hand_m if in_hand[pair] else self._may_m(pair)
                 yield Penetration(pair, frame, share, -gap, allowed_m)
 
     def _note(self, gaps: dict[Pair, float], first: int, last: int) -> None:

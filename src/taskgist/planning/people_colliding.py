@@ -26,6 +26,11 @@ SEATED_M = 0.06
 """How deep people may be in what they touch before they act (ours: thighs give, and so do seats)."""
 
 
+GIVES_M = 0.03
+"""How much deeper two parts of one person may be in each other than at rest (ours: flesh gives, and links of a model do
+not; a person who stands at a table and reaches across has an arm 25 mm in the chest)."""
+
+
 def pushing_into(scene: Scene, before: Array, phases: Sequence[Phase], performer: str) -> str | None:
     """What a person who acts, or takes, would push into, in words; None if nothing.
 
@@ -58,7 +63,7 @@ def pushing_into(scene: Scene, before: Array, phases: Sequence[Phase], performer
 
 
 class _Self:
-    """Pairs of shapes of one body that may not come into each other more than they are at rest, or at first.
+    """Pairs of shapes of one person that may come into each other no more than flesh gives, from rest or at first.
 
     Args:
         stage: How everything is at first.
@@ -75,7 +80,7 @@ class _Self:
     def met(self, stage: Stage) -> Pair | None:
         """Two of its shapes that are too deep in each other, as the stage shows them."""
         for pair, depth_m in self._near(stage):
-            if depth_m > self._usual_m.get(pair, 0.0) + TOLERANCE_M:
+            if depth_m > self._usual_m.get(pair, 0.0) + GIVES_M:
                 return int(self._own[pair[0]]), int(self._own[pair[1]])
         return None
 
