@@ -106,7 +106,10 @@ _JOINTS = ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
 
 def _joints(template: str) -> dict[str, Given]:
     """The six joints of each side, in a skeleton that calls them so."""
-    return {joint: template.replace("{JOINT}", joint.upper()).replace("{joint}", joint) for joint in _JOINTS}
+    return {
+        joint: template.replace("{JOINT}", joint.upper()).replace("{joint}", joint).replace("{Joint}", joint.title())
+        for joint in _JOINTS
+    }
 
 
 # --- ZED (Stereolabs) and Azure Kinect (Microsoft): skeletons of a depth camera.
@@ -350,6 +353,44 @@ OPTITRACK = Skeleton(
     },
 )
 
+HUMANIK = Skeleton(
+    title="HumanIK (MotionBuilder, Motive's FBX names, Qualisys, Mixamo, Rokoko), joints of BVH files",
+    source="Autodesk MotionBuilder Help, HumanIK character structure; axes: y up, facing z, in the rest pose of a BVH",
+    names=(),
+    sides=("Left", "Right"),
+    # its Hips lie over the hips, which are there themselves; Head begins where the neck ends
+    middle={"head_base": "Head"},
+    sided={
+        "shoulder": "{side}Arm",
+        "elbow": "{side}ForeArm",
+        "wrist": "{side}Hand",
+        "hip": "{side}UpLeg",
+        "knee": "{side}Leg",
+        "ankle": "{side}Foot",
+        "toe": Beside(("{side}ToeBase",), "toe", (-6.9, 0.0, 0.0)),  # the ball of the foot (ours)
+    },
+    axes_by_up={
+        "y": {
+            "head": _UP_Y["head"],
+            "left_hand": {"forward": "x", "palm": "-y", "thumb": "z"},
+            "right_hand": {"forward": "-x", "palm": "-y", "thumb": "z"},
+        },
+    },
+)
+
+BIOVISION = Skeleton(
+    title="joints of BVH files as Biovision named them (Xsens, Poser)",
+    source="Meredith & Maddock 2001, Motion Capture File Formats Explained; Xsens MVN, BVH export",
+    names=(),
+    sides=("Left", "Right"),
+    middle={"head_base": "Head"},
+    sided={
+        **_joints("{side}{Joint}"),
+        "toe": Beside(("{side}Toe",), "toe", (-6.9, 0.0, 0.0)),  # the ball of the foot (ours)
+    },
+    axes_by_up=HUMANIK.axes_by_up,
+)
+
 SKELETONS: Mapping[str, Skeleton] = {
     "zed_body_34": ZED_BODY_34,
     "zed_body_38": ZED_BODY_38,
@@ -360,6 +401,8 @@ SKELETONS: Mapping[str, Skeleton] = {
     "smplx": SMPL_X,
     "plug_in_gait": PLUG_IN_GAIT,
     "optitrack": OPTITRACK,
+    "humanik": HUMANIK,
+    "biovision": BIOVISION,
 }
 """By the name that a mapping gives."""
 
