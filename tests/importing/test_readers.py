@@ -382,4 +382,4 @@ def test_a_take_is_imported_whole(tmp_path: Path) -> None:
 
 
 def test_every_reader_is_tried() -> None:
-    assert {*READERS} == {"c3d", "trc", "bvh", "motive", "nexus", "qualisys"}
+    assert {*READERS} == {"c3d", "trc", "bvh", "motive", "nexus", "qualisys", "zed", "mediapipe", "smplx"}

@@ -138,6 +138,7 @@ def _named(subjects: Sequence[Subject]) -> tuple[Subject, ...]:
     named: list[Subject] = []
     for number, subject in enumerate(subjects, start=1):
         name = _allowed(subject.owner)
+        name = f"P{name}" if name.isdecimal() else name  # trackers number people
         if not name or name in [other.name for other in named]:
             name = f"P{number}"
         named.append(Subject(name, subject.owner, subject.points, subject.skeleton, subject.lacking))
@@ -258,6 +259,7 @@ def _lines(proposal: Proposal, file: str) -> Iterator[str]:
     unit, up = proposal.unit, proposal.up
     yield f"units = {_quoted(unit.value)}  # {unit.why}" if unit.value else f"# units =   # open: {unit.why}"
     yield f"axes = {AXES[up.value]}  # {up.why}" if up.value else f"# axes = {AXES['y']}  # open: {up.why}"
+    yield from _confidence(proposal.take)
     names = list(dict.fromkeys(point for subject in proposal.people for point in _used(subject)))
     if names:
         yield f"names = [{', '.join(map(_quoted, names))}]"
@@ -270,6 +272,15 @@ def _lines(proposal: Proposal, file: str) -> Iterator[str]:
     for name in proposal.things:
         yield from ("", f"[objects.{thing_name(name)}]", 'source = "take"', f"point = {_quoted(name)}")
         yield '# shape = { type = "box", size_m = [0.1, 0.1, 0.1] }  # open: box, cylinder, sphere or mesh'
+
+
+def _confidence(take: Take) -> Iterator[str]:
+    given = [track.confidence for track in take.tracks.values() if track.confidence is not None]
+    known = [values[np.isfinite(values)] for values in given if np.isfinite(values).any()]
+    if known:
+        low, high = min(values.min() for values in known), max(values.max() for values in known)
+        why = f"leaves out doubtful points; it is {low:.3g} to {high:.3g}"
+        yield f"# confidence = {{ least = {0.5 * high:.3g} }}  # {why}"
 
 
 def _used(subject: Subject) -> list[str]:

@@ -10,17 +10,22 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from taskgist.common.array_files import ArrayFile
 from taskgist.common.files import reading, shown_path
 from taskgist.errors import MappingError
 from taskgist.importing.formats.bvh import is_bvh, read_bvh
 from taskgist.importing.formats.c3d import is_c3d, read_c3d
+from taskgist.importing.formats.keypoints import is_mediapipe, is_zed, read_mediapipe, read_zed
 from taskgist.importing.formats.motive import is_motive, read_motive
 from taskgist.importing.formats.nexus import is_nexus, read_nexus
 from taskgist.importing.formats.qualisys import is_qualisys, read_qualisys
+from taskgist.importing.formats.smplx import JOINTS, PARAMETERS, read_smplx
 from taskgist.importing.formats.trc import is_trc, read_trc
 from taskgist.importing.takes import Take
 from taskgist.settings import DEFAULT
 
+ARCHIVE = b"PK\x03\x04"
+"""How an NPZ begins."""
 HEAD_BYTES = 8192
 """What is looked at of a file to tell its format."""
 
@@ -33,6 +38,7 @@ class Reader:
         title: What people call it.
         known: Whether a file that begins with these bytes is of this format.
         read: The take of a file: path, how messages name it, and the bytes that it may take.
+        arrays: Names of arrays of which an NPZ of this format has one.
         oriented: Whether it may hold orientations.
         suffix: The end of its files' names, where no other format has it.
         up: The axis that points up by the format's custom, for files that do not say.
@@ -41,9 +47,14 @@ class Reader:
     title: str
     known: Callable[[bytes], bool]
     read: Callable[[Path, str, int], Take]
+    arrays: frozenset[str] = frozenset()
     oriented: bool = False
     suffix: str = ""
     up: str | None = None
+
+
+def _no(head: bytes) -> bool:  # noqa: ARG001 - told by its arrays
+    return False
 
 
 READERS: Mapping[str, Reader] = {
@@ -53,6 +64,9 @@ READERS: Mapping[str, Reader] = {
     "motive": Reader("CSV of OptiTrack Motive", is_motive, read_motive, oriented=True, up="y"),
     "nexus": Reader("CSV of Vicon Nexus or Tracker", is_nexus, read_nexus, oriented=True, up="z"),
     "qualisys": Reader("TSV of Qualisys Track Manager", is_qualisys, read_qualisys, oriented=True, up="z"),
+    "zed": Reader("JSON of ZED bodies", is_zed, read_zed),
+    "mediapipe": Reader("JSON of MediaPipe poses", is_mediapipe, read_mediapipe, up="-y"),
+    "smplx": Reader("NPZ of SMPL, SMPL-X or AMASS", _no, read_smplx, arrays=PARAMETERS | {*JOINTS}, oriented=True),
 }
 """By the name that a mapping gives as ``format``."""
 
@@ -95,6 +109,8 @@ CONVERSIONS: Mapping[str, str] = {
     ".ods": "a workbook: save the sheet as CSV",
     ".bag": "a bag of ROS: write the poses as CSV",
     ".db3": "a bag of ROS 2: write the poses as CSV",
+    ".json": "JSON of a kind that is not known: read are bodies of ZED and world landmarks of MediaPipe; of OpenPose, "
+    "whose points are places in the image, triangulate several cameras to TRC (Pose2Sim), or save points as CSV",
     ".zip": "an archive: unpack it",
     ".gz": "packed: unpack it",
 }
@@ -140,10 +156,16 @@ def kind_of(path: Path) -> str:
     """
     with reading(path, error=MappingError) as stream:
         head = stream.read(HEAD_BYTES)
-    found = next((kind for kind, reader in READERS.items() if reader.known(head)), None)
+    names = _arrays(path) if head.startswith(ARCHIVE) and path.suffix.lower() == ".npz" else frozenset()
+    found = next((kind for kind, reader in READERS.items() if reader.known(head) or reader.arrays & names), None)
     if found is None:
         raise _foreign(path, head)
     return found
+
+
+def _arrays(path: Path) -> frozenset[str]:
+    most_bytes = DEFAULT.limits.table_bytes
+    return frozenset(ArrayFile(path, most_bytes=most_bytes, where=shown_path(path), error=MappingError).names)
 
 
 def _foreign(path: Path, head: bytes) -> MappingError:

@@ -275,6 +275,15 @@ OPENPOSE_BODY_25 = Skeleton(
 
 # --- Motion capture: a body model, markers on the skin, bones.
 
+_UP_Y = {"head": {"forward": "z", "up": "y"}, "chest": {"forward": "z"}, "pelvis": {"forward": "z", "up": "y"}}
+_UP_Z = {"head": {"forward": "-y", "up": "z"}, "chest": {"forward": "-y"}, "pelvis": {"forward": "-y", "up": "z"}}
+_T_POSE = {
+    "head": _UP_Y["head"],
+    "left_hand": {"forward": "x", "palm": "-y", "thumb": "z"},
+    "right_hand": {"forward": "-x", "palm": "-y", "thumb": "z"},
+}
+"""Joints whose own axes are those of a rest pose that stands along y, faces z and stretches out its arms."""
+
 SMPL_X = Skeleton(
     title="SMPL-X, its 22 body joints",
     source="Pavlakos et al. 2019, Expressive Body Capture: the first 22 joints, those of SMPL, too",
@@ -291,6 +300,7 @@ SMPL_X = Skeleton(
         "toe": Beside(("{side}_foot",), "ankle", (11.9, 4.3, -5.9)),  # the ball of the foot
     },
     stature_m=1.72,
+    axes_by_up={"y": _T_POSE, "z": _T_POSE},
 )
 
 # Markers stand 0.7 cm off the skin; breadths of joints and depths of bodies are ours.
@@ -316,9 +326,6 @@ PLUG_IN_GAIT = Skeleton(
         "toe": Beside(("{side}TOE",), "toe", (-6.9, 0.0, 1.6)),  # on the second metatarsal
     },
 )
-
-_UP_Y = {"head": {"forward": "z", "up": "y"}, "chest": {"forward": "z"}, "pelvis": {"forward": "z", "up": "y"}}
-_UP_Z = {"head": {"forward": "-y", "up": "z"}, "chest": {"forward": "-y"}, "pelvis": {"forward": "-y", "up": "z"}}
 
 OPTITRACK = Skeleton(
     title="OptiTrack Motive, bones of a skeleton",
@@ -369,13 +376,7 @@ HUMANIK = Skeleton(
         "ankle": "{side}Foot",
         "toe": Beside(("{side}ToeBase",), "toe", (-6.9, 0.0, 0.0)),  # the ball of the foot (ours)
     },
-    axes_by_up={
-        "y": {
-            "head": _UP_Y["head"],
-            "left_hand": {"forward": "x", "palm": "-y", "thumb": "z"},
-            "right_hand": {"forward": "-x", "palm": "-y", "thumb": "z"},
-        },
-    },
+    axes_by_up={"y": _T_POSE},
 )
 
 BIOVISION = Skeleton(
