@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from taskgist.errors import MappingError, UnknownNameError
+from taskgist.errors import InputError, MappingError, UnknownNameError
 from taskgist.importing import (
     Proposal,
     Take,
@@ -381,5 +382,12 @@ def test_a_take_is_imported_whole(tmp_path: Path) -> None:
     assert all(error["median"] < 3.0 for error in errors.values())
 
 
+def test_without_its_package_the_line_that_installs_it_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "take.bag").write_bytes(b"#ROSBAG V2.0\n")
+    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    with pytest.raises(InputError, match=r"rosbags.highlevel is not installed .*pip install 'taskgist\[recordings\]'"):
+        look(tmp_path / "take.bag")
+
+
 def test_every_reader_is_tried() -> None:
-    assert {*READERS} == {"c3d", "trc", "bvh", "motive", "nexus", "qualisys", "zed", "mediapipe", "smplx"}
+    assert {*READERS} == {"c3d", "trc", "bvh", "motive", "nexus", "qualisys", "zed", "mediapipe", "smplx", "ros"}

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from taskgist.common.array_files import ArrayFile
-from taskgist.common.files import reading, shown_path
+from taskgist.common.files import is_file, reading, shown_path
 from taskgist.errors import MappingError
 from taskgist.importing.formats.bvh import is_bvh, read_bvh
 from taskgist.importing.formats.c3d import is_c3d, read_c3d
@@ -19,6 +19,7 @@ from taskgist.importing.formats.keypoints import is_mediapipe, is_zed, read_medi
 from taskgist.importing.formats.motive import is_motive, read_motive
 from taskgist.importing.formats.nexus import is_nexus, read_nexus
 from taskgist.importing.formats.qualisys import is_qualisys, read_qualisys
+from taskgist.importing.formats.ros import METADATA, is_ros, read_ros
 from taskgist.importing.formats.smplx import JOINTS, PARAMETERS, read_smplx
 from taskgist.importing.formats.trc import is_trc, read_trc
 from taskgist.importing.takes import Take
@@ -66,6 +67,7 @@ READERS: Mapping[str, Reader] = {
     "qualisys": Reader("TSV of Qualisys Track Manager", is_qualisys, read_qualisys, oriented=True, up="z"),
     "zed": Reader("JSON of ZED bodies", is_zed, read_zed),
     "mediapipe": Reader("JSON of MediaPipe poses", is_mediapipe, read_mediapipe, up="-y"),
+    "ros": Reader("bag of ROS 1 or ROS 2", is_ros, read_ros, oriented=True, suffix=".bag", up="z"),
     "smplx": Reader("NPZ of SMPL, SMPL-X or AMASS", _no, read_smplx, arrays=PARAMETERS | {*JOINTS}, oriented=True),
 }
 """By the name that a mapping gives as ``format``."""
@@ -107,8 +109,6 @@ CONVERSIONS: Mapping[str, str] = {
     ".xlsx": "a workbook of Excel: save the sheet as CSV",
     ".xls": "a workbook of Excel: save the sheet as CSV",
     ".ods": "a workbook: save the sheet as CSV",
-    ".bag": "a bag of ROS: write the poses as CSV",
-    ".db3": "a bag of ROS 2: write the poses as CSV",
     ".json": "JSON of a kind that is not known: read are bodies of ZED and world landmarks of MediaPipe; of OpenPose, "
     "whose points are places in the image, triangulate several cameras to TRC (Pose2Sim), or save points as CSV",
     ".zip": "an archive: unpack it",
@@ -120,8 +120,6 @@ _BEGINNINGS: Mapping[bytes, str] = {
     b"Kaydara FBX": ".fbx",
     b"; FBX": ".fbx",
     b"glTF": ".glb",
-    b"#ROSBAG": ".bag",
-    b"SQLite format 3": ".db3",
     b"MATLAB": ".mat",
     b"\x89HDF": ".h5",
     b"PAR1": ".parquet",
@@ -154,6 +152,8 @@ def kind_of(path: Path) -> str:
         MappingError: It cannot be read, is a table without a known layout, or of a format that is not read; the message
             says which, and how to convert it.
     """
+    if is_file(path / METADATA):
+        return "ros"
     with reading(path, error=MappingError) as stream:
         head = stream.read(HEAD_BYTES)
     names = _arrays(path) if head.startswith(ARCHIVE) and path.suffix.lower() == ".npz" else frozenset()

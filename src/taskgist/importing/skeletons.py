@@ -392,6 +392,16 @@ BIOVISION = Skeleton(
     axes_by_up=HUMANIK.axes_by_up,
 )
 
+ROS4HRI = Skeleton(
+    title="people of ROS4HRI (REP-155), frames of tf",
+    source="REP-155, Human-Robot Interaction; frames of github.com/ros4hri/human_description; axes: REP-103",
+    names=(),
+    sides=("l", "r"),
+    middle={"head": "head"},  # taken for the middle of the head (ours)
+    sided=_joints("{side}_{joint}"),
+    axes_by_up={"z": {"head": {"forward": "x", "up": "z"}}},
+)
+
 SKELETONS: Mapping[str, Skeleton] = {
     "zed_body_34": ZED_BODY_34,
     "zed_body_38": ZED_BODY_38,
@@ -404,6 +414,7 @@ SKELETONS: Mapping[str, Skeleton] = {
     "optitrack": OPTITRACK,
     "humanik": HUMANIK,
     "biovision": BIOVISION,
+    "ros4hri": ROS4HRI,
 }
 """By the name that a mapping gives."""
 
