@@ -190,6 +190,8 @@ def test_a_rest_pose_that_lies_gives_places_only(tmp_path: Path) -> None:
         ("CHANNELS 3 Z", "CHANNELS 4 Z", r"line 9: CHANNELS: cannot be understood"),
         ("MOTION", "", r"cannot be understood \(got 'Frames: 8'\)"),
         ("96.000000", "96,0", r"line \d+: column Hips Yposition: is no number \(got '96,0'\)"),
+        ("96.000000", "1e400", r"row 1 of numbers: column Hips Yposition: is too large"),
+        ("OFFSET 0.0 20.0 0.0", "OFFSET 0.0 1e300 0.0", r"line 8: OFFSET: must be three numbers"),
         ("JOINT Head", "JOINT Spine", r"two joints have one name \(got 'Spine'\)"),
     ],
 )

@@ -272,6 +272,13 @@ def test_a_cell_that_is_no_number_names_its_line_and_column(tmp_path: Path) -> N
         read_take(path, "trc")
 
 
+def test_a_header_without_frames_is_refused(tmp_path: Path) -> None:
+    path = takes.write_trc(tmp_path / "a.trc", points_of("openpose_body_25"))
+    path.write_text("\n".join(path.read_text(encoding="utf-8").splitlines()[:6]), encoding="utf-8")
+    with pytest.raises(MappingError, match=r"a.trc: holds no frames; export"):
+        read_take(path, "trc")
+
+
 def test_two_dimensional_tsv_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a.tsv").write_text("NO_OF_FRAMES\t1\nFREQUENCY\t100\nDATA_INCLUDED\t2D\n")
     with pytest.raises(MappingError, match=r"DATA_INCLUDED: holds no places \(got '2D'\); export 3D"):
@@ -372,6 +379,15 @@ def test_two_people_of_one_file_and_what_one_of_them_lacks(tmp_path: Path) -> No
     assert "left_hand" not in tracks.people["Bob_s"].points
     shift = tracks.people["Bob_s"].points["right_hand"] - tracks.people["Anna"].points["right_hand"]
     np.testing.assert_allclose(shift, np.tile((0.0, 2.0, 0.0), (len(shift), 1)), atol=1e-5)
+
+
+def test_names_that_differ_in_case_alone_tell_skeletons_apart(tmp_path: Path) -> None:
+    """LWrist is OpenPose's, l_wrist that of ROS4HRI, though a mapping takes either for the other."""
+    joints = ("Shoulder", "Elbow", "Wrist", "Hip", "Knee", "Ankle")
+    body = points_of("openpose_body_25")
+    points = {name: at for name, at in body.items() if name[1:] in joints} | {"Head": body["Nose"]}
+    (subject,) = look(takes.write_trc(tmp_path / "a.trc", points)).people
+    assert subject.skeleton == "openpose_body_25"
 
 
 def test_a_take_is_imported_whole(tmp_path: Path) -> None:

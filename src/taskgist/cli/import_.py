@@ -95,6 +95,8 @@ def _print_found(proposal: Proposal, mapping: Path) -> None:
     for choice in (proposal.unit, proposal.up):
         if choice.value:
             console.print(f"{'unit ' + choice.value + ': ' if choice is proposal.unit else ''}{choice.why}")
+    if proposal.raised_m:
+        console.print(f"raised by {proposal.raised_m} m: people stand on the floor")
     for subject in proposal.people:
         lacking = f", without {', '.join(subject.lacking)}" if subject.lacking else ""
         console.print(f"person {subject.name}: {len(subject.points)} points, skeleton {subject.skeleton}{lacking}")

@@ -19,8 +19,10 @@ from taskgist.common.text import clean_name
 from taskgist.importing.mapping_fields import UNITS_M
 from taskgist.importing.mapping_people import HEAD_POINTS, LEG_POINTS, folded
 from taskgist.importing.readers import READERS, kind_of, read_take
+from taskgist.importing.sizes import height_of_soles_m
 from taskgist.importing.skeletons import SKELETONS
 from taskgist.importing.takes import OWNER, Take, TakeTrack
+from taskgist.settings import DEFAULT
 
 LEAST_SHARE = 0.4
 """Of a skeleton's landmarks, that a person's points must have for the skeleton to be recognised (ours)."""
@@ -83,6 +85,7 @@ class Proposal:
         loose: Names of points that belong to nobody.
         unit: Its unit.
         up: Its axis that points up.
+        raised_m: What is added to heights so that people stand on the floor; 0 where they do, or no feet are known.
         open: Questions that the mapping's user has to answer, each with its field.
     """
 
@@ -93,6 +96,7 @@ class Proposal:
     loose: tuple[str, ...]
     unit: Choice
     up: Choice
+    raised_m: float
     open: tuple[str, ...]
 
 
@@ -118,19 +122,31 @@ def look(file: Path, kind: str | None = None) -> Proposal:
     things = [name for name in take.tracks if name in take.things]
     bodies = [_landmarks(take, subject) for subject in people]
     unit, up = _unit(take, bodies), _up(take, bodies)
-    return Proposal(take, file, people, tuple(things), tuple(loose), unit, up, _open(people, things, loose, unit, up))
+    return Proposal(
+        take,
+        file,
+        people,
+        tuple(things),
+        tuple(loose),
+        unit,
+        up,
+        _raised_m([_without_markers(s, body) for s, body in zip(people, bodies, strict=True)], unit, up),
+        _open(people, things, loose, unit, up),
+    )
 
 
 def _subject(owner: str, points: Sequence[str]) -> Subject:
-    """The person whose points these are: the skeleton of which most is there."""
-    there = {folded(point) for point in points}
-    best: tuple[float, int, str, tuple[str, ...]] = (LEAST_SHARE, 0, "", ())
+    """The person whose points these are: the skeleton of which most is there, best in its own spelling."""
+    there, spelled = {folded(point) for point in points}, {*points}
+    best: tuple[float, str, tuple[str, ...]] = (0.0, "", ())
     for name, skeleton in SKELETONS.items():
         landmarks = skeleton.points()
         lacking = tuple(key for key, at in landmarks.items() if not {folded(p) for p in at.points} <= there)
-        count = len(landmarks) - len(lacking)
-        best = max(best, (count / len(landmarks), count, name, lacking), key=lambda found: found[:2])
-    return Subject(owner, owner, tuple(points), best[2], best[3])
+        share = 1.0 - len(lacking) / len(landmarks)
+        exact = sum({*at.points} <= spelled for at in landmarks.values()) / len(landmarks)
+        if share >= LEAST_SHARE and share + exact > best[0]:
+            best = (share + exact, name, lacking)
+    return Subject(owner, owner, tuple(points), best[1], best[2])
 
 
 def _named(subjects: Sequence[Subject]) -> tuple[Subject, ...]:
@@ -222,6 +238,26 @@ def _middle(body: Mapping[str, Array], names: set[str] | frozenset[str]) -> tupl
     return tuple(float(value) for value in np.mean(medians, axis=0)) if medians else None
 
 
+def _without_markers(subject: Subject, body: Mapping[str, Array]) -> Mapping[str, Array]:
+    """The landmarks without those that are only beside one, where feet are left."""
+    markers = SKELETONS[subject.skeleton].markers()
+    joints = {key: at for key, at in body.items() if key not in markers}
+    return joints if joints.keys() & LEG_POINTS - {"left_knee", "right_knee"} else body
+
+
+def _raised_m(bodies: Sequence[Mapping[str, Array]], unit: Choice, up: Choice) -> float:
+    """How far people stand under the height 0, metres, to the centimetre; trackers count from cameras or from hips."""
+    if unit.value is None or up.value is None:
+        return 0.0
+    axis, sign = "xyz".index(up.value[-1]), -1.0 if up.value.startswith("-") else 1.0
+    soles_m = [
+        height_of_soles_m({key: sign * UNITS_M[unit.value] * at[:, [axis, axis, axis]] for key, at in body.items()})
+        for body in bodies
+    ]
+    height_m = float(np.median(soles_m)) if soles_m else 0.0
+    return -round(height_m, 2) if abs(height_m) > DEFAULT.checks.off_floor_m else 0.0
+
+
 # --- The mapping.
 
 
@@ -259,6 +295,10 @@ def _lines(proposal: Proposal, file: str) -> Iterator[str]:
     unit, up = proposal.unit, proposal.up
     yield f"units = {_quoted(unit.value)}  # {unit.why}" if unit.value else f"# units =   # open: {unit.why}"
     yield f"axes = {AXES[up.value]}  # {up.why}" if up.value else f"# axes = {AXES['y']}  # open: {up.why}"
+    if proposal.raised_m:
+        where = "under" if proposal.raised_m > 0.0 else "over"
+        why = f"soles lie {abs(proposal.raised_m)} m {where} the height 0"
+        yield f"transform = {{ position_m = [0, 0, {proposal.raised_m}] }}  # {why}"
     yield from _confidence(proposal.take)
     names = list(dict.fromkeys(point for subject in proposal.people for point in _used(subject)))
     if names:

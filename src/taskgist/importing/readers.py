@@ -140,9 +140,12 @@ def read_take(path: Path, kind: str, *, where: str = "", most_bytes: int = DEFAU
         most_bytes: How large it may be.
 
     Raises:
-        MappingError: It cannot be read, is too large, or not of this format.
+        MappingError: It cannot be read, is too large, not of this format, or empty.
     """
-    return READERS[kind].read(path, where or shown_path(path), most_bytes)
+    take = READERS[kind].read(path, where or shown_path(path), most_bytes)
+    if not take.tracks or not all(len(track.times_s) for track in take.tracks.values()):
+        raise MappingError("holds no frames", where=where or shown_path(path), hint="export the take again")
+    return take
 
 
 def kind_of(path: Path) -> str:

@@ -20,7 +20,7 @@ import numpy as np
 from taskgist.common.arrays import Array
 from taskgist.errors import MappingError
 from taskgist.importing.csv import number
-from taskgist.importing.formats.text import header_number, number_rows, read_lines
+from taskgist.importing.formats.text import LARGEST, header_number, number_rows, read_lines
 from taskgist.importing.mapping import Vector
 from taskgist.importing.takes import Take, TakeTrack
 from taskgist.world.geometry.transforms import matrix_from_euler, wxyz_from_matrix
@@ -82,12 +82,15 @@ def read_bvh(path: Path, where: str, most_bytes: int) -> Take:
     names = [f"{joint.name} {channel}" for joint in hierarchy.joints for channel in joint.channels]
     values = number_rows(rows[:count], names, " ", where)
     times_s = step_s * np.arange(count, dtype=np.float64)
-    position, turns = _moved(hierarchy.joints, values)
+    lost = ~np.isfinite(values).all(axis=1)
+    position, turns = _moved(hierarchy.joints, np.nan_to_num(values))
     stands = _stands(hierarchy.joints)
-    tracks = {
-        joint.name: TakeTrack(times_s, position[k], wxyz_from_matrix(turns[k]) if stands else None)
-        for k, joint in enumerate(hierarchy.joints)
-    }
+    tracks = {}
+    for k, joint in enumerate(hierarchy.joints):
+        wxyz = wxyz_from_matrix(turns[k]) if stands else None
+        for known in (position[k], *([] if wxyz is None else [wxyz])):
+            known[lost] = np.nan
+        tracks[joint.name] = TakeTrack(times_s, position[k], wxyz)
     notes = () if stands else ("the rest pose is not upright, so that the joints' own axes say nothing: places only",)
     return Take("bvh", tracks, notes=notes)
 
@@ -141,13 +144,19 @@ def _take_line(found: _Hierarchy, words: list[str], where: str) -> None:
 def _describe(found: _Hierarchy, joint: _Joint, key: str, words: list[str], where: str) -> None:
     if key == "OFFSET":
         x, y, z = ([number(word) for word in words] + [np.nan] * 3)[:3]
-        if not np.isfinite([x, y, z]).all():
+        if not (np.abs([x, y, z]) <= LARGEST).all():
             raise MappingError("must be three numbers", where=where, field="OFFSET", value=words, hint="mend it")
         joint.offset = (x, y, z)
         return
     known = {channel.lower(): channel for channel in CHANNELS}
     channels = tuple(known.get(word.lower(), "") for word in words[1:])
-    if not words or words[0] != str(len(channels)) or "" in channels or len({*channels}) < len(channels):
+    if (
+        joint.channels
+        or not words
+        or words[0] != str(len(channels))
+        or "" in channels
+        or len({*channels}) < len(channels)
+    ):
         hint = f"give their number and names: {', '.join(CHANNELS)}"
         raise MappingError("cannot be understood", where=where, field="CHANNELS", value=words, hint=hint)
     joint.channels, joint.first = channels, found.columns

@@ -19,6 +19,8 @@ PLAIN = re.compile(r"[-+.\deE\s,;]*", re.ASCII)
 """Lines of numbers as data sheets write them, which Python reads alike."""
 LOST = frozenset({"", "nan", "-nan", "nan(ind)", "-nan(ind)", "null", "none"})
 """What programs write for points that they did not see."""
+LARGEST = 1e9
+"""No length, angle or number of a frame is larger (ours)."""
 
 
 def read_lines(path: Path, where: str, most_bytes: int) -> list[str]:
@@ -69,7 +71,13 @@ def number_rows(
             except ValueError:
                 del values[len(values) - len(values) % width :]
         values.extend([_number(cell, f"{where}, line {line}", name) for cell, name in zip(row, columns, strict=True)])
-    return np.frombuffer(values).reshape(-1, width).copy() if values else np.empty((0, width))
+    found = np.frombuffer(values).reshape(-1, width).copy() if values else np.empty((0, width))
+    if (np.abs(found) > LARGEST).any():  # NaN is not
+        row, column = np.argwhere(np.abs(found) > LARGEST)[0]
+        value = float(found[row, column])
+        place = f"{where}, row {row + 1} of numbers"
+        raise MappingError("is too large", where=place, field=f"column {columns[column]}", value=value, hint="mend it")
+    return found
 
 
 def _fitted(row: list[str], width: int, whole: int, where: str) -> list[str]:
