@@ -28,7 +28,7 @@ def read_trc(path: Path, where: str, most_bytes: int) -> Take:
         MappingError: It cannot be read, is too large, no text, or its rows do not fit its header.
     """
     lines = read_lines(path, where, most_bytes)
-    if len(lines) < 6 or not lines[0].startswith(BEGIN.decode()):
+    if len(lines) < 5 or not lines[0].startswith(BEGIN.decode()):
         hint = "a TRC of motion capture begins with PathFileType: export it again"
         raise MappingError("is no TRC file of markers", where=where, hint=hint)
     about = dict(zip(cells(lines[1], "\t"), cells(lines[2], "\t"), strict=False))
