@@ -160,6 +160,24 @@ def test_ezc3d_reads_the_same(tmp_path: Path) -> None:
             np.testing.assert_allclose(take.tracks[label].position, theirs["data"]["points"][:3, k].T, rtol=1e-6)
 
 
+def test_a_file_that_ezc3d_wrote(tmp_path: Path) -> None:
+    """Not by our own writer, and with analog channels of another rate."""
+    ezc3d = pytest.importorskip("ezc3d")
+    made, lost = ezc3d.c3d(), with_gap(PREFIXED)
+    for name, value in {"RATE": [30.0], "LABELS": list(lost), "UNITS": ["mm"]}.items():
+        made["parameters"]["POINT"][name]["value"] = value
+    for name, value in {"RATE": [300.0], "LABELS": ["Fx", "Fz"]}.items():
+        made["parameters"]["ANALOG"][name]["value"] = value
+    points = np.ones((4, len(lost), FRAMES))
+    points[:3] = 1000.0 * np.stack(list(lost.values())).transpose(2, 0, 1)
+    made["data"]["points"], made["data"]["analogs"] = points, np.zeros((1, 2, 10 * FRAMES))
+    made.write(str(tmp_path / "a.c3d"))
+    take = read_take(tmp_path / "a.c3d", "c3d")
+    assert take.unit == "mm"
+    for name, position in lost.items():
+        np.testing.assert_allclose(take.tracks[name].position, 1000.0 * position, rtol=1e-6)
+
+
 def test_modelled_angles_are_no_points(tmp_path: Path) -> None:
     take = read_take(takes.write_c3d(tmp_path / "a.c3d", PREFIXED, angles=["Anna:LANK", "Anna:RANK"]), "c3d")
     assert "Anna:LANK" not in take.tracks

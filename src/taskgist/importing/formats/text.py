@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from array import array
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -15,8 +14,6 @@ from taskgist.common.files import read_whole
 from taskgist.errors import MappingError
 from taskgist.importing.csv import number
 
-PLAIN = re.compile(r"[-+.\deE\s,;]*", re.ASCII)
-"""Lines of numbers as data sheets write them, which Python reads alike."""
 LOST = frozenset({"", "nan", "-nan", "nan(ind)", "-nan(ind)", "null", "none"})
 """What programs write for points that they did not see."""
 LARGEST = 1e9
@@ -64,13 +61,17 @@ def number_rows(
         row = text.split(delimiter)
         if len(row) != width:
             row = _fitted(row, width, whole, f"{where}, line {line}")
-        if PLAIN.fullmatch(text):
+        # Python would also take 1_0 and the digits of every script for numbers
+        quick = (float, _float_or_lost) if text.isascii() and "_" not in text else ()
+        for convert in quick:
             try:
-                values.extend([float(cell) if cell and not cell.isspace() else math.nan for cell in row])
-                continue
-            except ValueError:
+                values.extend(map(convert, row))
+                break
+            except ValueError:  # an empty cell, or no number
                 del values[len(values) - len(values) % width :]
-        values.extend([_number(cell, f"{where}, line {line}", name) for cell, name in zip(row, columns, strict=True)])
+        else:
+            place = f"{where}, line {line}"
+            values.extend([_number(cell, place, name) for cell, name in zip(row, columns, strict=True)])
     found = np.frombuffer(values).reshape(-1, width).copy() if values else np.empty((0, width))
     if (np.abs(found) > LARGEST).any():  # NaN is not
         row, column = np.argwhere(np.abs(found) > LARGEST)[0]
@@ -78,6 +79,10 @@ def number_rows(
         place = f"{where}, row {row + 1} of numbers"
         raise MappingError("is too large", where=place, field=f"column {columns[column]}", value=value, hint="mend it")
     return found
+
+
+def _float_or_lost(cell: str) -> float:
+    return float(cell) if cell and not cell.isspace() else math.nan
 
 
 def _fitted(row: list[str], width: int, whole: int, where: str) -> list[str]:
