@@ -142,7 +142,7 @@ def write_motive(path: Path, columns: Sequence[Column], *, timecode: bool = Fals
         "",
         ",".join(["", "Type", *extra, *types]),
         ",".join(["", "Name", *extra, *(f'"{name}"' for name in names)]),
-        ",".join(["", "ID", *extra, *(f'"{hash(name) % 997}"' for name in names)]),
+        ",".join(["", "ID", *extra, *(f'"{len(name)}"' for name in names)]),
         ",".join(["", "", *extra, *kinds]),
         ",".join(["Frame", "Time (Seconds)", *(["TimeCode"] if timecode else []), *axes]),
     ]

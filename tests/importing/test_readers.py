@@ -261,6 +261,19 @@ def test_sections_of_nexus(tmp_path: Path) -> None:
     np.testing.assert_allclose(track.position, 1000.0 * cup()[0], atol=1e-3)
 
 
+def test_segments_of_nexus_have_places_and_no_rotation(tmp_path: Path) -> None:
+    """Which kind of angles RX, RY and RZ are, no field tells."""
+    rows = [f"{k + 1},0,10,20,30,{100 + k},200,800,1,2,3,4,5,6" for k in range(3)]
+    head = ["Segments", "100", ",,cup:cup,,,,,,Anna:Root,,,,,", "Frame,Sub Frame" + ",RX,RY,RZ,TX,TY,TZ" * 2]
+    path = takes.write_rows(tmp_path / "a.csv", [*head, ",," + ",".join(["deg,deg,deg,mm,mm,mm"] * 2), *rows], [], ",")
+    assert kind_of(path) == "nexus"
+    take = read_take(path, "nexus")
+    assert take.things == {"cup"}
+    assert take.tracks["cup"].wxyz is None
+    np.testing.assert_array_equal(take.tracks["cup"].position[:, 0], [100, 101, 102])
+    assert take.notes == ("rotations of cup:cup, Anna:Root are not read: export them as quaternions (RX, RY, RZ, RW)",)
+
+
 def test_qualisys_with_a_row_of_columns(tmp_path: Path) -> None:
     plain = read_take(takes.write_qualisys(tmp_path / "a.tsv", PREFIXED), "qualisys")
     named = read_take(takes.write_qualisys(tmp_path / "b.tsv", PREFIXED, columns=True), "qualisys")

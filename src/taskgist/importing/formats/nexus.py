@@ -9,8 +9,8 @@
 
 An empty line ends a section (Vicon Nexus User Guide, Export ASCII). Of the section *Model Outputs* what has a place is
 read, in millimetres; angles, forces and moments are not, nor are *Devices*. *Objects* of Tracker have RX ... TZ: with
-RW the rotation is a quaternion; without it nothing says which kind of angles they are, and only places are read.
-Vicon's world has z up.
+RW the rotation is a quaternion; without it nothing says which kind of angles they are, and only places are read. A
+segment that is called as its subject, "cup:cup", is a thing. Vicon's world has z up.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from taskgist.errors import MappingError
 from taskgist.importing.formats.text import cells, header_number, number_rows, read_lines, unit_of
 from taskgist.importing.mapping import Columns, Rotation
 from taskgist.importing.table_values import wxyz_from_numbers
-from taskgist.importing.takes import Take, TakeTrack
+from taskgist.importing.takes import OWNER, Take, TakeTrack
 
 HEADER = re.compile(
     rb"(?:\xef\xbb\xbf)?[^\n]{3,60}\r?\n\s*\d[\d.]*[,\t]*\r?\n[^\n]*\r?\n\s*\"?Frame\"?\s*[,\t]\s*\"?Sub Frame",
@@ -66,7 +66,8 @@ def read_nexus(path: Path, where: str, most_bytes: int) -> Take:
             continue
         found, unit, note = _tracks(section, where)
         tracks |= {name: track for name, track in found.items() if name not in tracks}
-        things |= found.keys() if section.title == "Objects" else set()
+        whole = section.title == "Objects"
+        things |= {name for name in found if whole or (section.title == "Segments" and OWNER not in name)}
         units |= unit
         notes += note
     if not tracks:
