@@ -13,7 +13,7 @@ from tests.command_lines import commands, parse
 
 SURFACE: dict[str, set[str]] = {
     "demo": {"--out", "-o", "--replace"},
-    "import": {"mapping", "--out", "-o", "--replace", "--data", "--set"},
+    "import": {"source", "--out", "-o", "--replace", "--data", "--set"},
     "label": {
         *("recording", "--task", "--performer", "--target", "--object", "--start", "--end"),
         *("--propose", "--dry-run"),

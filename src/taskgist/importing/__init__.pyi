@@ -1,9 +1,16 @@
 from .build import import_recording as import_recording
+from .looking import Proposal as Proposal
+from .looking import look as look
+from .looking import mapping_text as mapping_text
 from .mapping import ImportMapping as ImportMapping
 from .mapping_file import load_mapping as load_mapping
+from .readers import READERS as READERS
+from .readers import read_take as read_take
 from .table_values import Track as Track
 from .tables import Tables as Tables
 from .tables import input_files as input_files
+from .takes import Take as Take
+from .takes import TakeTrack as TakeTrack
 from .tracks import ObjectTrack as ObjectTrack
 from .tracks import PersonTrack as PersonTrack
 from .tracks import Tracks as Tracks

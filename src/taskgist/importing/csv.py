@@ -270,6 +270,11 @@ class CsvPart:
         """Mapping, source and file."""
         return self.table.where
 
+    @property
+    def oriented(self) -> bool:
+        """All points of a table are alike."""
+        return True
+
     def numbers(self, columns: Sequence[Name]) -> Array:
         """Numbers in these columns, (rows, columns); errors as of the table."""
         return self.table.numbers(columns, self.rows)

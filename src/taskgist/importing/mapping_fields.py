@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from taskgist.common.toml import TomlTable
+from taskgist.common.toml import TomlTable, is_finite_number
 from taskgist.importing.mapping import Columns, Frame, Name, Vector
 from taskgist.world.geometry.transforms import about_z, matrix_from_wxyz
 
@@ -75,7 +75,7 @@ def local_axis(section: TomlTable, key: str) -> Vector:
 
 def read_frame(section: TomlTable) -> Frame:
     """Units, axes and transform of a source."""
-    scale_m = UNITS_M[section.choice("units", UNITS_M)]
+    scale_m = _scale_m(section)
     axes = section.table("axes")
     chosen = [axes.choice(ours, _AXES, ours) for ours in "xyz"]
     axes.done()
@@ -87,6 +87,13 @@ def read_frame(section: TomlTable) -> Frame:
     turn = _turn(place)
     place.done()
     return Frame(scale_m, (_axis(chosen[0]), _axis(chosen[1]), _axis(chosen[2])), turn, position_m)
+
+
+def _scale_m(section: TomlTable) -> float:
+    """Metres per unit: of a unit by name, or as a number, for files whose unit has none."""
+    if is_finite_number(section.any("units")):
+        return float(section.number("units", least=1e-6, most=1e3))
+    return UNITS_M[section.choice("units", UNITS_M)]
 
 
 def _turn(section: TomlTable) -> tuple[Vector, Vector, Vector]:

@@ -31,7 +31,9 @@ from taskgist.importing.mapping import (
 from taskgist.importing.mapping_fields import read_column, read_columns, read_frame
 from taskgist.importing.mapping_people import read_person
 from taskgist.importing.mapping_things import read_support, read_thing
+from taskgist.importing.readers import CONVERSIONS, READERS, SUFFIXES
 from taskgist.importing.skeletons import SKELETONS
+from taskgist.importing.takes import CONFIDENCE, POSITION, ROTATION, TIME
 from taskgist.recording.recording import Label, Provenance
 from taskgist.settings import DEFAULT, Limits
 
@@ -151,6 +153,7 @@ def _like(section: str, name: str, tables: dict[str, Any], file: Path, seen: tup
 TIME_UNITS_S = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 ANGLE_UNITS_RAD = {"deg": math.pi / 180.0, "rad": 1.0}
 KINDS = {".csv": "csv", ".tsv": "csv", ".txt": "csv", ".npz": "npz", ".npy": "npy"}
+"""Formats of tables by the ends of their names."""
 ROTATION_LETTERS = {"xyzw": "xyzw", "wxyz": "wxyz", "rotation_vector": "xyz", "matrix": "012345678"}
 
 
@@ -161,9 +164,12 @@ def read_source(name: str, section: TomlTable) -> Source:
         MappingError: A field is missing, unknown or out of range.
     """
     file = _file(section)
-    kind = section.choice("format", {"csv", "npz", "npy"}, KINDS.get(PurePath(file).suffix.lower()))
+    suffix = PurePath(file).suffix.lower()
+    kind = section.choice("format", {*KINDS.values(), *READERS}, KINDS.get(suffix) or SUFFIXES.get(suffix))
     if kind is None:
-        raise section.error("cannot tell the format from the file's name", "file", file, 'add format = "csv"')
+        raise section.error("cannot tell the format from the file's name", "file", file, _format_hint(suffix))
+    if kind in READERS:
+        return _take_source(name, section, file, kind)
     source = Source(
         name=name,
         file=file,
@@ -180,6 +186,35 @@ def read_source(name: str, section: TomlTable) -> Source:
     )
     section.done()
     return source
+
+
+def _take_source(name: str, section: TomlTable, file: str, kind: str) -> Source:
+    """A source whose format says itself where its numbers stand."""
+    confidence = None
+    if "confidence" in section:
+        table = section.table("confidence")
+        confidence = Confidence(CONFIDENCE, table.number("least"))
+        table.done()
+    source = Source(
+        name=name,
+        file=file,
+        kind=kind,
+        table=TableFormat(),
+        clock=Clock(column=TIME, offset_s=section.number("offset_s", 0.0)),
+        position=POSITION,
+        rotation=ROTATION if READERS[kind].oriented else None,
+        confidence=confidence,
+        frame=read_frame(section),
+        names=_names(section),
+        missing=_missing(section),
+        smooth_s=section.number("smooth_s", 0.0, least=0.0, most=1.0),
+    )
+    section.done()
+    return source
+
+
+def _format_hint(suffix: str) -> str:
+    return CONVERSIONS.get(suffix, f'add format = "csv" (known: {", ".join(sorted({*KINDS.values(), *READERS}))})')
 
 
 def _file(section: TomlTable) -> str:

@@ -102,11 +102,11 @@ def _preset(section: TomlTable, skeleton: Skeleton, source: Source) -> dict[str,
     lists no names is taken to have the skeleton's own, in the skeleton's order.
     """
     listed = source.names or skeleton.names
-    spelled = {_folded(name): name for name in listed}
+    spelled = {folded(name): name for name in listed}
     found = {
-        landmark: tuple(PointRef(source.name, spelled.get(_folded(point), point)) for point in at.points)
+        landmark: tuple(PointRef(source.name, spelled.get(folded(point), point)) for point in at.points)
         for landmark, at in skeleton.points().items()
-        if not listed or all(_folded(point) in spelled for point in at.points)
+        if not listed or all(folded(point) in spelled for point in at.points)
     }
     if not found:
         theirs = ", ".join(point for at in list(skeleton.points().values())[:6] for point in at.points)
@@ -119,7 +119,8 @@ def _preset(section: TomlTable, skeleton: Skeleton, source: Source) -> dict[str,
     return found
 
 
-def _folded(name: str) -> str:
+def folded(name: str) -> str:
+    """A name without what differs between spellings: case, and what stands between its words."""
     return "".join(letter for letter in name.casefold() if letter.isalnum())
 
 

@@ -106,7 +106,10 @@ _JOINTS = ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
 
 def _joints(template: str) -> dict[str, Given]:
     """The six joints of each side, in a skeleton that calls them so."""
-    return {joint: template.replace("{JOINT}", joint.upper()).replace("{joint}", joint) for joint in _JOINTS}
+    return {
+        joint: template.replace("{JOINT}", joint.upper()).replace("{joint}", joint).replace("{Joint}", joint.title())
+        for joint in _JOINTS
+    }
 
 
 # --- ZED (Stereolabs) and Azure Kinect (Microsoft): skeletons of a depth camera.
@@ -272,6 +275,15 @@ OPENPOSE_BODY_25 = Skeleton(
 
 # --- Motion capture: a body model, markers on the skin, bones.
 
+_UP_Y = {"head": {"forward": "z", "up": "y"}, "chest": {"forward": "z"}, "pelvis": {"forward": "z", "up": "y"}}
+_UP_Z = {"head": {"forward": "-y", "up": "z"}, "chest": {"forward": "-y"}, "pelvis": {"forward": "-y", "up": "z"}}
+_T_POSE = {
+    "head": _UP_Y["head"],
+    "left_hand": {"forward": "x", "palm": "-y", "thumb": "z"},
+    "right_hand": {"forward": "-x", "palm": "-y", "thumb": "z"},
+}
+"""Joints whose own axes are those of a rest pose that stands along y, faces z and stretches out its arms."""
+
 SMPL_X = Skeleton(
     title="SMPL-X, its 22 body joints",
     source="Pavlakos et al. 2019, Expressive Body Capture: the first 22 joints, those of SMPL, too",
@@ -288,6 +300,7 @@ SMPL_X = Skeleton(
         "toe": Beside(("{side}_foot",), "ankle", (11.9, 4.3, -5.9)),  # the ball of the foot
     },
     stature_m=1.72,
+    axes_by_up={"y": _T_POSE, "z": _T_POSE},
 )
 
 # Markers stand 0.7 cm off the skin; breadths of joints and depths of bodies are ours.
@@ -313,9 +326,6 @@ PLUG_IN_GAIT = Skeleton(
         "toe": Beside(("{side}TOE",), "toe", (-6.9, 0.0, 1.6)),  # on the second metatarsal
     },
 )
-
-_UP_Y = {"head": {"forward": "z", "up": "y"}, "chest": {"forward": "z"}, "pelvis": {"forward": "z", "up": "y"}}
-_UP_Z = {"head": {"forward": "-y", "up": "z"}, "chest": {"forward": "-y"}, "pelvis": {"forward": "-y", "up": "z"}}
 
 OPTITRACK = Skeleton(
     title="OptiTrack Motive, bones of a skeleton",
@@ -350,6 +360,48 @@ OPTITRACK = Skeleton(
     },
 )
 
+HUMANIK = Skeleton(
+    title="HumanIK (MotionBuilder, Motive's FBX names, Qualisys, Mixamo, Rokoko), joints of BVH files",
+    source="Autodesk MotionBuilder Help, HumanIK character structure; axes: y up, facing z, in the rest pose of a BVH",
+    names=(),
+    sides=("Left", "Right"),
+    # its Hips lie over the hips, which are there themselves; Head begins where the neck ends
+    middle={"head_base": "Head"},
+    sided={
+        "shoulder": "{side}Arm",
+        "elbow": "{side}ForeArm",
+        "wrist": "{side}Hand",
+        "hip": "{side}UpLeg",
+        "knee": "{side}Leg",
+        "ankle": "{side}Foot",
+        "toe": Beside(("{side}ToeBase",), "toe", (-6.9, 0.0, 0.0)),  # the ball of the foot (ours)
+    },
+    axes_by_up={"y": _T_POSE},
+)
+
+BIOVISION = Skeleton(
+    title="joints of BVH files as Biovision named them (Xsens, Poser)",
+    source="Meredith & Maddock 2001, Motion Capture File Formats Explained; Xsens MVN, BVH export",
+    names=(),
+    sides=("Left", "Right"),
+    middle={"head_base": "Head"},
+    sided={
+        **_joints("{side}{Joint}"),
+        "toe": Beside(("{side}Toe",), "toe", (-6.9, 0.0, 0.0)),  # the ball of the foot (ours)
+    },
+    axes_by_up=HUMANIK.axes_by_up,
+)
+
+ROS4HRI = Skeleton(
+    title="people of ROS4HRI (REP-155), frames of tf",
+    source="REP-155, Human-Robot Interaction; frames of github.com/ros4hri/human_description; axes: REP-103",
+    names=(),
+    sides=("l", "r"),
+    middle={"head": "head"},  # taken for the middle of the head (ours)
+    sided=_joints("{side}_{joint}"),
+    axes_by_up={"z": {"head": {"forward": "x", "up": "z"}}},
+)
+
 SKELETONS: Mapping[str, Skeleton] = {
     "zed_body_34": ZED_BODY_34,
     "zed_body_38": ZED_BODY_38,
@@ -360,6 +412,9 @@ SKELETONS: Mapping[str, Skeleton] = {
     "smplx": SMPL_X,
     "plug_in_gait": PLUG_IN_GAIT,
     "optitrack": OPTITRACK,
+    "humanik": HUMANIK,
+    "biovision": BIOVISION,
+    "ros4hri": ROS4HRI,
 }
 """By the name that a mapping gives."""
 

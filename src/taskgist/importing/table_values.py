@@ -69,6 +69,10 @@ class Part(Protocol):
     def where(self) -> str:
         """Mapping, source and file, for messages."""
 
+    @property
+    def oriented(self) -> bool:
+        """Whether the point has orientations, where its source has."""
+
     def numbers(self, columns: Sequence[Name]) -> Array:
         """Numbers in these columns, (rows, columns); NaN where there are none."""
 

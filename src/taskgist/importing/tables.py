@@ -21,6 +21,7 @@ from taskgist.common.files import shown_path
 from taskgist.errors import MappingError
 from taskgist.importing.csv import CsvPart, CsvTable
 from taskgist.importing.mapping import Columns, Frame, ImportMapping, Name, PointRef, Rotation, SignalColumn, Source
+from taskgist.importing.readers import READERS, read_take
 from taskgist.importing.table_values import (
     Part,
     Tokens,
@@ -32,6 +33,7 @@ from taskgist.importing.table_values import (
     smoothed,
     wxyz_from_numbers,
 )
+from taskgist.importing.takes import Take, part_of
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.geometry.transforms import changed_frame, matrix_from_wxyz
 
@@ -105,6 +107,11 @@ class ArrayPart:
     def where(self) -> str:
         """Mapping, source and file."""
         return self.table.where
+
+    @property
+    def oriented(self) -> bool:
+        """All points of an array are alike."""
+        return True
 
     def numbers(self, columns: Sequence[Name]) -> Array:
         """Values by index in the array of positions, or other arrays by name, (time, columns).
@@ -192,7 +199,7 @@ class Tables:
     def __init__(self, mapping: ImportMapping, *, limits: Limits = DEFAULT.limits) -> None:
         self._mapping = mapping
         self._most_bytes = limits.table_bytes
-        self._opened: dict[tuple[Path, str], CsvTable | ArrayTable] = {}
+        self._opened: dict[tuple[Path, str], CsvTable | ArrayTable | Take] = {}
 
     def track(self, ref: PointRef, person: Name = "") -> Track:
         """Samples of one point.
@@ -211,7 +218,7 @@ class Tables:
         position = part.numbers(tokens.columns(source.position))
         lost = _lost(part, tokens, position)
         wxyz = None
-        if source.rotation is not None:
+        if source.rotation is not None and part.oriented:
             wxyz = _orientations(part, tokens, source.rotation, lost)
             if source.rotation.identity_is_lost:
                 lost = lost | is_identity(wxyz)
@@ -239,20 +246,26 @@ class Tables:
         file = self._mapping.data_dir / tokens.filled(source.file)
         table = self._table(file, source, tokens.where)
         form = source.table
+        if isinstance(table, Take):
+            return part_of(table, tokens.person, tokens.point, f"{tokens.where}: {shown_path(file)}")
         if isinstance(table, CsvTable):
             return CsvPart(table, table.rows_where([(c, tokens.filled(text)) for c, text in form.where]))
         name = None if form.array is None else tokens.filled(form.array)
         return ArrayPart(table, name, form.layout, tokens.index_of)
 
-    def _table(self, file: Path, source: Source, where: str) -> CsvTable | ArrayTable:
+    def _table(self, file: Path, source: Source, where: str) -> CsvTable | ArrayTable | Take:
         key = (file, source.name)
         if key not in self._opened:
-            self._opened[key] = (
-                CsvTable(file, source.table, where, most_bytes=self._most_bytes)
-                if source.kind == "csv"
-                else ArrayTable(file, where, most_bytes=self._most_bytes)
-            )
+            self._opened[key] = _opened(file, source, where, self._most_bytes)
         return self._opened[key]
+
+
+def _opened(file: Path, source: Source, where: str, most_bytes: int) -> CsvTable | ArrayTable | Take:
+    if source.kind in READERS:
+        return read_take(file, source.kind, where=f"{where}: {shown_path(file)}", most_bytes=most_bytes)
+    if source.kind == "csv":
+        return CsvTable(file, source.table, where, most_bytes=most_bytes)
+    return ArrayTable(file, where, most_bytes=most_bytes)
 
 
 def _lost(part: Part, tokens: Tokens, position: Array) -> Mask:
