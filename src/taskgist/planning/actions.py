@@ -179,11 +179,21 @@ class Actions:
 
     def out_of_reach(self, name: str, candidate: Candidate) -> str | None:
         """Why an agent does not get at a place, by its own effort; None if it does."""
+        if not self._as_high(name, candidate):
+            return f"{name} does not reach so far"
         effort = self._efforts(name, candidate.state).effort(name, candidate.thing, "reach", self._usable(name))
         person = moves_itself(self._scene.agent(name))
         if effort.is_known_to_do and not (person and not self._gets_to(name, candidate)):
             return None
         return f"from where it is, {name} does not reach so far" if person else f"{name} does not reach so far"
+
+    def _as_high(self, name: str, candidate: Candidate) -> bool:
+        """Whether an arm may get as high, or as low, as a place is, wherever a robot stands; asked quickly, first."""
+        if moves_itself(self._scene.agent(name)):
+            return True
+        bounds = Stage(self._scene, candidate.state).bounds(self._scene.seen_geoms(candidate.thing))
+        (lowest_m, highest_m), (low_m, high_m) = bounds[:, 2], self._anywhere(name).heights_m
+        return bool(lowest_m <= high_m and highest_m >= low_m)
 
     def _gets_to(self, name: str, candidate: Candidate) -> bool:
         stage = Stage(self._scene, candidate.state)
