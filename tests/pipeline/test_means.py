@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import replace
 from functools import cache
 from itertools import groupby, islice
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -17,12 +19,14 @@ from taskgist.language.performing import chosen, refused, steps
 from taskgist.performing.execution import phase_frames
 from taskgist.performing.outputs import plan_document, robot_trajectory
 from taskgist.pipeline.performing import Outcome, perform
+from taskgist.planning.actions import Actions
 from taskgist.planning.aims import aims_of
 from taskgist.planning.endings import Endings
-from taskgist.planning.plan import Action
+from taskgist.planning.plan import Action, Purpose
 from taskgist.planning.requests import Request, Spared
+from taskgist.planning.sequences import MOST_IN_ALL
 from taskgist.settings import DEFAULT
-from taskgist.world import Scene
+from taskgist.world import Scene, State
 from taskgist_lab.evaluation.performing.second_audit import second_audit
 from taskgist_lab.generator.things import OpenBox
 from taskgist_lab.simulator.room import TABLE, Person, Room, Table, Thing
@@ -326,6 +330,25 @@ def test_another_robot_brings_a_thing_where_the_performer_does_not_get() -> None
     assert found.plan.cost.total == 2 + 8 / 5
     assert "m, where R2 takes it; then R2 puts the tape on the shelf" in chosen(found.plan)
     assert [step for step in steps(found.plan) if step.startswith("R2 ")] == [steps(found.plan)[len_of(one)]]
+
+
+def test_a_way_is_given_up_before_every_place_in_between_was_tried_with_every_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tried, plan = Counter[str](), Actions.plan
+
+    def planned(actions: Actions, state: State, name: str, purpose: Purpose, *rest: Any, **more: Any) -> Action | str:
+        tried[purpose] += 1
+        return "no" if purpose == "move" else plan(actions, state, name, purpose, *rest, **more)
+
+    monkeypatch.setattr(Actions, "plan", planned)
+    request = Request(clause("hide"), "R1", "P2", "tape", allow=("shelf",), means=("relay",))
+    assert "R1 brings the tape to where R2 takes it, R2 brings the tape there: no" in why_not(
+        perform(parted(), request)
+    )
+    assert tried["relay"] > 1
+    assert tried["move"] > tried["relay"]
+    assert tried.total() <= MOST_IN_ALL + 1
 
 
 def len_of(action: Action) -> int:
