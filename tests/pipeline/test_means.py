@@ -153,6 +153,17 @@ def test_what_cannot_be_slid_is_told() -> None:
     assert "R cannot grasp the tape" in why_not(outcome)
 
 
+@pytest.mark.parametrize("high_m", [0.003, 0.012])
+def test_nothing_is_slid_over_an_object_which_would_be_drawn_along(high_m: float) -> None:
+    """Of a disc on a sheet, and on a tray, whose edges are no edges of what stays where it is."""
+    tray = Thing("tray", (0.3, 0.3, high_m), (-0.15, 0.3, TOP))
+    disc = replace(DISC, position_m=(-0.15, 0.3, TOP + high_m))
+    scene = Room("room", (robot("R", -1.6), P2), (tray, disc), TABLE).scene()
+    told = why_not(perform(scene, Request(clause("show"), "R", "P2", "tape", means=("move", "slide"))))
+    why = "the tape lies on the tray, which would be drawn along"
+    assert f"R slides the tape out over an edge, R brings the tape there: {why}" in told
+
+
 def test_nothing_is_slid_by_a_robot_that_is_not_to_slide() -> None:
     scene = with_disc()
     outcome = perform(scene, Request(clause("show"), "R", "P2", "tape", means=("move", "cover", "relay")))

@@ -28,7 +28,7 @@ from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Phase, Purpose
 from taskgist.planning.robot_taking import taker_of
 from taskgist.planning.settling import settled
-from taskgist.planning.sliding import slid_out
+from taskgist.planning.sliding import slid_out, why_not_slid
 from taskgist.planning.transfer import Picking, Transfers, slidings
 from taskgist.settings import Settings
 from taskgist.world.scene import Scene
@@ -157,6 +157,11 @@ class Actions:
         """Where a robot may slide a thing out over an edge, to pick it up from there."""
         robot = self.robot(name, state)
         return iter(()) if robot is None else slid_out(self._scene, state, robot, thing)
+
+    def why_not_slid(self, state: State, name: str, thing: str) -> str:
+        """Why ``slid_out`` has no place, in words."""
+        robot = self.robot(name, state)
+        return f"{name} slides nothing" if robot is None else why_not_slid(self._scene, state, robot, thing)
 
     def holds_at_both_ends(self, state: State, name: str, candidate: Candidate) -> bool:
         """Whether some grasp of a robot's hand is free where a thing lies, and where it is to be; a person's is."""

@@ -337,7 +337,7 @@ class Sequences:
         if not rest:
             yield from self._wanted(state, step, trial)
             return
-        then, later = rest[0], {each.thing for each in rest}
+        then, later, places = rest[0], {each.thing for each in rest}, trial.places
         for candidate in self._between(state, step, then):
             trial.places += 1
             if candidate.carrier in later:
@@ -350,6 +350,8 @@ class Sequences:
                 trial.why = trial.why or "{} does not get hold of the {} there".format(*cannot[0])
             else:
                 yield candidate
+        if step.purpose == "slide" and trial.places == places:
+            trial.why = trial.why or self._actions.why_not_slid(state, step.agent, step.thing)
 
     def _between(self, state: State, step: Step, then: Step) -> Iterator[Candidate]:
         """Places to which something is brought before the next step: before a helper's hand, or near and put down."""
