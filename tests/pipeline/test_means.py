@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import replace
 from functools import cache
 from itertools import groupby, islice
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -17,12 +19,14 @@ from taskgist.language.performing import chosen, refused, steps
 from taskgist.performing.execution import phase_frames
 from taskgist.performing.outputs import plan_document, robot_trajectory
 from taskgist.pipeline.performing import Outcome, perform
+from taskgist.planning.actions import Actions
 from taskgist.planning.aims import aims_of
 from taskgist.planning.endings import Endings
-from taskgist.planning.plan import Action
+from taskgist.planning.plan import Action, Purpose
 from taskgist.planning.requests import Request, Spared
+from taskgist.planning.sequences import MOST_IN_ALL
 from taskgist.settings import DEFAULT
-from taskgist.world import Scene
+from taskgist.world import Scene, State
 from taskgist_lab.evaluation.performing.second_audit import second_audit
 from taskgist_lab.generator.things import OpenBox
 from taskgist_lab.simulator.room import TABLE, Person, Room, Table, Thing
@@ -87,10 +91,19 @@ def test_why_nothing_covers_it() -> None:
 DISC = Thing("tape", (0.11, 0.035), (-0.1, 0.3, TOP))
 
 
+@cache
+def with_disc(profile: str = "jido") -> Scene:
+    return Room("room", (robot("R", -1.6, profile=profile), P2), (DISC,), TABLE).scene()
+
+
+@cache
+def slid(profile: str = "jido") -> Outcome:
+    return perform(with_disc(profile), Request(clause("show"), "R", "P2", "tape"))
+
+
 @pytest.mark.parametrize("profile", ["jido", pytest.param("pr2", marks=needs("pr2"))])
 def test_what_lies_flat_is_slid_over_an_edge_first(profile: str) -> None:
-    scene = Room("room", (robot("R", -1.6, profile=profile), P2), (DISC,), TABLE).scene()
-    (found,) = perform(scene, Request(clause("show"), "R", "P2", "tape")).performances
+    scene, (found,) = with_disc(profile), slid(profile).performances
     slide, move = found.plan.actions
     assert (slide.purpose, slide.candidate.means, move.purpose) == ("slide", "slide_out", "move")
     assert found.audit.clean
@@ -105,25 +118,24 @@ def test_what_lies_flat_is_slid_over_an_edge_first(profile: str) -> None:
 
 def test_fingers_press_on_what_they_slide_and_draw_it_straight_out() -> None:
     """By MuJoCo's distances alone: the hand touches the thing and nothing of it is below the thing's top."""
-    scene = Room("room", (robot("R", -1.6), P2), (DISC,), TABLE).scene()
-    (found,) = perform(scene, Request(clause("show"), "R", "P2", "tape")).performances
+    scene, (found,) = with_disc(), slid().performances
     action, column = found.plan.actions[0], scene.object_slice("tape")
-    (slid,) = (phase.qpos for phase in action.phases if phase.name == "slide")
+    (rows,) = (phase.qpos for phase in action.phases if phase.name == "slide")
     model, data = scene.model, mujoco.MjData(scene.model)
     hand, thing = scene.agent("R").arm(action.side).hand_geoms, scene.solid_geoms_of("tape")
-    way = slid[-1, column][:2] - slid[0, column][:2]
-    for row in slid:
+    way = rows[-1, column][:2] - rows[0, column][:2]
+    for row in rows:
         data.qpos[:] = row
         mujoco.mj_kinematics(model, data)
         apart_m = min(mujoco.mj_geomDistance(model, data, a, b, 0.1, None) for a in hand for b in thing)
         assert -0.002 < apart_m < 0.003
         lowest = min(mujoco.mj_geomDistance(model, data, a, scene.solid_geoms_of("table")[0], 0.1, None) for a in hand)
         assert lowest > DISC.height_m - 0.002, "above the thing's top"
-        moved = row[column][:2] - slid[0, column][:2]
+        moved = row[column][:2] - rows[0, column][:2]
         assert abs(moved[0] * way[1] - moved[1] * way[0]) < 0.001 * np.linalg.norm(way)
-        assert np.abs(row[column][2:] - slid[0, column][2:]).max() < 0.001
+        assert np.abs(row[column][2:] - rows[0, column][2:]).max() < 0.001
     half = np.array(TABLE.size_m[:2]) / 2
-    out_m = float((np.abs(slid[-1, column][:2] - TABLE.centre_m) - half).max()) + 0.11 / 2
+    out_m = float((np.abs(rows[-1, column][:2] - TABLE.centre_m) - half).max()) + 0.11 / 2
     assert 0.02 < out_m < 0.11 / 2, "it sticks out, and its middle is over the table"
 
 
@@ -141,8 +153,19 @@ def test_what_cannot_be_slid_is_told() -> None:
     assert "R cannot grasp the tape" in why_not(outcome)
 
 
+@pytest.mark.parametrize("high_m", [0.003, 0.012])
+def test_nothing_is_slid_over_an_object_which_would_be_drawn_along(high_m: float) -> None:
+    """Of a disc on a sheet, and on a tray, whose edges are no edges of what stays where it is."""
+    tray = Thing("tray", (0.3, 0.3, high_m), (-0.15, 0.3, TOP))
+    disc = replace(DISC, position_m=(-0.15, 0.3, TOP + high_m))
+    scene = Room("room", (robot("R", -1.6), P2), (tray, disc), TABLE).scene()
+    told = why_not(perform(scene, Request(clause("show"), "R", "P2", "tape", means=("move", "slide"))))
+    why = "the tape lies on the tray, which would be drawn along"
+    assert f"R slides the tape out over an edge, R brings the tape there: {why}" in told
+
+
 def test_nothing_is_slid_by_a_robot_that_is_not_to_slide() -> None:
-    scene = Room("room", (robot("R", -1.6), P2), (DISC,), TABLE).scene()
+    scene = with_disc()
     outcome = perform(scene, Request(clause("show"), "R", "P2", "tape", means=("move", "cover", "relay")))
     told = "R cannot pick the tape up: the tape would have to be slid over the edge before it is grasped"
     assert why_not(outcome) == told
@@ -173,7 +196,7 @@ def test_people_are_told_by_their_names() -> None:
 
 
 def test_a_literal_that_fails_by_another_means_is_told_in_words() -> None:
-    scene = Room("room", (robot("R", -1.6), P2), (DISC,), TABLE).scene()
+    scene = with_disc()
     told = why_not(perform(scene, Request(clause("hide"), "R", "P2", "tape", means=("move", "slide"))))
     assert "R brings the tape there: it fails that it sees next to nothing of the object afterwards" in told
 
@@ -318,6 +341,25 @@ def test_another_robot_brings_a_thing_where_the_performer_does_not_get() -> None
     assert found.plan.cost.total == 2 + 8 / 5
     assert "m, where R2 takes it; then R2 puts the tape on the shelf" in chosen(found.plan)
     assert [step for step in steps(found.plan) if step.startswith("R2 ")] == [steps(found.plan)[len_of(one)]]
+
+
+def test_a_way_is_given_up_before_every_place_in_between_was_tried_with_every_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tried, plan = Counter[str](), Actions.plan
+
+    def planned(actions: Actions, state: State, name: str, purpose: Purpose, *rest: Any, **more: Any) -> Action | str:
+        tried[purpose] += 1
+        return "no" if purpose == "move" else plan(actions, state, name, purpose, *rest, **more)
+
+    monkeypatch.setattr(Actions, "plan", planned)
+    request = Request(clause("hide"), "R1", "P2", "tape", allow=("shelf",), means=("relay",))
+    assert "R1 brings the tape to where R2 takes it, R2 brings the tape there: no" in why_not(
+        perform(parted(), request)
+    )
+    assert tried["relay"] > 1
+    assert tried["move"] > tried["relay"]
+    assert tried.total() <= MOST_IN_ALL + 1
 
 
 def len_of(action: Action) -> int:

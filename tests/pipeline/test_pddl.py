@@ -12,7 +12,7 @@ import pytest
 from taskgist.pipeline.performing import Outcome, perform
 from taskgist.planning.pddl import Names
 from taskgist.planning.requests import Request
-from tests.pipeline.test_means import cleared, covered, parted, relayed
+from tests.pipeline.test_means import cleared, covered, parted, relayed, slid
 from tests.pipeline.test_performing import clause
 
 ROOT = Path(__file__).parent.parent.parent
@@ -24,7 +24,7 @@ def _carried(plan: list[str]) -> list[list[str]]:
     return [[covers.get(word, word) for word in line.split()[1:3]] for line in plan]
 
 
-@pytest.mark.parametrize("performed", [relayed, covered, cleared])
+@pytest.mark.parametrize("performed", [relayed, covered, cleared, slid])
 def test_another_planner_solves_the_same_problem(performed: Callable[[], Outcome], tmp_path: Path) -> None:
     outcome = performed()
     pddl = outcome.pddl()
@@ -48,6 +48,18 @@ def test_its_places_are_those_of_the_plan() -> None:
         place = pddl.places[line.strip("()").split()[-1]]
         assert (place["object"], place["carrier"], place["means"]) == ("tape", action.candidate.carrier, "put_on")
         assert place["position_m"] == pytest.approx(action.candidate.pose[:3], abs=1e-5)
+
+
+def test_what_lies_flat_is_carried_only_from_where_it_was_slid() -> None:
+    pddl = slid().pddl()
+    slide, carry = (line.strip("()").split() for line in pddl.plans[0].splitlines())
+    kind = slide[0].removeprefix("slide-")
+    assert (carry[0], slide[1:4], carry[3]) == (f"carry-{kind}", ["r", "tape", "tape-here"], slide[4])
+    assert "r tape tape-here)" not in pddl.problem, "nobody gets at it there"
+    facts = [line.split()[-1].strip(")") for line in pddl.problem.splitlines() if f"(slides-{kind} r tape" in line]
+    assert slide[4] in facts
+    assert {pddl.places[name]["means"] for name in facts} == {"slide_out"}
+    assert all(f"(gets-{kind} r tape {name})" in pddl.problem for name in facts)
 
 
 def test_what_nobody_gets_at_has_no_plan() -> None:

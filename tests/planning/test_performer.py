@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from taskgist.errors import SceneError, UnknownNameError
+from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.grasping import Grasping
 from taskgist.planning.performer import Performer, refuse_held, with_values
 from taskgist.world import Pose, Scene, Stage, State
@@ -50,6 +51,24 @@ def test_every_body_has_seven_joints_or_as_many_as_its_arm_has_and_its_lift_come
         assert lifts == len(performer.agent.lifts)
         assert (chain.low < chain.high).all()
         assert not any("finger" in name or "girdle" in name or "torso_turn" in name for name in chain.names)
+
+
+@pytest.mark.parametrize("profile", [*WITH_PR2, "talos"])
+def test_only_between_its_heights_anything_is_reached(profile: str) -> None:
+    performer = Performer(room(profile, box(0.5)), "R")
+    low_m, high_m = performer.heights_m
+    column, half_m = performer.scene.object_slice("box"), 0.025
+
+    def is_reached(height_m: float) -> bool:
+        pose = (0.5, -0.2, height_m, 1.0, 0.0, 0.0, 0.0)
+        efforts = SceneEfforts(Stage(performer.scene, performer.start.replace(at=column, to=pose)))
+        return efforts.effort("R", "box", "reach", performer.actions).is_known_to_do
+
+    assert [is_reached(height_m) for height_m in (low_m - half_m - 0.001, high_m + half_m + 0.001)] == [False, False]
+    if performer.drives:
+        assert [is_reached(height_m) for height_m in (max(low_m, 0.0) + 0.08, high_m - 0.08)] == [True, True], (
+            "not much narrower"
+        )
 
 
 @pytest.mark.parametrize("profile", EVERY_BODY)

@@ -10,6 +10,7 @@ import pytest
 
 from taskgist.planning.grasping import Grasping
 from taskgist.planning.performer import Performer
+from taskgist.planning.sliding import why_not_slid
 from taskgist.planning.stands import APART_M, APART_RAD, Stand, Stands
 from taskgist.planning.transfer import Picking, Picks, Transfers
 from taskgist.world.geometry.transforms import wrapped
@@ -99,6 +100,12 @@ def test_what_lies_too_flat_to_be_grasped_has_to_be_slid_first() -> None:
     picking = Picking(Grasping(performer, performer.start, "plate"))
     assert picking.refusal == "the plate would have to be slid over the edge before it is grasped"
     assert picking.may_slide
+
+
+def test_why_nothing_is_slid_where_no_edge_is_near() -> None:
+    performer = Performer(two_tables("jido", Thing("plate", (0.06, 0.06, 0.01), (0.8, 0.0, 0.01))), "R")
+    told = why_not_slid(performer.scene, performer.start, performer, "plate")
+    assert told == "no edge of the floor is near enough to the plate, and free"
 
 
 def test_behind_a_wall_nothing_is_got_to() -> None:

@@ -28,7 +28,7 @@ from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import Action, Phase, Purpose
 from taskgist.planning.robot_taking import taker_of
 from taskgist.planning.settling import settled
-from taskgist.planning.sliding import slid_out
+from taskgist.planning.sliding import slid_out, why_not_slid
 from taskgist.planning.transfer import Picking, Transfers, slidings
 from taskgist.settings import Settings
 from taskgist.world.scene import Scene
@@ -158,6 +158,11 @@ class Actions:
         robot = self.robot(name, state)
         return iter(()) if robot is None else slid_out(self._scene, state, robot, thing)
 
+    def why_not_slid(self, state: State, name: str, thing: str) -> str:
+        """Why ``slid_out`` has no place, in words."""
+        robot = self.robot(name, state)
+        return f"{name} slides nothing" if robot is None else why_not_slid(self._scene, state, robot, thing)
+
     def holds_at_both_ends(self, state: State, name: str, candidate: Candidate) -> bool:
         """Whether some grasp of a robot's hand is free where a thing lies, and where it is to be; a person's is."""
         robot = self.robot(name, state)
@@ -179,11 +184,21 @@ class Actions:
 
     def out_of_reach(self, name: str, candidate: Candidate) -> str | None:
         """Why an agent does not get at a place, by its own effort; None if it does."""
+        if not self._as_high(name, candidate):
+            return f"{name} does not reach so far"
         effort = self._efforts(name, candidate.state).effort(name, candidate.thing, "reach", self._usable(name))
         person = moves_itself(self._scene.agent(name))
         if effort.is_known_to_do and not (person and not self._gets_to(name, candidate)):
             return None
         return f"from where it is, {name} does not reach so far" if person else f"{name} does not reach so far"
+
+    def _as_high(self, name: str, candidate: Candidate) -> bool:
+        """Whether an arm may get as high, or as low, as a place is, wherever a robot stands; asked quickly, first."""
+        if moves_itself(self._scene.agent(name)):
+            return True
+        bounds = Stage(self._scene, candidate.state).bounds(self._scene.seen_geoms(candidate.thing))
+        (lowest_m, highest_m), (low_m, high_m) = bounds[:, 2], self._anywhere(name).heights_m
+        return bool(lowest_m <= high_m and highest_m >= low_m)
 
     def _gets_to(self, name: str, candidate: Candidate) -> bool:
         stage = Stage(self._scene, candidate.state)

@@ -11,6 +11,9 @@ carrying, so that costs are constant, whole numbers (fifths of an action)::
                          (forall (?other - thing) (imply (blocks ?other ?what ?from) (moved ?other))))
       :effect (and (not (at ?what ?from)) (at ?what ?to) (moved ?what) (increase (total-cost) 9)))
 
+What no hand of a robot closes on as it lies, but would where it sticks out over an edge, the robot does not get at
+where it is: it slides it to such a place first, by actions ``slide-...`` with facts ``slides-...`` from place to place.
+
 Motions are not in it: that a robot finds its way must be asked of ``Actions`` for each step of a plan. The same names
 with poses stand in ``places``, a value for JSON.
 """
@@ -40,7 +43,7 @@ ACTION_COST = NO_KNOWN_LEVEL
 ENOUGH, MOST = 4, 200
 """So many places of a thing are enough, of so many that are judged."""
 BETWEEN = 2
-"""Places where something is put out of the way, or handed on."""
+"""Places where something is put out of the way, handed on, or slid to."""
 RESERVED = frozenset(
     {"agent", "thing", "place", "at", "moved", "blocks", "object", "number", "total-cost", "and", "or"}
 )
@@ -71,6 +74,12 @@ class _Place:
     name: str
     candidate: Candidate | None
     will_do: bool
+
+
+Levels = dict[tuple[str, _Place], int]
+"""The level with which an agent gets at a place."""
+Slides = dict[tuple[str, _Place, _Place], int]
+"""The level with which an agent slides a thing from a place to another."""
 
 
 @dataclass
@@ -138,12 +147,13 @@ class _Export:
         """All of it."""
         places = [place for thing in self._things for place in self._places(thing, plans)]
         levels = dict(self._levels(places))
+        slides = dict(self._slides(places, plans))
         used = sorted(set(levels.values()))
         return Pddl(
-            _domain(used),
-            self._problem(places, levels, used, plans),
+            _domain(used, sorted(set(slides.values()))),
+            self._problem(places, levels, slides, used, plans),
             {place.name: self._told(place) for place in places},
-            tuple(self._plan(plan, places, levels) for plan in plans),
+            tuple(self._plan(plan, places, levels, slides) for plan in plans),
         )
 
     # --- Places.
@@ -152,7 +162,8 @@ class _Export:
         """Where a thing is, and where it may go."""
         yield _Place(thing, self._names.of("place", f"{thing}-here"), None, will_do=False)
         found: dict[bytes, tuple[Candidate, bool]] = {}
-        for candidate, will_do in (*self._planned(thing, plans), *self._enough(thing)):
+        slid = ((candidate, False) for there in self._slid[thing].values() for candidate in there)
+        for candidate, will_do in (*self._planned(thing, plans), *self._enough(thing), *slid):
             found.setdefault(candidate.pose.tobytes(), (candidate, will_do))
         for number, (candidate, will_do) in enumerate(found.values()):
             yield _Place(thing, self._names.of("place", f"{thing}-{number + 1}"), candidate, will_do)
@@ -191,16 +202,64 @@ class _Export:
     # --- Facts.
 
     def _levels(self, places: Sequence[_Place]) -> Iterator[tuple[tuple[str, _Place], int]]:
-        """The level with which each agent gets at each place, if it does; what is to be cleared is thought away."""
+        """The level with which each agent gets at each place, if it does, and need not slide it from there first."""
         for place in places:
-            state = self._state if place.candidate is None else place.candidate.state
-            if place.candidate is None:
-                for name in self._blocking[place.thing]:
-                    state = self._endings.without(state, name)
+            state = self._begin(place.thing) if place.candidate is None else place.candidate.state
             for agent in self._agents:
                 level = self._actions.level(state, agent, place.thing)
-                if level < NO_KNOWN_LEVEL:
+                flat = place.candidate is None and agent in self._flat[place.thing]
+                if level < NO_KNOWN_LEVEL and not flat:
                     yield (agent, place), level
+
+    def _slides(
+        self, places: Sequence[_Place], plans: Sequence[Plan]
+    ) -> Iterator[tuple[tuple[str, _Place, _Place], int]]:
+        """The level with which each agent slides a thing from where it lies, and in plans from anywhere."""
+        for thing in self._things:
+            here = _here(places, thing)
+            for agent, found in self._slid[thing].items():
+                for candidate in found:
+                    states = (self._begin(thing), candidate.state)
+                    level = max(self._actions.level(state, agent, thing) for state in states)
+                    if level < NO_KNOWN_LEVEL:
+                        yield (agent, here, _place_of(places, candidate)), level
+        for plan in plans:
+            for action, before, to in _carried(places, plan):
+                if action.purpose == "slide":
+                    yield (action.performer, before, to), min(action.level, len(KINDS) - 1)
+
+    def _begin(self, thing: str) -> State:
+        """The start, in which what must be moved before a thing is thought away."""
+        state = self._state
+        for name in self._blocking[thing]:
+            state = self._endings.without(state, name)
+        return state
+
+    @cached_property
+    def _flat(self) -> dict[str, tuple[str, ...]]:
+        """Of each thing the robots whose hand does not close on it as it lies, but perhaps once it sticks out."""
+        return {
+            thing: tuple(
+                agent
+                for agent in self._agents
+                if self._gets(agent, thing, self._begin(thing))
+                and self._actions.may_slide(self._begin(thing), agent, thing)
+            )
+            for thing in self._things
+        }
+
+    @cached_property
+    def _slid(self) -> dict[str, dict[str, tuple[Candidate, ...]]]:
+        """Of each thing where each of these may slide it."""
+        if "slide" not in self._request.means:
+            return {thing: {} for thing in self._things}
+        return {
+            thing: {
+                agent: tuple(islice(self._actions.slid_out(self._begin(thing), agent, thing), BETWEEN))
+                for agent in agents
+            }
+            for thing, agents in self._flat.items()
+        }
 
     @cached_property
     def _blocking(self) -> dict[str, tuple[str, ...]]:
@@ -218,7 +277,8 @@ class _Export:
     def _problem(
         self,
         places: Sequence[_Place],
-        levels: dict[tuple[str, _Place], int],
+        levels: Levels,
+        slides: Slides,
         used: Sequence[int],
         plans: Sequence[Plan],
     ) -> str:
@@ -231,6 +291,9 @@ class _Export:
         for (agent, place), level in levels.items():
             what = f"{names('agent', agent)} {names('thing', place.thing)} {place.name}"
             init += [f"(gets-{KINDS[more]} {what})" for more in used if more >= level]
+        for (agent, before, to), level in slides.items():
+            what = f"{names('agent', agent)} {names('thing', before.thing)} {before.name} {to.name}"
+            init.append(f"(slides-{KINDS[level]} {what})")
         thing = self._request.thing
         ends = []
         for place in places:
@@ -240,7 +303,7 @@ class _Export:
                 ends.append(at if place.thing == thing else f"(and {at} {stays})")
         for plan in plans:
             if len(plan.actions) > 1:  # it will do where all that was moved is in the end
-                last = {action.thing: self._of(places, action) for action in plan.actions}
+                last = {action.thing: to for action, _, to in _carried(places, plan)}
                 where = " ".join(f"(at {names('thing', each)} {place.name})" for each, place in last.items())
                 ends.append(f"(and {where})")
         goal = ["  (:goal (or", *(f"    {end}" for end in ends), "  ))"]
@@ -278,31 +341,45 @@ class _Export:
             "wxyz": [round(float(value), 6) for value in pose[3:]],
         }
 
-    @staticmethod
-    def _of(places: Sequence[_Place], action: Action) -> _Place:
-        """The place to which an action brings its thing."""
-        return next(each for each in places if each.thing == action.thing and _at(each, action.candidate))
-
-    def _plan(self, plan: Plan, places: Sequence[_Place], levels: dict[tuple[str, _Place], int]) -> str:
+    def _plan(self, plan: Plan, places: Sequence[_Place], levels: Levels, slides: Slides) -> str:
         """A plan as a sequence of actions."""
-        at = {place.thing: place for place in places if place.candidate is None}
         lines = []
-        for action in plan.actions:
-            to = self._of(places, action)
-            known = [levels.get((action.performer, place), action.level) for place in (at[action.thing], to)]
+        for action, before, to in _carried(places, plan):
             who, what = self._names.of("agent", action.performer), self._names.of("thing", action.thing)
-            kind = KINDS[min(max(known), len(KINDS) - 1)]
-            lines.append(f"(carry-{kind} {who} {what} {at[action.thing].name} {to.name})")
-            at[action.thing] = to
+            if action.purpose == "slide":
+                level, how = slides[action.performer, before, to], "slide"
+            else:
+                known = (levels.get((action.performer, place), action.level) for place in (before, to))
+                level, how = min(max(known), len(KINDS) - 1), "carry"
+            lines.append(f"({how}-{KINDS[level]} {who} {what} {before.name} {to.name})")
         return "\n".join(lines) + "\n"
+
+
+def _carried(places: Sequence[_Place], plan: Plan) -> Iterator[tuple[Action, _Place, _Place]]:
+    """The actions of a plan, each with the places from which and to which it brings its thing."""
+    at = {place.thing: place for place in places if place.candidate is None}
+    for action in plan.actions:
+        to = _place_of(places, action.candidate)
+        yield action, at[action.thing], to
+        at[action.thing] = to
+
+
+def _here(places: Sequence[_Place], thing: str) -> _Place:
+    """Where a thing is at the start."""
+    return next(place for place in places if place.thing == thing and place.candidate is None)
+
+
+def _place_of(places: Sequence[_Place], candidate: Candidate) -> _Place:
+    """The place that a candidate is."""
+    return next(place for place in places if place.thing == candidate.thing and _at(place, candidate))
 
 
 def _at(place: _Place, candidate: Candidate) -> bool:
     return place.candidate is not None and bool((place.candidate.pose == candidate.pose).all())
 
 
-def _domain(used: Sequence[int]) -> str:
-    """The domain, with a kind of carrying for each effort level that occurs."""
+def _domain(used: Sequence[int], sliding: Sequence[int]) -> str:
+    """The domain, with a kind of carrying, and of sliding, for each effort level that occurs."""
     lines = [
         "(define (domain bringing)",
         "  (:requirements :adl :typing :action-costs)",
@@ -312,6 +389,7 @@ def _domain(used: Sequence[int]) -> str:
         "    (moved ?what - thing)",
         "    (blocks ?other - thing ?what - thing ?where - place)",
         *(f"    (gets-{KINDS[level]} ?who - agent ?what - thing ?where - place)" for level in used),
+        *(f"    (slides-{KINDS[level]} ?who - agent ?what - thing ?from - place ?to - place)" for level in sliding),
         "  )",
         "  (:functions (total-cost) - number)",
     ]
@@ -326,6 +404,17 @@ def _domain(used: Sequence[int]) -> str:
             "      (forall (?other - thing) (imply (blocks ?other ?what ?from) (moved ?other))))",
             "    :effect (and",
             "      (not (at ?what ?from)) (at ?what ?to) (moved ?what)",
+            f"      (increase (total-cost) {ACTION_COST + level})))",
+        ]
+    for level in sliding:  # what is slid is not out of the way of what it blocks
+        lines += [
+            f"  (:action slide-{KINDS[level]}",
+            "    :parameters (?who - agent ?what - thing ?from - place ?to - place)",
+            "    :precondition (and",
+            f"      (at ?what ?from) (slides-{KINDS[level]} ?who ?what ?from ?to)",
+            "      (forall (?other - thing) (imply (blocks ?other ?what ?from) (moved ?other))))",
+            "    :effect (and",
+            "      (not (at ?what ?from)) (at ?what ?to)",
             f"      (increase (total-cost) {ACTION_COST + level})))",
         ]
     return "\n".join([*lines, ")"]) + "\n"

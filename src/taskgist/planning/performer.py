@@ -154,6 +154,21 @@ class Performer:
         lifted = (LIFT_TORSO,) if self.agent.lifts else ()
         return (*arms, *lifted, *((MOVE,) if self.drives else ()))
 
+    @cached_property
+    def heights_m(self) -> tuple[float, float]:
+        """Between which heights its palms get to anything, wherever it drives and however high it is lifted, metres."""
+        if self.settings.reach.model == "sector" or any(arm.profile.thrust for arm in self.agent.arms):
+            return -math.inf, math.inf
+        found = []
+        for side in self.sides:
+            chain, reach, shoulder = self.chain(side), self.agent.arm(side).reach, self.shoulder(self.start.qpos, side)
+            up = shoulder[-3:] * ((1.0, -1.0, 1.0) if reach.mirrored else 1.0)
+            low_m, high_m = (reach.scale * far_m for far_m in reach.map.along(up))
+            values = self.start.qpos[chain.positions]
+            lowered_m, lifted_m = (float((end - values)[chain.lifts].sum()) for end in (chain.low, chain.high))
+            found += [shoulder[2] + low_m + lowered_m, shoulder[2] + high_m + lifted_m]
+        return float(min(found)), float(max(found))
+
     @property
     def not_planned(self) -> tuple[tuple[tuple[str, ...], str], ...]:
         """Virtual actions that its body has and that nothing here carries out, and what they are in words."""

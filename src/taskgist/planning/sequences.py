@@ -44,6 +44,9 @@ MOST_PLACES = {"move": 300, "cover": 120, "clear": 300, "relay": 300, "slide": 3
 """Places that are judged for a step at most, by what it is for."""
 MOST_TRIED = {"move": 4, "cover": 6, "clear": 6, "relay": 10, "slide": 4}
 """Of those that will do, so many are tried with the body of whoever acts."""
+MOST_IN_ALL = 12
+"""Actions of robots that are tried for a sketch, all its steps together, before it is given up, or between two of its
+plans: one in vain takes them a second or so (ours)."""
 BY_PEOPLE = 3
 """So many times as many are tried with a person, whose motions are quickly found, and not planned around things."""
 MOST_HANDED = 30
@@ -76,11 +79,12 @@ Sketch = tuple[Step, ...]
 class _Trial:
     """What becomes of a sketch: how many places were judged, why it fails, what was in the way of which step.
 
-    The reason may be a literal that fails. And the step whose thing may be slid over an edge before it is done, if
-    one's lies too flat for the hand.
+    The reason may be a literal that fails. Of actions of robots those are counted that were tried since a plan was
+    found. And the step whose thing may be slid over an edge before it is done, if one's lies too flat for the hand.
     """
 
     places: int = 0
+    tried: int = 0
     why: str | Literal = ""
     blocked: tuple[int, tuple[str, ...]] | None = None
     flat: int | None = None
@@ -251,9 +255,11 @@ class Sequences:
                 return None if able else f"{then.agent} does not get hold of the {then.thing} then"
 
         leaves = bool(rest) and rest[0].agent != step.agent
-        most = MOST_TRIED[step.purpose] * (BY_PEOPLE if moves_itself(self._scene.agent(step.agent)) else 1)
+        person = moves_itself(self._scene.agent(step.agent))
+        most = MOST_TRIED[step.purpose] * (BY_PEOPLE if person else 1)
         slid = bool(done) and done[-1].purpose == "slide"
         for candidate in islice(self._reached(state, step, rest, trial, slid=slid), most):
+            trial.tried += not person
             action = self._action(state, step, candidate, why_not, leaves=leaves, blockers=blockers)
             if isinstance(action, str):
                 trial.why = action
@@ -261,6 +267,7 @@ class Sequences:
                     return
                 continue
             if not rest:
+                trial.tried = 0
                 yield (*done, action)
                 continue
             end = after(self._scene, state, action)
@@ -310,7 +317,7 @@ class Sequences:
     def _reached(
         self, state: State, step: Step, rest: Sketch, trial: _Trial, *, slid: bool = False
     ) -> Iterator[Candidate]:
-        """Of the places to which a step brings its thing those at which its agent gets.
+        """Of the places to which a step brings its thing those at which its agent gets, until enough were tried.
 
         What was slid out is held from beneath, and put down that way, too; so that is asked first.
         """
@@ -320,6 +327,8 @@ class Sequences:
                 out = f"no grasp of the {step.thing} does for both ends"
             if out is None:
                 yield candidate
+                if trial.tried >= MOST_IN_ALL:
+                    return
             else:
                 trial.why = trial.why or out
 
@@ -328,7 +337,7 @@ class Sequences:
         if not rest:
             yield from self._wanted(state, step, trial)
             return
-        then, later = rest[0], {each.thing for each in rest}
+        then, later, places = rest[0], {each.thing for each in rest}, trial.places
         for candidate in self._between(state, step, then):
             trial.places += 1
             if candidate.carrier in later:
@@ -341,6 +350,8 @@ class Sequences:
                 trial.why = trial.why or "{} does not get hold of the {} there".format(*cannot[0])
             else:
                 yield candidate
+        if step.purpose == "slide" and trial.places == places:
+            trial.why = trial.why or self._actions.why_not_slid(state, step.agent, step.thing)
 
     def _between(self, state: State, step: Step, then: Step) -> Iterator[Candidate]:
         """Places to which something is brought before the next step: before a helper's hand, or near and put down."""

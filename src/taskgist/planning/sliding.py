@@ -50,15 +50,17 @@ DOWN = np.array((0.0, 0.0, -1.0))
 def slid_out(scene: Scene, state: State, performer: Performer, thing: str) -> Iterator[Candidate]:
     """Where a thing may be slid out so that it stays lying and the robot's hand gets around it; near places first.
 
+    Only furniture has such edges: an object beneath it, a tray or a sheet of paper, would be drawn along.
+
     Args:
         scene: The scene.
         state: Where everything is.
         performer: The robot, which is thought away.
         thing: The thing.
     """
-    stage, settings = Stage(scene, state), performer.settings
-    carrier = support_of(stage, thing, settings.contact)
-    if carrier is None:
+    stage = Stage(scene, state)
+    carrier = support_of(stage, thing, performer.settings.contact)
+    if carrier is None or carrier in scene.objects:
         return
     column = scene.object_slice(thing)
     pose = state.qpos[column]
@@ -66,6 +68,19 @@ def slid_out(scene: Scene, state: State, performer: Performer, thing: str) -> It
         end = state.replace(at=column, to=(*(pose[:3] + shift), *pose[3:]))
         if len(Grasping(performer, end, thing).free) and settled(scene, end, thing).stays:
             yield Candidate("slide_out", thing, end.qpos[column], carrier, end)
+
+
+def why_not_slid(scene: Scene, state: State, performer: Performer, thing: str) -> str:
+    """Why a thing is not slid out anywhere, in words; the arguments are those of ``slid_out``."""
+    stage = Stage(scene, state)
+    carrier = support_of(stage, thing, performer.settings.contact)
+    if carrier is None:
+        return f"the {thing} lies on nothing over which it could be slid"
+    if carrier in scene.objects:
+        return f"the {thing} lies on the {carrier}, which would be drawn along"
+    if not _shifts(stage, performer, thing):
+        return f"no edge of the {carrier} is near enough to the {thing}, and free"
+    return f"where the {thing} sticks out over an edge of the {carrier}, no hand gets around it, or it does not stay"
 
 
 def _shifts(stage: Stage, performer: Performer, thing: str) -> list[Array]:

@@ -221,17 +221,32 @@ class CapabilityMap:
     @cached_property
     def radius_m(self) -> float:
         """How far from the shoulder the palm gets, and half a cell: nothing farther is reached."""
-        cells = np.flatnonzero(self.eighths)
-        if not len(cells):
+        if not len(self._reached):
             return 0.0
-        index = np.stack(np.unravel_index(cells, self.shape), axis=1)
-        low, found = self.corner + index * self.cell_m, 0.0
+        return float(np.linalg.norm(self._reached, axis=1).max()) + self._half_m
+
+    def along(self, axis: Array) -> tuple[float, float]:
+        """The least and the most that the palm gets along a unit axis, (3,), metres: nothing beyond is reached."""
+        if not len(self._reached):
+            return 0.0, 0.0
+        far_m = self._reached @ axis
+        return float(far_m.min()) - self._half_m, float(far_m.max()) + self._half_m
+
+    @property
+    def _half_m(self) -> float:
+        """How far from its middle an eighth of a cell gets, metres."""
+        return math.sqrt(3) * self.cell_m / 4
+
+    @cached_property
+    def _reached(self) -> Array:
+        """The middles of all eighths that are reached, metres, (n, 3)."""
+        cells = np.flatnonzero(self.eighths)
+        low = self.corner + np.stack(np.unravel_index(cells, self.shape), axis=1) * self.cell_m
+        found = []
         for bit in range(8):
             half = np.array((bit >> 2 & 1, bit >> 1 & 1, bit & 1))
-            middles = (low + (half + 0.5) * self.cell_m / 2)[self.eighths[cells] >> bit & 1 == 1]
-            if len(middles):
-                found = max(found, float(np.linalg.norm(middles, axis=1).max()))
-        return found + math.sqrt(3) * self.cell_m / 4
+            found.append((low + (half + 0.5) * self.cell_m / 2)[self.eighths[cells] >> bit & 1 == 1])
+        return np.concatenate(found)
 
     @classmethod
     def of(cls, chain: ArmChain, count: int) -> CapabilityMap:
