@@ -15,7 +15,7 @@ from tests.importing.test_readers import motive
 
 PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "files.md").read_text(encoding="utf-8")
 LOADS = PAGE[PAGE.index("## What loads") : PAGE.index("## What it finds out")]
-SNIPPETS = re.findall(r"^```toml\n(.*?)^```$", PAGE, flags=re.DOTALL | re.MULTILINE)
+SNIPPETS: list[str] = re.findall(r"^```toml\n(.*?)^```$", PAGE, flags=re.DOTALL | re.MULTILINE)
 
 
 def snippet(section: str) -> list[str]:
