@@ -10,12 +10,15 @@ import pytest
 
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.language.performing import refused, would_help
+from taskgist.language.phrases import phrase
 from taskgist.pipeline.performing import Outcome, perform
-from taskgist.planning.actions import Actions
+from taskgist.planning.actions import Actions, WhyNot
+from taskgist.planning.endings import Endings
 from taskgist.planning.helping import Help
+from taskgist.planning.judging import EndFails
 from taskgist.planning.requests import Request
 from taskgist.settings import DEFAULT
-from taskgist.world import Scene
+from taskgist.world import Scene, State
 from tests.pipeline.test_performing import clause
 from tests.planning.rooms import TABLE_M, box, cover, table
 from tools.rooms import Person, Room, Thing
@@ -48,6 +51,18 @@ def asked(scene: Scene, task: str, **request: object) -> Outcome:
 def told(outcome: Outcome) -> tuple[str, ...]:
     assert not outcome.performances
     return refused(outcome.request, outcome.goal, outcome.search, outcome.spoiled, STANDARD_TREE)
+
+
+def test_an_end_that_fails_with_the_robot_where_it_is_then_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    def why_not(_endings: Endings, _state: State, agent: str) -> WhyNot:
+        return lambda _end: EndFails(agent, clause("show").literals[0])
+
+    monkeypatch.setattr(Endings, "why_not", why_not)
+    monkeypatch.setattr("taskgist.planning.planner.MOST_TRIED", 1)
+    outcome = asked(room(TABLE, box(1.5)), "show")
+    said = phrase(STANDARD_TREE.node(clause("show").literals[0].node), clause("show").literals[0].value)
+    why = f"with R where it is in the end, it fails that {said}"
+    assert f"1 of the 1 that R tried it does not bring about: {why}" in told(outcome)
 
 
 def test_nothing_hides_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -251,7 +251,7 @@ def outcome_document(
         written: Of each way, the files that were written, by kind.
         problem: The folder with the problem for other planners; None: there is none.
     """
-    from taskgist.language.performing import assumed, not_as_demonstrated, refused, why_not, would_help
+    from taskgist.language.performing import assumed, not_as_demonstrated, reason, refused, why_not, would_help
 
     request, tree, search = outcome.request, with_predicates(STANDARD_TREE), outcome.search
     return {
@@ -275,7 +275,7 @@ def outcome_document(
             "out_of_reach": search.out_of_reach,
             "details": list(search.details),
             "failed": [{"literal": str(literal), "count": count} for literal, count in search.missed.most_common()],
-            "refusals": [{"reason": reason, "count": count} for reason, count in search.refusals.most_common()],
+            "refusals": [{"reason": reason(why, tree), "count": count} for why, count in search.refusals.most_common()],
             "thrown_away": list(outcome.spoiled),
             "others": [
                 {"what": each.what, "places": each.places, "why": why_not(each, tree)} for each in search.others

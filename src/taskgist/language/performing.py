@@ -15,6 +15,7 @@ from taskgist.learning.understanding import Literal
 if TYPE_CHECKING:  # with NumPy, and words need none
     from taskgist.planning.goal import Goal
     from taskgist.planning.helping import Help
+    from taskgist.planning.judging import Reason
     from taskgist.planning.plan import Action, PhaseName, Plan
     from taskgist.planning.requests import Request, Search, Tried
 
@@ -132,13 +133,20 @@ def refused(
     for each in search.others:
         alike.setdefault(why_not(each, tree), []).append(each.what)
     told += [f"{'; or '.join(ways)}: {why}" for why, ways in alike.items()]
-    told += [f"1 plan was thrown away: {reason}" for reason in spoiled]
+    told += [f"1 plan was thrown away: {why}" for why in spoiled]
     return tuple(told) or tuple(NONE_BY[means].format(thing=search.thing) for means in request.means if means != "move")
 
 
 def why_not(tried: Tried, tree: HypothesisTree) -> str:
     """Why another way than moving the thing alone does not do."""
-    return tried.why if isinstance(tried.why, str) else f"it fails that {_said(tried.why, tree)}"
+    return f"it fails that {_said(tried.why, tree)}" if isinstance(tried.why, Literal) else reason(tried.why, tree)
+
+
+def reason(why: Reason, tree: HypothesisTree) -> str:
+    """Why an action does not do."""
+    if isinstance(why, str):
+        return why
+    return f"with {why.agent} where it is in the end, it fails that {_said(why.literal, tree)}"
 
 
 def _places_refused(request: Request, search: Search, tree: HypothesisTree) -> Iterator[str]:
@@ -157,12 +165,13 @@ def _places_refused(request: Request, search: Search, tree: HypothesisTree) -> I
         yield f"at {search.unknown} of them it is not known, for not all that decides is tracked"
     if search.out_of_hand:
         told = [f"at {search.out_of_hand} of them {listed(request.targets, 'or')} could not take it"]
-        yield ": ".join(told + [reason for reason, _ in search.not_taken.most_common(1)])
+        yield ": ".join(told + [why for why, _ in search.not_taken.most_common(1)])
     if search.out_of_reach:
         those = "all of those" if search.out_of_reach == search.wanted else f"{search.out_of_reach} of those"
         yield f"{those} {search.wanted} are where {request.performer} does not get at it"
-    for reason, count in search.refusals.most_common():
-        yield f"{count} of the {search.tried} that {request.performer} tried it does not bring about: {reason}"
+    for why, count in search.refusals.most_common():
+        those = f"{count} of the {search.tried} that {request.performer} tried"
+        yield f"{those} it does not bring about: {reason(why, tree)}"
     yield from search.details
 
 

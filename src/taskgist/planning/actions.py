@@ -19,8 +19,8 @@ from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.planning.grasping import Grasping
 from taskgist.planning.hand_ways import Gate
 from taskgist.planning.handing import PersonTaker, Taker, sides_by_distance
-from taskgist.planning.judging import EXACT
-from taskgist.planning.motions import Motions, NoMotionError, NoPickError
+from taskgist.planning.judging import EXACT, Reason
+from taskgist.planning.motions import Motions, NoEndError, NoMotionError, NoPickError
 from taskgist.planning.people_colliding import pushing_into
 from taskgist.planning.performer import Performer
 from taskgist.planning.persons import drawn_near, gets_to, moves_itself, phases_of, usable
@@ -37,7 +37,7 @@ from taskgist.world.state import State
 
 Attempt = tuple[str, Callable[[], tuple[Phase, ...]]]
 """A hand, and what makes the phases with it, or raises ``NoMotionError``."""
-WhyNot = Callable[[State], str | None]
+WhyNot = Callable[[State], Reason | None]
 """Why the end of an action, seen as a state, will not do; None if it will."""
 TRANSFERS_A_PLACE = 3
 """Ways to bring the thing to a place, grasps and stands, whose motions are tried."""
@@ -91,7 +91,7 @@ class Actions:
         leaves: bool = False,
         draws: bool = False,
         blockers: dict[str, None] | None = None,
-    ) -> Action | str:
+    ) -> Action | Reason:
         """How an agent brings a thing to a place.
 
         Args:
@@ -105,9 +105,10 @@ class Actions:
             blockers: Filled with the things that are in the way of its hand.
 
         Returns:
-            The action; or why there is none, in words.
+            The action; or why there is none.
         """
-        robot, failed = self.robot(name, state), ""
+        robot = self.robot(name, state)
+        failed: Reason = ""
         picking = None if robot is None else self.picking(robot, state, candidate.thing)
         transfers = None if picking is None else Transfers(picking, candidate.pose)
         for side, attempt in self._attempts(state, name, candidate, robot, transfers):
@@ -117,7 +118,8 @@ class Actions:
                     phases = self._drawn_near(name, phases)
                 phases = self._ending_well(robot, state, name, phases, why_not, leaves)
             except NoMotionError as error:
-                failed = failed if failed and robot is None else str(error)  # of people, that of the nearer hand
+                if robot is not None or not failed:  # of people, that of the nearer hand
+                    failed = error.reason if isinstance(error, NoEndError) else str(error)
                 if picking is not None and isinstance(error, NoPickError):
                     picking.give_up(error.transfer)
                 continue
@@ -322,7 +324,7 @@ class Actions:
                     raise
             wrong = why_not(_seen(state, phases))
         if wrong is not None:
-            raise NoMotionError(wrong)
+            raise NoEndError(wrong)
         return phases
 
 

@@ -21,7 +21,7 @@ from taskgist.planning.candidates import candidates, check_supports, in_turn
 from taskgist.planning.covering import covers
 from taskgist.planning.goal import Goal
 from taskgist.planning.handing import Taker
-from taskgist.planning.judging import Judge, Verdict
+from taskgist.planning.judging import EndFails, Judge, Reason, Verdict
 from taskgist.planning.placing import Candidate, Means
 from taskgist.planning.requests import Request
 from taskgist.planning.resting import level_faces
@@ -115,12 +115,13 @@ class Endings:
         """Why a final state, as an agent leaves it that began in another one, does not satisfy the goal."""
         judge = self.judge(state)
 
-        def asked(end: State) -> str | None:
+        def asked(end: State) -> Reason | None:
             verdict = judge.verdict(end)
             if verdict.holds is True:
                 return None
-            wrong = NOT_KNOWN if verdict.failed is None else f"{verdict.failed} fails"
-            return f"with {agent} where it is in the end, {wrong}"
+            if verdict.failed is None:
+                return f"with {agent} where it is in the end, {NOT_KNOWN}"
+            return EndFails(agent, verdict.failed)
 
         return asked
 

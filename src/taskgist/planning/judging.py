@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal as OneOf
-from typing import get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 
@@ -64,6 +64,20 @@ class Verdict:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", FrozenMap(self.values))
+
+
+class EndFails(NamedTuple):
+    """Why the end of an action will not do: with an agent where it is then, a literal fails."""
+
+    agent: str
+    literal: Literal
+
+    def __str__(self) -> str:
+        return f"with {self.agent} where it is in the end, {self.literal} fails"
+
+
+Reason = str | EndFails
+"""Why an action does not do: in words, or a literal that fails, for which whoever tells it has words."""
 
 
 class Judge:

@@ -19,6 +19,7 @@ from taskgist.common.arrays import Array, Indices
 from taskgist.moving.steps import SHARED_S
 from taskgist.planning.hand_ways import HandWay, PickPose
 from taskgist.planning.handing import FULL, Taker, Taking
+from taskgist.planning.judging import Reason
 from taskgist.planning.paths import base_path, joint_path
 from taskgist.planning.performer import TOLERANCE_M, Base, Grip, Performer, near_bases, with_values
 from taskgist.planning.placing import Means
@@ -49,6 +50,18 @@ SAME_M, SAME_RAD = 0.005, 0.01
 
 class NoMotionError(Exception):
     """No motion was found for a phase; the text says for which."""
+
+
+class NoEndError(NoMotionError):
+    """The end of the motions will not do.
+
+    Attributes:
+        reason: Why not.
+    """
+
+    def __init__(self, reason: Reason) -> None:
+        super().__init__(str(reason))
+        self.reason = reason
 
 
 class NoPickError(NoMotionError):

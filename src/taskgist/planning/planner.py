@@ -153,7 +153,7 @@ class Planner:
             action = self._actions.plan(
                 self._state, who, "move", candidate, why_not, draws=self._lets_go, blockers=blocked
             )
-            if not isinstance(action, str):
+            if isinstance(action, Action):
                 yield action
                 continue
             self.search.refusals[action] += 1

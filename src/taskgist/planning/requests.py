@@ -11,7 +11,7 @@ from typing import NamedTuple, get_args
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.facts.values import Raw
 from taskgist.learning.understanding import Clause, Literal
-from taskgist.planning.judging import Attention
+from taskgist.planning.judging import Attention, Reason
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import About, Purpose
 
@@ -136,7 +136,7 @@ class Search:
     out_of_hold: str = ""
     out_of_reach: int = 0
     tried: int = 0
-    refusals: Counter[str] = field(default_factory=Counter)
+    refusals: Counter[Reason] = field(default_factory=Counter)
     details: tuple[str, ...] = ()
     others: list[Tried] = field(default_factory=list)
 
@@ -153,4 +153,4 @@ class Tried:
 
     what: str
     places: int
-    why: str | Literal
+    why: Reason | Literal

@@ -31,6 +31,7 @@ from taskgist.errors import SceneError
 from taskgist.learning.understanding import Literal
 from taskgist.planning.actions import Actions, WhyNot, after
 from taskgist.planning.endings import NOT_KNOWN, Endings, Judged, laden
+from taskgist.planning.judging import Reason
 from taskgist.planning.persons import moves_itself
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import EFFORT_COST, Action, Purpose
@@ -85,7 +86,7 @@ class _Trial:
 
     places: int = 0
     tried: int = 0
-    why: str | Literal = ""
+    why: Reason | Literal = ""
     blocked: tuple[int, tuple[str, ...]] | None = None
     flat: int | None = None
 
@@ -250,7 +251,7 @@ class Sequences:
         if rest:
             then = rest[0]
 
-            def why_not(end: State) -> str | None:
+            def why_not(end: State) -> Reason | None:
                 able = self._actions.grasps(end, then.agent, then.thing)
                 return None if able else f"{then.agent} does not get hold of the {then.thing} then"
 
@@ -261,7 +262,7 @@ class Sequences:
         for candidate in islice(self._reached(state, step, rest, trial, slid=slid), most):
             trial.tried += not person
             action = self._action(state, step, candidate, why_not, leaves=leaves, blockers=blockers)
-            if isinstance(action, str):
+            if not isinstance(action, Action):
                 trial.why = action
                 if not self._begins(state, step, len(done), trial):
                     return
@@ -287,7 +288,7 @@ class Sequences:
         *,
         leaves: bool,
         blockers: dict[str, None],
-    ) -> Action | str:
+    ) -> Action | Reason:
         """A step carried out; or why not: whoever stands in something by then, say, carries out nothing."""
         try:
             return self._actions.plan(

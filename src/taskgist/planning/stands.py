@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -63,6 +63,13 @@ class Stand:
     in_reach: frozenset[tuple[str, int]]
 
 
+class Refusal(NamedTuple):
+    """Why a robot cannot grasp a thing, and whether it perhaps could where the thing sticks out over an edge."""
+
+    text: str
+    may_slide: bool = False
+
+
 class Stands:
     """Places where a robot can stand for a thing.
 
@@ -74,7 +81,6 @@ class Stands:
     Attributes:
         rejected: What blocked candidates until now, by what they met.
         looked_at: How many candidates were looked at until now.
-        may_slide: Whether it is refused as it lies, and would perhaps not be once it sticks out over an edge.
     """
 
     def __init__(
@@ -93,13 +99,21 @@ class Stands:
         self._now = with_values(self._now, grasping.thing_slice, place.qpos[grasping.thing_slice])
         self.rejected: Counter[str] = Counter()
         self.looked_at = 0
-        self.may_slide = False
 
-    @cached_property
+    @property
     def refusal(self) -> str | None:
         """Why the robot cannot grasp the thing there at all, by its own effort; None if it can."""
+        return None if self._refused is None else self._refused.text
+
+    @property
+    def may_slide(self) -> bool:
+        """Whether it is refused as it lies, and would perhaps not be once it sticks out over an edge."""
+        return self._refused is not None and self._refused.may_slide
+
+    @cached_property
+    def _refused(self) -> Refusal | None:
         if self._grasping.miss is not None:
-            return self._grasping.miss.text
+            return Refusal(self._grasping.miss.text)
         name, thing = self._performer.agent.name, self._grasping.thing
         there = self._place.replace(at=self._performer.agent.base, to=self._now[self._performer.agent.base])
         efforts = SceneEfforts(Stage(self._performer.scene, there), self._performer.settings)
@@ -108,21 +122,22 @@ class Stands:
             return self._refused_as_it_lies(effort)
         what = self._performer.would_have_to(efforts, thing)
         if what is not None:
-            return f"{name} would have to {what} to grasp the {thing}, which is not planned"
-        return f"{name} cannot grasp the {thing}: {effort.reason}"
+            return Refusal(f"{name} would have to {what} to grasp the {thing}, which is not planned")
+        return Refusal(f"{name} cannot grasp the {thing}: {effort.reason}")
 
-    def _refused_as_it_lies(self, effort: Effort) -> str | None:
+    def _refused_as_it_lies(self, effort: Effort) -> Refusal | None:
         """What would have to be done first, where no hand closes on the thing as it is; None if one does."""
         if not self._at_start or len(self._grasping.free):
             return None
         thing, evidence = self._grasping.thing, effort.evidence
         both = isinstance(evidence.attained, GraspedByBoth)
-        self.may_slide = both or evidence.prepared == "slid over the edge"
+        may_slide = both or evidence.prepared == "slid over the edge"
         if evidence.prepared:
-            planned = "" if self.may_slide else ", which is not planned"
-            return f"the {thing} would have to be {evidence.prepared} before it is grasped{planned}"
+            planned = "" if may_slide else ", which is not planned"
+            text = f"the {thing} would have to be {evidence.prepared} before it is grasped{planned}"
+            return Refusal(text, may_slide)
         if both:
-            return f"the {thing} would have to be taken between both hands, which is not planned"
+            return Refusal(f"the {thing} would have to be taken between both hands, which is not planned", may_slide)
         return None
 
     def __iter__(self) -> Iterator[Stand]:

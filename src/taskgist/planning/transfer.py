@@ -160,7 +160,7 @@ class Picking:
     @property
     def may_slide(self) -> bool:
         """Whether no hand closes on the thing as it lies, but perhaps once it is slid over an edge."""
-        return self._at_start.refusal is not None and self._at_start.may_slide
+        return self._at_start.may_slide
 
     @property
     def text(self) -> tuple[str, ...]:
