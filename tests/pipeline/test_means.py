@@ -22,6 +22,7 @@ from taskgist.pipeline.performing import Outcome, perform
 from taskgist.planning.actions import Actions
 from taskgist.planning.aims import aims_of
 from taskgist.planning.endings import Endings
+from taskgist.planning.judging import Reason
 from taskgist.planning.plan import Action, Purpose
 from taskgist.planning.requests import Request, Spared
 from taskgist.planning.sequences import MOST_IN_ALL
@@ -348,7 +349,9 @@ def test_a_way_is_given_up_before_every_place_in_between_was_tried_with_every_en
 ) -> None:
     tried, plan = Counter[str](), Actions.plan
 
-    def planned(actions: Actions, state: State, name: str, purpose: Purpose, *rest: Any, **more: Any) -> Action | str:
+    def planned(
+        actions: Actions, state: State, name: str, purpose: Purpose, *rest: Any, **more: Any
+    ) -> Action | Reason:
         tried[purpose] += 1
         return "no" if purpose == "move" else plan(actions, state, name, purpose, *rest, **more)
 
