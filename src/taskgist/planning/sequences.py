@@ -318,14 +318,9 @@ class Sequences:
     def _reached(
         self, state: State, step: Step, rest: Sketch, trial: _Trial, *, slid: bool = False
     ) -> Iterator[Candidate]:
-        """Of the places to which a step brings its thing those at which its agent gets, until enough were tried.
-
-        What was slid out is held from beneath, and put down that way, too; so that is asked first.
-        """
-        for candidate in self._places(state, step, rest, trial):
+        """Of the places to which a step brings its thing those at which its agent gets, until enough were tried."""
+        for candidate in self._places(state, step, rest, trial, slid=slid):
             out = self._actions.out_of_reach(step.agent, candidate)
-            if out is None and slid and not self._actions.holds_at_both_ends(state, step.agent, candidate):
-                out = f"no grasp of the {step.thing} does for both ends"
             if out is None:
                 yield candidate
                 if trial.tried >= MOST_IN_ALL:
@@ -333,16 +328,28 @@ class Sequences:
             else:
                 trial.why = trial.why or out
 
-    def _places(self, state: State, step: Step, rest: Sketch, trial: _Trial) -> Iterator[Candidate]:
-        """Places to which a step brings its thing: at the last the goal holds, before it the next one can be done."""
+    def _places(self, state: State, step: Step, rest: Sketch, trial: _Trial, *, slid: bool) -> Iterator[Candidate]:
+        """Places to which a step brings its thing: at the last the goal holds, before it the next one can be done.
+
+        What was slid out is held from beneath, and put down that way, too; so that is asked before all that takes long.
+        """
+
+        def held(candidate: Candidate) -> bool:
+            if not slid or self._actions.holds_at_both_ends(state, step.agent, candidate):
+                return True
+            trial.why = trial.why or f"no grasp of the {step.thing} does for both ends"
+            return False
+
         if not rest:
-            yield from self._wanted(state, step, trial)
+            yield from filter(held, self._wanted(state, step, trial))
             return
         then, later, places = rest[0], {each.thing for each in rest}, trial.places
         for candidate in self._between(state, step, then):
             trial.places += 1
             if candidate.carrier in later:
                 continue  # it would be on what is moved next
+            if not held(candidate):
+                continue
             able = [(then.agent, then.thing)]
             if step.purpose == "relay":  # who brings it there must get at the place, too
                 able.append((step.agent, step.thing))
