@@ -18,7 +18,7 @@ from taskgist.recording import Recording, columns, container, foxglove, mcap, re
 from taskgist.recording import recording as recorded
 from tests.importing.recordings import LABEL, recording, room
 
-SHORT, LONG = 400, 800
+SHORT, LONG = 400, 1200
 
 
 @pytest.fixture(scope="module", autouse=True)
