@@ -113,6 +113,7 @@ def test_what_lies_flat_is_slid_over_an_edge_first(profile: str) -> None:
     assert found.strict is True
     assert all(settled.stays for settled in found.execution.settled), "it does not tip over the edge"
     assert chosen(found.plan).startswith("R slides the tape out over an edge of the table, its middle at (")
+    assert "presses its fingers on the tape (" in " ".join(steps(found.plan))
     assert "slides the tape (" in " ".join(steps(found.plan))
     hold_to_schema("perform_plan", plan_document(found.plan, found.execution))
 

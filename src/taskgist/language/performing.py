@@ -38,6 +38,8 @@ DOINGS = {
     "withdraw": "drives back to where it was",
 }
 """What each phase is, in words."""
+SLIDING = {"close": "closes its hand", "approach": "presses its fingers on the {thing}"}
+"""The same where a closed hand slides a thing."""
 MEANS = {
     "put_on": "puts the {thing} on the {carrier}",
     "put_in": "puts the {thing} into the {carrier}",
@@ -94,7 +96,8 @@ def steps(plan: Plan) -> tuple[str, ...]:
 
 def doing(action: Action, name: PhaseName) -> str:
     """What its performer does in a phase of an action: "lifts the tape"."""
-    return DOINGS[name].format(thing=action.thing, side=action.side, taker=action.taker)
+    doings = {**DOINGS, **SLIDING} if action.purpose == "slide" else DOINGS
+    return doings[name].format(thing=action.thing, side=action.side, taker=action.taker)
 
 
 def cost(plan: Plan) -> str:
