@@ -21,7 +21,7 @@ from taskgist.common.arrays import Array, Indices
 from taskgist.perspective.grasp_sampling import Grasps
 from taskgist.perspective.sliding import Sliding
 from taskgist.planning.grasping import STEP_M, Grasping
-from taskgist.planning.hand_ways import Failures, Gate, PickPose, named
+from taskgist.planning.hand_ways import Failures, Gate, PickPose, farthest, named
 from taskgist.planning.performer import Grip, Performer, with_values
 from taskgist.planning.placing import Candidate
 from taskgist.planning.settling import settled
@@ -123,7 +123,8 @@ class Pressing(Grasping):
 
     def __init__(self, performer: Performer, state: State, thing: str, shift: Array) -> None:
         self._shift = shift
-        super().__init__(performer, state, thing)
+        pose = state.qpos[performer.scene.object_slice(thing)]
+        super().__init__(performer, state, thing, np.concatenate((pose[:3] + shift, pose[3:])))
 
     def _sampled(self) -> Grasps:
         stage, scene, thing = self._stage, self._stage.scene, self.thing
@@ -168,20 +169,19 @@ class Pressing(Grasping):
         return starts[top[0]] + distances_m[top[0]] * DOWN if len(top) else None
 
     @cached_property
-    def _free_at_start(self) -> Indices:
-        return np.arange(len(self.grasps))  # the whole hand is looked at, where it comes
+    def free(self) -> Indices:
+        """All: the whole hand is looked at, where it comes."""
+        return self._spread(np.arange(len(self.grasps)))
 
     def comes(self, qpos: Array, side: str, row: int) -> bool:
         """Whether a hand comes to the thing where it lies, and where it is to be slid; counted if not."""
-        return super().comes(qpos, side, row) and self._at_end.comes(qpos, side, row)
-
-    @cached_property
-    def _at_end(self) -> Grasping:
-        column = self.thing_slice
-        end = self.start.qpos[column] + np.concatenate((self._shift, np.zeros(4)))
-        other = Grasping(self.performer, self.start.replace(at=column, to=end), self.thing)
-        other.grasps, other.tally = self.grasps, self.tally
-        return other
+        if not super().comes(qpos, side, row):
+            return False
+        failed: Failures = []
+        if self.fits(qpos, side, row, failed):
+            return True
+        self.tally.add(*farthest(failed))
+        return False
 
     def _shut(self, side: str, row: int, found: Array) -> Array | None:
         shut = super()._shut(side, row, found)
