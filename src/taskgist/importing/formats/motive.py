@@ -15,7 +15,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.errors import MappingError
-from taskgist.importing.formats.text import cells, number_rows, read_lines, unit_of
+from taskgist.importing.formats.text import begins, cells, number_rows, read_lines, unit_of
 from taskgist.importing.mapping import Columns, Rotation
 from taskgist.importing.table_values import wxyz_from_numbers
 from taskgist.importing.takes import OWNER, Take, TakeTrack
@@ -28,7 +28,7 @@ ORDER = ("Bone", "Rigid Body", "Marker", "Rigid Body Marker", "Bone Marker")
 
 def is_motive(head: bytes) -> bool:
     """Whether a file that begins so is one."""
-    return head.lstrip(b"\xef\xbb\xbf").startswith(BEGIN)
+    return begins(head, BEGIN)
 
 
 def read_motive(path: Path, where: str, most_bytes: int) -> Take:

@@ -15,7 +15,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.errors import MappingError
-from taskgist.importing.formats.text import cells, header_number, number_rows, read_lines
+from taskgist.importing.formats.text import begins, cells, header_number, number_rows, read_lines
 from taskgist.importing.mapping import Columns, Rotation
 from taskgist.importing.table_values import wxyz_from_numbers
 from taskgist.importing.takes import Take, TakeTrack
@@ -28,7 +28,7 @@ MATRIX = slice(7, 16)
 
 def is_qualisys(head: bytes) -> bool:
     """Whether a file that begins so is one."""
-    return head.lstrip(b"\xef\xbb\xbf").startswith(KEYS)
+    return begins(head, KEYS)
 
 
 def read_qualisys(path: Path, where: str, most_bytes: int) -> Take:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from array import array
+from codecs import BOM_UTF8
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -34,6 +35,11 @@ def read_lines(path: Path, where: str, most_bytes: int) -> list[str]:
             return content.decode("cp1252").splitlines()  # names with accents, written on Windows
         except UnicodeDecodeError:
             raise MappingError("the file is not text", where=where, hint="save it as UTF-8") from None
+
+
+def begins(head: bytes, beginnings: bytes | tuple[bytes, ...]) -> bool:
+    """Whether a text that begins with some bytes begins so, a mark of UTF-8 left aside."""
+    return head.removeprefix(BOM_UTF8).startswith(beginnings)
 
 
 def cells(line: str, delimiter: str) -> list[str]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from taskgist.errors import MappingError
-from taskgist.importing.formats.text import cells, header_number, number_rows, read_lines, unit_of
+from taskgist.importing.formats.text import begins, cells, header_number, number_rows, read_lines, unit_of
 from taskgist.importing.takes import Take, TakeTrack
 
 BEGIN = b"PathFileType"
@@ -18,7 +18,7 @@ BEGIN = b"PathFileType"
 
 def is_trc(head: bytes) -> bool:
     """Whether a file that begins so is one."""
-    return head.lstrip(b"\xef\xbb\xbf").startswith(BEGIN)
+    return begins(head, BEGIN)
 
 
 def read_trc(path: Path, where: str, most_bytes: int) -> Take:
