@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from taskgist.errors import MappingError
 from taskgist.importing import Track
-from taskgist.importing.tracks import resample
+from taskgist.importing.resampling import resample
 from taskgist.world.geometry.transforms import about_z, matrix_from_euler, matrix_from_wxyz, rotate, slerp
 from tests.importing.skeletons import (
     TIMES_S,

@@ -52,22 +52,24 @@ def check_duplicates(file: Path, people: Mapping[str, Samples]) -> None:
 def check_clocks(file: Path, tracks: Iterable[Track]) -> None:
     """Refuse sources whose times lie far apart: their clocks have different origins.
 
+    Things that are tracked one after the other are let pass where another source spans the time between them.
+
     Raises:
-        MappingError: One of them ends long before another one begins.
+        MappingError: For a long time nothing is tracked, and there are sources before it and after it.
     """
-    known = list(tracks)
-    first = min(known, key=lambda track: float(track.times_s[-1]))
-    last = max(known, key=lambda track: float(track.times_s[0]))
-    apart_s = float(last.times_s[0] - first.times_s[-1])
-    if apart_s > FARTHEST_CLOCKS_S:
-        spans = [f"{track.where}: {track.times_s[0]:.3f} to {track.times_s[-1]:.3f} s" for track in (first, last)]
-        raise MappingError(
-            "two sources were never recorded together: their clocks differ",
-            where=file,
-            field="time",
-            value="; ".join(spans),
-            hint="give one of the sources offset_s, which is added to its times",
-        )
+    known = sorted(tracks, key=lambda track: float(track.times_s[0]))
+    first = known[0]
+    for track in known[1:]:
+        if float(track.times_s[0] - first.times_s[-1]) > FARTHEST_CLOCKS_S:
+            spans = [f"{each.where}: {each.times_s[0]:.3f} to {each.times_s[-1]:.3f} s" for each in (first, track)]
+            raise MappingError(
+                "two sources were never recorded together: their clocks differ",
+                where=file,
+                field="time",
+                value="; ".join(spans),
+                hint="give one of the sources offset_s, which is added to its times",
+            )
+        first = max(first, track, key=lambda each: float(each.times_s[-1]))
 
 
 def check_person(file: Path, name: str, points: Mapping[str, Array], units_m: Set[float]) -> None:

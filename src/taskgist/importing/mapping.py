@@ -40,12 +40,14 @@ class Clock:
         unit_s: Seconds per unit of that column.
         rate_hz: Rows per second, if there is no column.
         offset_s: Added to every time, to bring sources together.
+        repeated: Which of several rows with the same time counts, "first" or "last"; None: they are refused.
     """
 
     column: Name | None = None
     unit_s: float = 1.0
     rate_hz: float | None = None
     offset_s: float = 0.0
+    repeated: str | None = None
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,7 @@ class Rotation:
         order: Axes of the Euler angles, in the order of their columns, such as "zyx".
         unit_rad: Radians per unit of angle.
         identity_is_lost: Whether samples without any turn are those of a lost tracker; None: nobody said.
+        array: Name of the array in an NPZ that holds them, as ``TableFormat.array``; None: that of the positions.
     """
 
     columns: Columns
@@ -65,6 +68,7 @@ class Rotation:
     order: str = ""
     unit_rad: float = 1.0
     identity_is_lost: bool | None = None
+    array: str | None = None
 
 
 @dataclass(frozen=True)
@@ -241,6 +245,7 @@ class Thing:
     Attributes:
         estimated: Whether shape or place are an estimate rather than a measurement.
         note: How they were estimated.
+        stays: Whether it stays where it was last seen while it is not tracked.
     """
 
     name: str
@@ -248,6 +253,7 @@ class Thing:
     shapes: tuple[Shape, ...]
     estimated: bool
     note: str
+    stays: bool = False
 
 
 @dataclass(frozen=True)

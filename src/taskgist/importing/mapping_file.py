@@ -177,7 +177,7 @@ def read_source(name: str, section: TomlTable) -> Source:
         table=_table(section),
         clock=_clock(section),
         position=read_columns(section, "position", "xyz", ["x", "y", "z"] if kind == "csv" else [0, 1, 2]),
-        rotation=_rotation(section.table("rotation")) if "rotation" in section else None,
+        rotation=_rotation(section.table("rotation"), kind) if "rotation" in section else None,
         confidence=_confidence(section.table("confidence")) if "confidence" in section else None,
         frame=read_frame(section),
         names=_names(section),
@@ -273,11 +273,15 @@ def _clock(section: TomlTable) -> Clock:
     time = section.table("time")
     unit_s = TIME_UNITS_S[time.choice("unit", TIME_UNITS_S)]
     column = read_column(time, "column")
+    repeated = time.choice("repeated", {"first", "last"}) if "repeated" in time else None
     time.done()
-    return Clock(column=column, unit_s=unit_s, offset_s=offset_s)
+    return Clock(column=column, unit_s=unit_s, offset_s=offset_s, repeated=repeated)
 
 
-def _rotation(section: TomlTable) -> Rotation:
+def _rotation(section: TomlTable, table: str) -> Rotation:
+    if "array" in section and table != "npz":
+        hint = "name its columns, as columns = [...]: only an NPZ holds several arrays"
+        raise section.error("this source has no arrays", "array", section.any("array"), hint)
     kind = section.choice("kind", {*ROTATION_LETTERS, "euler_intrinsic", "euler_extrinsic"})
     euler = kind.startswith("euler")
     order = section.text("order") if euler else ""
@@ -287,8 +291,9 @@ def _rotation(section: TomlTable) -> Rotation:
     unit_rad = ANGLE_UNITS_RAD[section.choice("unit", ANGLE_UNITS_RAD)] if angular else 1.0
     columns = read_columns(section, "columns", order.lower() if euler else ROTATION_LETTERS[kind])
     identity_is_lost = section.flag("identity_is_lost", False) if "identity_is_lost" in section else None
+    array = section.text("array", None)
     section.done()
-    return Rotation(columns, kind, order.lower(), unit_rad, identity_is_lost)
+    return Rotation(columns, kind, order.lower(), unit_rad, identity_is_lost, array)
 
 
 def _confidence(section: TomlTable) -> Confidence:

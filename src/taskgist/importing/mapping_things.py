@@ -31,6 +31,7 @@ def read_thing(name: str, section: TomlTable, sources: Collection[str], data_dir
         shapes=_shapes(section, data_dir),
         estimated=section.flag("estimated", False),
         note=section.text("note", ""),
+        stays=section.choice("outside", {"unknown", "stays"}, "unknown") == "stays",
     )
     section.done()
     return thing

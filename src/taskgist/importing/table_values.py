@@ -85,41 +85,50 @@ class Part(Protocol):
 _FASTEST_S, _SLOWEST_S = 1e-4, 10.0  # between frames; beyond these, the unit of time is wrong
 
 
-def read_times(part: Part, clock: Clock, length: int) -> Array:
-    """Times of the rows of one point, (n,), strictly increasing.
+def read_times(part: Part, clock: Clock, length: int) -> tuple[Array, Mask]:
+    """Times of the rows of one point that count, (k,), strictly increasing; and which rows these are, (n,).
 
     Args:
         part: The rows.
-        clock: Where their times come from.
+        clock: Where their times come from, and which of several rows with the same time counts.
         length: Number of rows.
 
     Raises:
         MappingError: Times run backwards, repeat or are missing, or their unit cannot be right.
     """
+    kept = np.ones(length, dtype=np.bool_)
     if clock.column is None:
         assert clock.rate_hz is not None
-        return np.arange(length) / clock.rate_hz + clock.offset_s
+        return np.arange(length) / clock.rate_hz + clock.offset_s, kept
     times_s = part.numbers((clock.column,))[:, 0] * clock.unit_s
     if len(times_s) != length:
         problem = f"there are {length} positions, but {len(times_s)} times"
         raise MappingError(problem, where=part.where, field=f"time: {clock.column}", hint="check array and layout")
-    _check(part, clock, times_s)
-    return np.asarray(times_s + clock.offset_s)
+    if clock.repeated == "first":
+        kept[1:] = np.diff(times_s) != 0.0
+    elif clock.repeated == "last":
+        kept[:-1] = np.diff(times_s) != 0.0
+    _check(part, clock, times_s, kept)
+    return np.asarray(times_s[kept] + clock.offset_s), kept
 
 
-def _check(part: Part, clock: Clock, times_s: Array) -> None:
+def _check(part: Part, clock: Clock, times_s: Array, kept: Mask) -> None:
     field = f"time: {clock.column}"
-    steps_s = np.diff(times_s)
+    rows = np.flatnonzero(kept)
+    steps_s = np.diff(times_s[rows])
     wrong = ~(steps_s > 0.0)  # NaN included
     if wrong.any():
-        row = int(np.argmax(wrong)) + 1
-        before, after = times_s[row - 1], times_s[row]
+        at = int(np.argmax(wrong))
+        before, after = times_s[rows[at]], times_s[rows[at + 1]]
         problem = "times run backwards" if after < before else "times repeat or are missing"
+        keep = (
+            'time.repeated = "first" (or "last") keeps one of those that repeat' if after == before else "sort the rows"
+        )
         raise MappingError(
             f"{problem}: {before:.9g} s, then {after:.9g} s",
-            where=f"{part.where}, {part.place(row)}",
+            where=f"{part.where}, {part.place(int(rows[at + 1]))}",
             field=field,
-            hint="sort the rows and drop repeated ones; rows of several bodies are told apart by where",
+            hint=f"{keep}; rows of several bodies are told apart by where",
         )
     if len(steps_s) and not _FASTEST_S <= np.median(steps_s) <= _SLOWEST_S:
         problem = f"frames are {np.median(steps_s):.3g} s apart"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from collections.abc import Mapping as AnyMapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -129,6 +129,17 @@ class ArrayPart:
         """Index of the frame."""
         return f"frame {row}"
 
+    def beside(self, name: str) -> ArrayPart:
+        """The same point in another array, laid out alike; another axis at its end is one more of values.
+
+        Raises:
+            UnknownNameError: There is no such array.
+            MappingError: It holds no numbers, or more than may be loaded.
+        """
+        axes, more = self.table.array(self.name).ndim, self.table.array(name).ndim
+        layout = self.layout or USUAL_LAYOUTS.get(axes, ())
+        return replace(self, name=name, layout=(*layout, *(("value",) * (more - axes))))
+
     def _value(self, index: int) -> Array:
         array = self.table.array(self.name)
         values = self._selected(array, self.layout or USUAL_LAYOUTS.get(array.ndim, ()))
@@ -219,14 +230,16 @@ class Tables:
         lost = _lost(part, tokens, position)
         wxyz = None
         if source.rotation is not None and part.oriented:
-            wxyz = _orientations(part, tokens, source.rotation, lost)
+            turns = self._turns(part, tokens, source.rotation.array)
+            wxyz = _orientations(turns, tokens, source.rotation, lost)
             if source.rotation.identity_is_lost:
                 lost = lost | is_identity(wxyz)
                 wxyz[lost] = np.nan
         position[lost] = np.nan
         _check_near(part, position, source.frame.scale_m)
-        times_s = read_times(part, source.clock, len(position))
-        track = _in_room(times_s, position, wxyz, source.frame, ref, part.where)
+        times_s, kept = read_times(part, source.clock, len(position))
+        wxyz = None if wxyz is None else wxyz[kept]
+        track = _in_room(times_s, position[kept], wxyz, source.frame, ref, part.where)
         return smoothed(track, source.smooth_s, max_gap_s=self._mapping.timeline.max_gap_s)
 
     def signal(self, column: SignalColumn) -> tuple[Array, Array]:
@@ -240,7 +253,8 @@ class Tables:
         tokens = Tokens(source, "", column.name, f"{self._mapping.file}: signals.{column.name}")
         part = self._part(source, tokens)
         values = part.numbers(tokens.columns(Columns((column.column,))))[:, 0]
-        return read_times(part, source.clock, len(values)), values
+        times_s, kept = read_times(part, source.clock, len(values))
+        return times_s, values[kept]
 
     def _part(self, source: Source, tokens: Tokens) -> Part:
         file = self._mapping.data_dir / tokens.filled(source.file)
@@ -252,6 +266,13 @@ class Tables:
             return CsvPart(table, table.rows_where([(c, tokens.filled(text)) for c, text in form.where]))
         name = None if form.array is None else tokens.filled(form.array)
         return ArrayPart(table, name, form.layout, tokens.index_of)
+
+    def _turns(self, part: Part, tokens: Tokens, array: str | None) -> Part:
+        """The part with the orientations of a point: that of its positions, or another array of the same file."""
+        if array is None:
+            return part
+        assert isinstance(part, ArrayPart)  # only an NPZ has arrays
+        return part.beside(tokens.filled(array))
 
     def _table(self, file: Path, source: Source, where: str) -> CsvTable | ArrayTable | Take:
         key = (file, source.name)
@@ -284,6 +305,9 @@ def _lost(part: Part, tokens: Tokens, position: Array) -> Mask:
 
 def _orientations(part: Part, tokens: Tokens, rotation: Rotation, lost: Mask) -> Array:
     numbers = part.numbers(tokens.columns(rotation.columns))
+    if len(numbers) != len(lost):
+        problem, hint = f"there are {len(lost)} positions, but {len(numbers)} orientations", "check array and layout"
+        raise MappingError(problem, where=part.where, field="rotation", hint=hint)
     _check_finite(part, numbers, "rotation")
     numbers[lost | _is_sentinel(numbers, tokens.source)] = np.nan
     wxyz, bad = wxyz_from_numbers(numbers, rotation)

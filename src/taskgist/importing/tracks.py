@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from collections.abc import Mapping as AnyMapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
 
-from taskgist.common.arrays import Array, Indices, Mask
+from taskgist.common.arrays import Array, Mask
 from taskgist.errors import InputError, MappingError
 from taskgist.importing.checks import (
     check_clocks,
@@ -33,13 +33,14 @@ from taskgist.importing.mapping import (
     Thing,
 )
 from taskgist.importing.mapping_people import HEAD_POINTS, PARTS
+from taskgist.importing.resampling import Frames, resample, stayed
 from taskgist.importing.skeletons import SKELETONS
 from taskgist.importing.table_values import Track
 from taskgist.importing.tables import Samples, Tables
 from taskgist.recording.signals import Signal
 from taskgist.settings import DEFAULT
 from taskgist.world.fit import Marker
-from taskgist.world.geometry.transforms import IDENTITY_WXYZ, about_z, changed_frame, matrix_from_wxyz, slerp
+from taskgist.world.geometry.transforms import IDENTITY_WXYZ, about_z, changed_frame, matrix_from_wxyz
 
 # --- Tracked motion: what a mapping makes of someone's tables, in our axes, units and frames.
 #
@@ -79,6 +80,7 @@ class ObjectTrack:
         shapes: What it consists of, in its frame.
         estimated: Whether shape or place are an estimate.
         note: How they were estimated.
+        stayed: Frames in which it is taken to stay where it was last seen, (N,).
     """
 
     position_m: Array
@@ -87,6 +89,7 @@ class ObjectTrack:
     shapes: tuple[Shape, ...]
     estimated: bool
     note: str
+    stayed: Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,87 +113,6 @@ class Tracks:
     supports: tuple[Support, ...]
     signals: Mapping[str, Signal]
     notes: tuple[str, ...]
-
-
-# --- From the times at which sources sampled to the frames of a recording.
-
-Mix = Callable[[Array, Array, Array], Array]
-
-
-@dataclass(frozen=True, eq=False)
-class Frames:
-    """A track at the frames of the recording.
-
-    Attributes:
-        position_m: (N, 3); NaN where unknown.
-        wxyz: (N, 4) or ``None``; NaN where unknown.
-        signs: As of the track.
-    """
-
-    position_m: Array
-    wxyz: Array | None
-    signs: Array
-
-
-def resample(track: Track, times_s: Array, *, max_gap_s: float) -> Frames:
-    """Positions between samples by straight lines, orientations along great circles.
-
-    Between two known samples more than ``max_gap_s`` apart nothing is known, and nothing before the first or after the
-    last one, except within half a frame of the source around a sample.
-
-    Args:
-        track: Samples.
-        times_s: Frames wanted, (N,), in the time of the sources.
-        max_gap_s: Longest stretch that is interpolated over.
-    """
-    hold_s = _half_frame_s(track.times_s)
-    known = np.isfinite(track.position_m).all(axis=1)
-    spans = _spans(track.times_s[known], times_s, max_gap_s, hold_s)
-    position_m = spans.mixed(track.position_m[known], _line)
-    if track.wxyz is None:
-        return Frames(position_m, None, track.signs)
-    known &= np.isfinite(track.wxyz).all(axis=1)
-    spans = _spans(track.times_s[known], times_s, max_gap_s, hold_s)
-    return Frames(position_m, spans.mixed(track.wxyz[known], slerp), track.signs)
-
-
-@dataclass(frozen=True, eq=False)
-class _Spans:
-    """Between which two samples each frame lies, (N,): their indices, the share of the way, whether it is known."""
-
-    before: Indices
-    after: Indices
-    share: Array
-    known: Mask
-
-    def mixed(self, samples: Array, mix: Mix) -> Array:
-        result = np.full((len(self.known), samples.shape[1]), np.nan)
-        k = self.known
-        result[k] = mix(samples[self.before[k]], samples[self.after[k]], self.share[k])
-        return result
-
-
-def _spans(sampled_s: Array, wanted_s: Array, max_gap_s: float, hold_s: float) -> _Spans:
-    if len(sampled_s) == 0:
-        nothing = np.zeros(len(wanted_s), dtype=np.intp)
-        return _Spans(nothing, nothing, nothing.astype(np.float64), nothing.astype(np.bool_))
-    after = np.searchsorted(sampled_s, wanted_s).clip(0, len(sampled_s) - 1)
-    before = np.where(sampled_s[after] > wanted_s, after - 1, after).clip(0)
-    gap_s = sampled_s[after] - sampled_s[before]
-    share = np.where(gap_s > 0.0, (wanted_s - sampled_s[before]) / np.where(gap_s > 0.0, gap_s, 1.0), 0.0)
-    nearest_s = np.minimum(np.abs(wanted_s - sampled_s[before]), np.abs(wanted_s - sampled_s[after]))
-    held = nearest_s <= hold_s
-    bridged = (gap_s > 0.0) & (gap_s <= max_gap_s)
-    share = np.where(bridged, share, np.round(share))  # a sample is held, not mixed across a gap
-    return _Spans(before, after, share, held | bridged)
-
-
-def _half_frame_s(times_s: Array) -> float:
-    return float(np.median(np.diff(times_s))) / 2 if len(times_s) > 1 else 0.0
-
-
-def _line(start: Array, end: Array, share: Array) -> Array:
-    return np.asarray(start + share[:, None] * (end - start))
 
 
 # --- A skull is rigid: where a tracker loses some of its points for a moment, the others say where they are.
@@ -339,8 +261,8 @@ def _unit(vectors: Array) -> Array:
 
 def fixed_object(thing: Thing, pose: FixedPose, count: int) -> ObjectTrack:
     """An object that stays where the mapping puts it, for a number of frames."""
-    position_m, wxyz = np.array(pose.position_m), about_z(pose.yaw_rad)
-    return _object_track(thing, np.tile(position_m, (count, 1)), np.tile(wxyz, (count, 1)), thing.shapes)
+    position_m, wxyz = np.tile(pose.position_m, (count, 1)), np.tile(about_z(pose.yaw_rad), (count, 1))
+    return _object_track(thing, position_m, wxyz, thing.shapes, np.zeros(count, dtype=np.bool_))
 
 
 def tracked_object(thing: Thing, track: Track, frames_s: Array, mapping: ImportMapping) -> ObjectTrack:
@@ -356,9 +278,12 @@ def tracked_object(thing: Thing, track: Track, frames_s: Array, mapping: ImportM
         MappingError: It is never seen; or it is a mesh in left-handed axes.
     """
     frames = resample(track, frames_s, max_gap_s=mapping.timeline.max_gap_s)
+    staying = np.zeros(len(frames_s), dtype=np.bool_)
+    if thing.stays:
+        frames, staying = stayed(frames)
     wxyz = np.tile(IDENTITY_WXYZ, (len(frames_s), 1)) if frames.wxyz is None else frames.wxyz
     shapes = tuple(_in_right_handed_frame(shape, thing, frames.signs, mapping) for shape in thing.shapes)
-    result = _object_track(thing, frames.position_m, wxyz, shapes)
+    result = _object_track(thing, frames.position_m, wxyz, shapes, staying)
     if not result.known.any():
         hint = "check missing, confidence, time and rotation of its source"
         field = f"objects.{thing.name}"
@@ -366,11 +291,13 @@ def tracked_object(thing: Thing, track: Track, frames_s: Array, mapping: ImportM
     return result
 
 
-def _object_track(thing: Thing, position_m: Array, wxyz: Array, shapes: tuple[Shape, ...]) -> ObjectTrack:
+def _object_track(
+    thing: Thing, position_m: Array, wxyz: Array, shapes: tuple[Shape, ...], staying: Mask
+) -> ObjectTrack:
     known = np.asarray(np.isfinite(np.hstack([position_m, wxyz])).all(axis=1))
-    for values in (position_m, wxyz, known):
+    for values in (position_m, wxyz, known, staying):
         values.flags.writeable = False
-    return ObjectTrack(position_m, wxyz, known, shapes, thing.estimated, thing.note)
+    return ObjectTrack(position_m, wxyz, known, shapes, thing.estimated, thing.note, staying)
 
 
 def _in_right_handed_frame(shape: Shape, thing: Thing, signs: Array, mapping: ImportMapping) -> Shape:
@@ -416,7 +343,7 @@ def read_tracks(mapping: ImportMapping) -> Tracks:
         objects=MappingProxyType(objects),
         supports=mapping.supports,
         signals=MappingProxyType({column.name: _signal(column, tables, frames_s) for column in mapping.signals}),
-        notes=_notes(mapping, people),
+        notes=_notes(mapping, people, objects),
     )
 
 
@@ -512,7 +439,9 @@ def _unseen(person: PersonTrack) -> list[str]:
     return [landmark for landmark, values in person.points.items() if np.isnan(values).all()]
 
 
-def _notes(mapping: ImportMapping, people: AnyMapping[str, PersonTrack]) -> tuple[str, ...]:
+def _notes(
+    mapping: ImportMapping, people: AnyMapping[str, PersonTrack], objects: AnyMapping[str, ObjectTrack]
+) -> tuple[str, ...]:
     unknown = [f"{p.name}: {part} is unknown: {reason}" for p in mapping.people for part, reason in p.unknown]
     unseen = [f"{name}: never seen: {', '.join(lost)}" for name, person in people.items() if (lost := _unseen(person))]
     low = [
@@ -524,4 +453,21 @@ def _notes(mapping: ImportMapping, people: AnyMapping[str, PersonTrack]) -> tupl
         for item in items
         if item.estimated
     ]
-    return (*mapping.about.notes, *unknown, *unseen, *low, *estimated)
+    lost = [_lost(name, track) for name, track in objects.items() if track.stayed.any() or not track.known.all()]
+    return (*mapping.about.notes, *unknown, *unseen, *low, *estimated, *lost)
+
+
+def _lost(name: str, track: ObjectTrack) -> str:
+    """What is made of the frames in which a thing was not tracked, and what could be."""
+    unknown = f"{name} is unknown in {_percent(~track.known)} % of the frames"
+    if not track.stayed.any():
+        return f"{unknown}, for it was not tracked; if it stays where it was last seen, say {STAYS} in objects.{name}"
+    told = f"{name} is taken to stay where it was last seen in {_percent(track.stayed)} % of the frames"
+    return told if track.known.all() else f"{told}; {unknown}, after which it is seen elsewhere"
+
+
+STAYS = 'outside = "stays"'
+
+
+def _percent(frames: Mask) -> str:
+    return f"{100 * float(np.mean(frames)):.2g}"

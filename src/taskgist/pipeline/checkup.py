@@ -81,7 +81,9 @@ def _untracked(recording: Recording) -> Iterator[Finding]:
         elif share < 1.0:
             lost = recording.times_s[~np.asarray(known)]
             span = f"between {lost[0]:.2f} and {lost[-1]:.2f} s"
-            yield Finding("warning", name, f"untracked in {100 * (1 - share):.0f} % of the frames, {span}")
+            stays = 'if it stays where it was last seen, say outside = "stays" in the mapping that imports it'
+            remedy = stays if name in recording.scene.objects else ""
+            yield Finding("warning", name, f"untracked in {100 * (1 - share):.0f} % of the frames, {span}", remedy)
 
 
 def _poor_fits(recording: Recording) -> Iterator[Finding]:
