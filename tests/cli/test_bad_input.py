@@ -342,7 +342,8 @@ def test_refusals(line: str, sound: Path, monkeypatch: pytest.MonkeyPatch) -> No
 def test_refusals_print_no_half_a_document(sound: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(sound)
     for line in (
-        "check good.mcap cut.mcap --json",
+        "check cut.mcap --json",
+        "check good.mcap none.mcap --json",
         "learn sound.json none.json --json",
         "see cut.mcap --agent P1 --json",
     ):

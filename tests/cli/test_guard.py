@@ -24,7 +24,7 @@ def broken(*_, **__):
     warnings.warn("deprecated")
     logging.getLogger("library").warning("odd")
     raise ZeroDivisionError("a \\x1b[31mfault\\nin two lines")
-check.read_all = broken
+check.read = broken
 main()
 """
 

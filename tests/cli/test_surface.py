@@ -13,9 +13,9 @@ from tests.command_lines import commands, parse
 
 SURFACE: dict[str, set[str]] = {
     "demo": {"--out", "-o", "--replace"},
-    "import": {"source", "--out", "-o", "--replace", "--data", "--set"},
+    "import": {"sources", "--out", "-o", "--replace", "--data", "--set", "--each"},
     "label": {
-        *("recording", "--task", "--performer", "--target", "--object", "--start", "--end"),
+        *("recordings", "--task", "--performer", "--target", "--object", "--start", "--end"),
         *("--propose", "--dry-run"),
     },
     "check": {"recordings"},

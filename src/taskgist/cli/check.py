@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import asdict
+from pathlib import Path
+from typing import Any
 
 from rich.text import Text
 
-from taskgist.cli.common import (
-    FAILED,
-    OK,
-    JsonOption,
-    RecordingsArgument,
-    command,
-    console,
-    print_json,
-    progress_bar,
-    read_all,
-)
+from taskgist.cli.common import FAILED, OK, JsonOption, RecordingsArgument, command, console, print_json, progress_bar
+from taskgist.cli.found import files
+from taskgist.cli.many import Outcome, exit_code, one_by_one, print_table
+from taskgist.common.workers import Progress, silent
 from taskgist.pipeline.checkup import check as check_recording
 from taskgist.pipeline.findings import Checkup
+from taskgist.recording.mcap import read
 
 STYLES = {"unfit": "bold red", "warning": "yellow", "note": "cyan"}
 
@@ -30,24 +27,60 @@ def check(recordings: RecordingsArgument, as_json: JsonOption = False) -> int:
     Looks for labels that what happens contradicts, things that travel alone or end in the air, trackers whose frames
     do not agree, lost trackers that go on, people off the floor, gaps, jumps, lost parts, sizes in another unit,
     overlapping bodies, and facts that are unknown at the label's ends. Each comes with figures and what to do about it.
-    The exit code is 1 if any recording is not fit.
+    The exit code is 1 if any recording is not fit. Of several recordings a table is printed at the end; those that
+    cannot be read stand there with the reason, and the exit code is 2.
 
     Example: taskgist check handover.mcap
+
+    Example: taskgist check recordings "more/take_*.mcap"
     """
-    results: dict[str, Checkup] = {}
-    for path, recording in read_all(recordings).items():
-        with progress_bar(quiet=as_json) as progress:
-            results[str(path)] = check_recording(recording, progress=progress)
-        if not as_json:
-            _print(str(path), results[str(path)])
+    paths = files(recordings, suffix=".mcap")
+    if len(paths) == 1:
+        return _check_one(paths[0], quiet=as_json)
+    outcomes: list[Outcome[Checkup]] = []
+    for outcome in one_by_one(paths, lambda number: _checked(paths[number]), "checking", quiet=as_json):
+        outcomes.append(outcome)
+        if not as_json and outcome.result is not None:
+            _print(str(outcome.path), outcome.result)
     if as_json:
-        print_json([{"recording": name, "fit": result.fit, **asdict(result)} for name, result in results.items()])
-    return OK if all(result.fit for result in results.values()) else FAILED
+        print_json([_document(outcome) for outcome in outcomes])
+    else:
+        console.print()
+        print_table(outcomes, ("verdict", *STYLES), _cells, "checked")
+    return exit_code(outcomes, good=lambda result: result.fit)
+
+
+def _check_one(path: Path, *, quiet: bool) -> int:
+    with progress_bar(quiet=quiet) as progress:
+        result = _checked(path, progress)
+    if quiet:
+        print_json([_document(Outcome(path, result))])
+    else:
+        _print(str(path), result)
+    return OK if result.fit else FAILED
+
+
+def _checked(path: Path, progress: Progress = silent) -> Checkup:
+    return check_recording(read(path), progress=progress)
+
+
+def _document(outcome: Outcome[Checkup]) -> dict[str, Any]:
+    if outcome.result is None:
+        return {"recording": str(outcome.path), "error": str(outcome.problem)}
+    return {"recording": str(outcome.path), "fit": outcome.result.fit, **asdict(outcome.result)}
+
+
+def _verdict(result: Checkup) -> tuple[str, str]:
+    return ("fit to learn from", "green") if result.fit else ("not fit to learn from", "bold red")
+
+
+def _cells(result: Checkup) -> list[str | Text]:
+    counts = Counter[str](finding.severity for finding in result.findings)
+    return [Text(*_verdict(result)), *(str(counts[severity] or "") for severity in STYLES)]
 
 
 def _print(name: str, result: Checkup) -> None:
-    verdict = ("fit to learn from", "green") if result.fit else ("not fit to learn from", "bold red")
-    console.print(Text.assemble(f"{name}: ", verdict))
+    console.print(Text.assemble(f"{name}: ", _verdict(result)))
     for finding in result.findings:
         remedy = f" → {finding.remedy}" if finding.remedy else ""
         severity = (f"{finding.severity:8}", STYLES[finding.severity])

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
@@ -23,6 +23,7 @@ from rich.segment import Segment
 from rich.text import Text
 
 from taskgist.cli.app import INTERRUPTED, show_where
+from taskgist.cli.found import files
 from taskgist.common.files import check_no_input, check_replaceable, keeping_inputs, shown_path
 from taskgist.common.text import COMMANDS, escaped, escaped_in_json
 from taskgist.errors import InputError, RecordingError, TaskgistError
@@ -34,7 +35,9 @@ if TYPE_CHECKING:  # recordings and scenes bring numpy and MuJoCo, which not eve
 P = ParamSpec("P")
 
 RecordingArgument = Annotated[Path, typer.Argument(help="A recording (.mcap).", show_default=False)]
-RecordingsArgument = Annotated[list[Path], typer.Argument(help="Recordings (.mcap), or folders of them.")]
+RecordingsArgument = Annotated[
+    list[Path], typer.Argument(help="Recordings (.mcap), folders of them, or patterns such as take_*.mcap.")
+]
 WhereArgument = Annotated[
     Path, typer.Argument(metavar="SCENE", help="A scene (.toml) or a recording (.mcap).", show_default=False)
 ]
@@ -118,26 +121,16 @@ def _refused(error: Exception) -> typer.Exit:
     return typer.Exit(MISUSED)
 
 
-def read_all(paths: list[Path]) -> dict[Path, Recording]:
-    """Read recordings, or folders of them, by path and in order: all of them, before any long work.
+def read_all(paths: Sequence[Path]) -> dict[Path, Recording]:
+    """Read recordings, folders of them and patterns, by path and in order: all of them, before any long work.
 
     Raises:
+        InputError: Nothing matches, or one of several is not there.
         RecordingError: One cannot be read, or a folder holds none.
     """
     from taskgist.recording.mcap import read
 
-    return {path: read(path) for given in paths for path in _recordings_in(given)}
-
-
-def _recordings_in(path: Path) -> list[Path]:
-    if not path.is_dir():
-        return [path]
-    inside = sorted(path.rglob("*.mcap"))
-    if not inside:
-        raise RecordingError(
-            "no recordings (*.mcap) in this folder", where=path, hint="name a recording, or a folder that holds some"
-        )
-    return inside
+    return {path: read(path) for path in files(paths, suffix=".mcap")}
 
 
 @contextmanager

@@ -2,92 +2,93 @@
 
 from __future__ import annotations
 
-import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.table import Table
+from rich.text import Text
 
-from taskgist.cli.common import JsonOption, ReplaceOption, check_target, command, console, print_json, progress_bar
-from taskgist.common.files import writing
-from taskgist.errors import MappingError
-from taskgist.importing.build import import_recording
-from taskgist.importing.looking import Proposal, look, mapping_text, summary
-from taskgist.importing.mapping_file import load_mapping
-from taskgist.importing.tables import input_files
-from taskgist.recording.mcap import write
+from taskgist.cli.common import OK, JsonOption, ReplaceOption, command, console, print_json, progress_bar
+from taskgist.cli.found import files
+from taskgist.cli.import_jobs import Job, imported, parameter, several
+from taskgist.cli.many import Outcome, exit_code, one_by_one, print_table
+from taskgist.importing.looking import Proposal, summary
 from taskgist.recording.recording import Recording
 
 
 @command
 def import_(
-    source: Annotated[
-        Path,
+    sources: Annotated[
+        list[Path],
         typer.Argument(
-            help="A file of motion capture (.c3d, .bvh, .trc, .csv, ...), or a mapping file (.toml).",
+            help="Files of motion capture (.c3d, .bvh, .trc, .csv, ...), patterns such as takes/*.c3d, "
+            "or mapping files (.toml).",
+            metavar="SOURCE",
             show_default=False,
         ),
     ],
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", help="The recording to write (.mcap); default: named as the source, here."),
+        typer.Option(
+            "--out",
+            "-o",
+            help="The recording to write (.mcap), or a folder for several; default: named as the source, here.",
+        ),
     ] = None,
     data: Annotated[Path | None, typer.Option(help="Folder of the tables; default: the mapping's own.")] = None,
     set_: Annotated[
         list[str] | None, typer.Option("--set", help="Value of a {parameter} of the mapping: NAME=VALUE.")
     ] = None,
+    each: Annotated[
+        str | None,
+        typer.Option(help="One recording for each file or folder of the tables that matches: NAME=PATTERN."),
+    ] = None,
     replace: ReplaceOption = False,
     as_json: JsonOption = False,
-) -> None:
-    """Turn tracked motion into a recording.
+) -> int:
+    """Turn tracked motion into recordings.
 
     Fits human bodies to it. A file of motion capture is looked into: what it holds is told, and a mapping that says
     what is what is written beside the recording. Where nothing is open it is imported at once; else fill in the mapping
     and import that. Plain tables (CSV, NPZ) come in by a mapping of your own; docs/howto/import.md explains it.
 
+    Several sources come in at once, on all cores, and so do all takes of one set-up by one mapping (--each): what each
+    became is told in a table, and what could not be imported with the reason (exit code 2).
+
     Example: taskgist import take.c3d
 
     Example: taskgist import mapping.toml --data tables -o handover.mcap
+
+    Example: taskgist import "takes/*.c3d" -o recordings
+
+    Example: taskgist import take1.toml --each "file=takes/*.c3d" -o recordings
     """
-    out = Path(f"{source.stem}.mcap") if out is None else out
-    mapping = source
-    if source.suffix.lower() != ".toml":
-        mapping = _written_mapping(source, out, replace=replace, quiet=as_json)
-    parameters = dict(_parameter(text) for text in set_ or [])
-    loaded = load_mapping(mapping, data_dir=data, parameters=parameters)
-    check_target(out, "--out", replace=replace, suffix=".mcap", what="recordings", inputs=input_files(loaded))
-    with progress_bar(quiet=as_json) as progress:
-        recording = import_recording(loaded, progress)
-    write(recording, out, replace=replace)
+    parameters = dict(parameter(text, "--set") for text in set_ or [])
+    paths = files(sources)
+    if each is None and paths == sources and len(paths) == 1:
+        out = Path(f"{paths[0].stem}.mcap") if out is None else out
+        return _import_one(Job(paths[0], out, parameters, data, replace), quiet=as_json)
+    jobs = several(paths, each, parameters, data, out, replace=replace)
+    takes = [job.named for job in jobs]
+    outcomes = [*one_by_one(takes, lambda number: jobs[number].document(), "importing", quiet=as_json)]
     if as_json:
-        print_json({"recording": str(out), "mapping": str(mapping), **_document(recording)})
+        print_json([outcome.result or _refused(outcome) for outcome in outcomes])
     else:
-        _print(recording, out)
+        print_table(outcomes, ("recording", "frames", "seconds", "people", "things", "notes"), _cells, "imported")
+    return exit_code(outcomes, good=bool)
 
 
-def _written_mapping(take: Path, out: Path, *, replace: bool, quiet: bool) -> Path:
-    """The mapping of a file of motion capture, written beside the recording.
-
-    Raises:
-        MappingError: The file cannot be read, or leaves something open.
-    """
-    mapping = out.with_suffix(".toml")
-    if mapping.exists() and not replace:
-        hint = f"taskgist import {mapping} -o {out}; to write it anew, add --replace"
-        raise MappingError("the mapping is there already: import that", where=mapping, hint=hint)
-    proposal = look(take)
-    check_target(out, "--out", replace=replace, suffix=".mcap", what="recordings", inputs=[take])
-    check_target(mapping, "--out", replace=replace, inputs=[take])
-    text = mapping_text(proposal, os.path.relpath(take, mapping.parent))
-    with writing(mapping, replace=replace, error=MappingError) as stream:
-        stream.write(text.encode())
-    if not quiet:
-        _print_found(proposal, mapping)
-    if proposal.open:
-        hint = f"fill in what {mapping} calls open, then: taskgist import {mapping} -o {out}"
-        raise MappingError("not imported yet: " + "; ".join(proposal.open), where=take, hint=hint)
-    return mapping
+def _import_one(job: Job, *, quiet: bool) -> int:
+    mapping = job.mapping() if quiet else job.mapping(_print_found)
+    with progress_bar(quiet=quiet) as progress:
+        recording = job.recording(mapping, progress)
+    if quiet:
+        print_json(imported(recording, job.out, mapping))
+    else:
+        _print(recording, job.out)
+    return OK
 
 
 def _print_found(proposal: Proposal, mapping: Path) -> None:
@@ -109,22 +110,14 @@ def _print_found(proposal: Proposal, mapping: Path) -> None:
     console.print(f"wrote {mapping}, the mapping")
 
 
-def _parameter(text: str) -> tuple[str, str]:
-    name, separator, value = text.partition("=")
-    if not separator or not name:
-        raise MappingError("not a parameter", field="--set", value=text, hint="write NAME=VALUE")
-    return name, value
+def _refused(outcome: Outcome[dict[str, Any]]) -> dict[str, Any]:
+    return {"source": str(outcome.path), "error": str(outcome.problem)}
 
 
-def _document(recording: Recording) -> dict[str, Any]:
-    return {
-        "frames": len(recording.times_s),
-        "seconds": float(recording.times_s[-1] - recording.times_s[0]),
-        "agents": list(recording.scene.agents),
-        "objects": list(recording.scene.objects),
-        "notes": list(recording.provenance.notes),
-        "fit": recording.provenance.as_dict()["fit"],
-    }
+def _cells(document: Mapping[str, Any]) -> list[str | Text]:
+    people, things = ", ".join(document["agents"]), ", ".join(document["objects"])
+    frames, seconds = str(document["frames"]), f"{document['seconds']:.2f}"
+    return [document["recording"], frames, seconds, people, things, str(len(document["notes"]) or "")]
 
 
 def _print(recording: Recording, out: Path) -> None:

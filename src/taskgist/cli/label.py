@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any
 
 import typer
+from rich.text import Text
 
-from taskgist.cli.common import (
-    FAILED,
-    OK,
-    JsonOption,
-    RecordingArgument,
-    about,
-    command,
-    console,
-    print_json,
-)
+from taskgist.cli.common import FAILED, OK, JsonOption, RecordingsArgument, about, command, console, print_json
+from taskgist.cli.found import files
+from taskgist.cli.many import Outcome, exit_code, one_by_one, print_table
 from taskgist.common.text import one_or_list
 from taskgist.errors import LabelError
+from taskgist.language.phrases import listed
 from taskgist.observe.observer import Observer
 from taskgist.recognition.label_proposal import propose_label
 from taskgist.recording.mcap import read, relabel
@@ -40,7 +37,7 @@ OPTIONS = MappingProxyType(
 
 @command
 def label(
-    recording: RecordingArgument,
+    recordings: RecordingsArgument,
     task: Annotated[str | None, typer.Option(help="Name of the task.")] = None,
     performer: Annotated[str | None, typer.Option(help="The agent that performs it.")] = None,
     target: Annotated[list[str] | None, typer.Option(help="The agent for whom; once for each of several.")] = None,
@@ -53,7 +50,7 @@ def label(
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Show the label without writing it.")] = False,
     as_json: JsonOption = False,
 ) -> int:
-    """Show, set or propose what a recording demonstrates.
+    """Show, set or propose what recordings demonstrate.
 
     That is its label: task, agents, objects, start and end. Without options it is shown (exit code 1 if there is none).
     With options it is set, what is not given stays. With --propose the facts fill in the rest: who has the object
@@ -65,34 +62,75 @@ def label(
 
     Example: taskgist label handover.mcap --propose --task give
 
+    Example: taskgist label recordings --propose --task give
+
     Example: taskgist label handover.mcap --start 1.2 --end 3.45
 
     Example: taskgist label hidden.mcap --target P2 --target P3
     """
-    with about(recording, OPTIONS):
-        given = {
-            "task": task,
-            "performing_agent": performer,
-            "target_agent": one_or_list(target) if target else None,
-            "target_object": one_or_list(object) if object else None,
-            "start_s": start,
-            "end_s": end,
-        }
-        changes = {key: value for key, value in given.items() if value is not None}
-        if not changes and not propose:
-            return _show(read(recording).label, as_json=as_json)
+    given = {
+        "task": task,
+        "performing_agent": performer,
+        "target_agent": one_or_list(target) if target else None,
+        "target_object": one_or_list(object) if object else None,
+        "start_s": start,
+        "end_s": end,
+    }
+    wanted = Wanted({key: value for key, value in given.items() if value is not None}, propose, dry_run)
+    paths = files(recordings, suffix=".mcap")
+    if len(paths) == 1:
+        return _show(wanted.label_of(paths[0]), as_json=as_json)
+    outcomes = [*one_by_one(paths, lambda number: (wanted.label_of(paths[number]),), "labelling", quiet=as_json)]
+    if as_json:
+        print_json([_document(outcome) for outcome in outcomes])
+    else:
+        print_table(
+            outcomes,
+            ("task", "performer", "for", "with", "start", "end"),
+            _cells,
+            "shown" if wanted.shows else "labelled",
+        )
+    return exit_code(outcomes, good=lambda found: found[0] is not None)
 
-        def changed(opened: Recording) -> Label:
-            base = _proposed(opened, changes) if propose else opened.label
-            return _changed(base, changes, alone=len(opened.scene.agents) == 1)
 
-        if dry_run:
-            opened = read(recording)
-            new = changed(opened)
+@dataclass(frozen=True)
+class Wanted:
+    """What is wanted of the labels of recordings.
+
+    Attributes:
+        changes: Fields that are set, and their values.
+        propose: Whether facts fill in the others.
+        dry_run: Whether nothing is written.
+    """
+
+    changes: Mapping[str, Any]
+    propose: bool
+    dry_run: bool
+
+    @property
+    def shows(self) -> bool:
+        """Whether the labels are only looked at."""
+        return not self.changes and not self.propose
+
+    def label_of(self, path: Path) -> Label | None:
+        """The label of a recording, after it was changed.
+
+        Raises:
+            InputError: The recording cannot be read or written, the label cannot be, or too little speaks for one.
+        """
+        with about(path, OPTIONS):
+            if self.shows:
+                return read(path).label
+            if not self.dry_run:
+                return relabel(path, self._changed)
+            opened = read(path)
+            new = self._changed(opened)
             opened.with_label(new)
-        else:
-            new = relabel(recording, changed)
-    return _show(new, as_json=as_json)
+            return new
+
+    def _changed(self, recording: Recording) -> Label:
+        base = _proposed(recording, self.changes) if self.propose else recording.label
+        return _changed(base, self.changes, alone=len(recording.scene.agents) == 1)
 
 
 def _proposed(recording: Recording, given: Mapping[str, Any]) -> Label:
@@ -131,6 +169,21 @@ def _how(before: str, changes: Mapping[str, object]) -> str:
     by_hand = sorted({*changes, *(field for fields in hands for field in fields)})
     others = [clause for clause in clauses if not clause.startswith(BY_HAND)]
     return "; ".join([*others, *([BY_HAND + ", ".join(by_hand)] if by_hand else [])])
+
+
+def _document(outcome: Outcome[tuple[Label | None]]) -> dict[str, Any]:
+    if outcome.result is None:
+        return {"recording": str(outcome.path), "error": str(outcome.problem)}
+    (found,) = outcome.result
+    return {"recording": str(outcome.path), "label": found.as_dict() if found else None}
+
+
+def _cells(result: tuple[Label | None]) -> list[str | Text]:
+    (found,) = result
+    if found is None:
+        return ["no label"]
+    times = (f"{time_s:.2f} s" for time_s in (found.start_s, found.end_s))
+    return [found.task, found.performing_agent, listed(found.target_agents), listed(found.target_objects), *times]
 
 
 def _show(shown: Label | None, *, as_json: bool) -> int:
