@@ -92,7 +92,7 @@ def test_an_array_without_frames_is_told(tmp_path: Path) -> None:
 def test_an_array_that_is_not_asked_for_is_not_loaded(tmp_path: Path) -> None:
     npz_mapping(tmp_path)
     np.savez_compressed(tmp_path / "data.npz", t=TIMES_S, vast=np.zeros(2**20))
-    arrays = ArrayTable(tmp_path / "data.npz", "m.toml: sources.t", most_bytes=2**16)
+    arrays = ArrayTable(tmp_path / "data.npz", "npz", "m.toml: sources.t", most_bytes=2**16)
     assert arrays.array("t").tolist() == TIMES_S.tolist()
     with pytest.raises(MappingError, match="vast: is too large"):
         arrays.array("vast")

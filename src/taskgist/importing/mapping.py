@@ -60,7 +60,7 @@ class Rotation:
         order: Axes of the Euler angles, in the order of their columns, such as "zyx".
         unit_rad: Radians per unit of angle.
         identity_is_lost: Whether samples without any turn are those of a lost tracker; None: nobody said.
-        array: Name of the array in an NPZ that holds them, as ``TableFormat.array``; None: that of the positions.
+        array: Name of the array that holds them, as ``TableFormat.array``; None: that of the positions.
     """
 
     columns: Columns
@@ -112,7 +112,7 @@ class TableFormat:
         comment: Lines that start with this are skipped.
         decimal: Decimal mark.
         where: Column and text that a row must have to count; both may hold ``{person}``, ``{point}``.
-        array: Name of the array in an NPZ, which may hold ``{person}``, ``{point}``.
+        array: Name of the array in an NPZ or a file of MATLAB, which may hold ``{person}``, ``{point}``.
         layout: What each axis of the array is: "time", "value", "{person}", "{point}" or a fixed index.
     """
 
@@ -132,7 +132,7 @@ class Source:
 
     Attributes:
         file: Path, which may hold ``{person}`` and ``{point}``; relative ones start at the data folder.
-        kind: "csv", "npz" or "npy".
+        kind: "csv", "npz", "npy", "mat", or a key of ``readers.READERS``.
         names: The source's points in their order, where columns or arrays know them by index only.
         missing: Values that stand for "not tracked"; a point all of whose coordinates are the same one is unknown.
             ``None`` if the mapping does not say.

@@ -152,7 +152,7 @@ def _like(section: str, name: str, tables: dict[str, Any], file: Path, seen: tup
 
 TIME_UNITS_S = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 ANGLE_UNITS_RAD = {"deg": math.pi / 180.0, "rad": 1.0}
-KINDS = {".csv": "csv", ".tsv": "csv", ".txt": "csv", ".npz": "npz", ".npy": "npy"}
+KINDS = {".csv": "csv", ".tsv": "csv", ".txt": "csv", ".npz": "npz", ".npy": "npy", ".mat": "mat"}
 """Formats of tables by the ends of their names."""
 ROTATION_LETTERS = {"xyzw": "xyzw", "wxyz": "wxyz", "rotation_vector": "xyz", "matrix": "012345678"}
 
@@ -279,8 +279,8 @@ def _clock(section: TomlTable) -> Clock:
 
 
 def _rotation(section: TomlTable, table: str) -> Rotation:
-    if "array" in section and table != "npz":
-        hint = "name its columns, as columns = [...]: only an NPZ holds several arrays"
+    if "array" in section and table not in ("npz", "mat"):
+        hint = "name its columns, as columns = [...]: only NPZ and MAT files hold several arrays"
         raise section.error("this source has no arrays", "array", section.any("array"), hint)
     kind = section.choice("kind", {*ROTATION_LETTERS, "euler_intrinsic", "euler_extrinsic"})
     euler = kind.startswith("euler")

@@ -7,12 +7,13 @@ by its name: many programs write ``.csv``.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from taskgist.common.array_files import ArrayFile
 from taskgist.common.files import is_file, reading, shown_path
-from taskgist.errors import MappingError
+from taskgist.errors import InputError, MappingError
 from taskgist.importing.formats.bvh import is_bvh, read_bvh
 from taskgist.importing.formats.c3d import is_c3d, read_c3d
 from taskgist.importing.formats.keypoints import is_mediapipe, is_zed, read_mediapipe, read_zed
@@ -22,6 +23,7 @@ from taskgist.importing.formats.qualisys import is_qualisys, read_qualisys
 from taskgist.importing.formats.ros import METADATA, is_ros, read_ros
 from taskgist.importing.formats.smplx import JOINTS, PARAMETERS, read_smplx
 from taskgist.importing.formats.trc import is_trc, read_trc
+from taskgist.importing.mat import BEGINNING, VERSION_7_3, MatFile
 from taskgist.importing.takes import Take
 from taskgist.settings import DEFAULT
 
@@ -102,8 +104,7 @@ CONVERSIONS: Mapping[str, str] = {
     ".pkl": "a pickle runs code when it is opened: save its arrays with numpy.savez",
     ".pickle": "a pickle runs code when it is opened: save its arrays with numpy.savez",
     ".pt": "tensors of PyTorch: save them with numpy.savez",
-    ".mat": "a file of MATLAB: save the arrays with scipy.io.loadmat and numpy.savez, or writematrix as CSV",
-    ".h5": "HDF5: save its arrays with numpy.savez",
+    ".h5": "HDF5: save its arrays with numpy.savez; in MATLAB, save(..., '-v7') writes a file that is read",
     ".hdf5": "HDF5: save its arrays with numpy.savez",
     ".parquet": "a table of Parquet: save it as CSV, pandas.read_parquet(...).to_csv(...)",
     ".xlsx": "a workbook of Excel: save the sheet as CSV",
@@ -120,14 +121,15 @@ _BEGINNINGS: Mapping[bytes, str] = {
     b"Kaydara FBX": ".fbx",
     b"; FBX": ".fbx",
     b"glTF": ".glb",
-    b"MATLAB": ".mat",
+    VERSION_7_3: ".h5",
+    BEGINNING: ".mat",
     b"\x89HDF": ".h5",
     b"PAR1": ".parquet",
     b":ASF": ".asf",
     b"\x1f\x8b": ".gz",
 }
 """How such files begin, whatever their names."""
-_TABLES = {".csv": "text", ".tsv": "text", ".txt": "text", ".npz": "arrays", ".npy": "arrays"}
+_TABLES = {".csv": "text", ".tsv": "text", ".txt": "text", ".npz": "arrays", ".npy": "arrays", ".mat": "arrays"}
 
 
 def read_take(path: Path, kind: str, *, where: str = "", most_bytes: int = DEFAULT.limits.table_bytes) -> Take:
@@ -171,6 +173,27 @@ def _arrays(path: Path) -> frozenset[str]:
     return frozenset(ArrayFile(path, most_bytes=most_bytes, where=shown_path(path), error=MappingError).names)
 
 
+MOST_SHOWN = 12
+"""Arrays of a file that a message lists."""
+
+
+def _held(path: Path, suffix: str) -> str | None:
+    """The arrays of a file, with their shapes; nothing of texts."""
+    if _TABLES[suffix] == "text":
+        return None
+    most_bytes, where = DEFAULT.limits.table_bytes, shown_path(path)
+    file: MatFile | ArrayFile = (
+        MatFile(path, most_bytes=most_bytes, where=where)
+        if suffix == ".mat"
+        else ArrayFile(path, most_bytes=most_bytes, where=where, error=MappingError)
+    )
+    shown = []
+    for name in file.names[:MOST_SHOWN]:
+        with suppress(InputError):  # what cannot be read is told where it is asked for
+            shown.append(f"{name} {'x'.join(map(str, file.array(name).shape))}")
+    return ", ".join(shown) + (", ..." if len(file.names) > MOST_SHOWN else "")
+
+
 def _foreign(path: Path, head: bytes) -> MappingError:
     suffix = next((end for start, end in _BEGINNINGS.items() if head.startswith(start)), path.suffix.lower())
     where = shown_path(path)
@@ -183,7 +206,8 @@ def _foreign(path: Path, head: bytes) -> MappingError:
         return MappingError(f"is no {title}, though its name says so", where=where, hint="export it again")
     if suffix in _TABLES:
         hint = "write a mapping that says what its columns are: see docs/howto/import.md"
-        return MappingError(f"a table of {_TABLES[suffix]} whose layout is not known", where=where, hint=hint)
+        problem = f"a table of {_TABLES[suffix]} whose layout is not known"
+        return MappingError(problem, where=where, value=_held(path, suffix), hint=hint)
     titles = ", ".join(reader.title for reader in READERS.values())
     hint = f"export it as one of these: {titles}; or write a mapping of tables: see docs/howto/import.md"
     return MappingError("of a kind that is not known", where=where, hint=hint)

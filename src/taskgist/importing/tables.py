@@ -21,6 +21,7 @@ from taskgist.common.files import shown_path
 from taskgist.errors import MappingError
 from taskgist.importing.csv import CsvPart, CsvTable
 from taskgist.importing.mapping import Columns, Frame, ImportMapping, Name, PointRef, Rotation, SignalColumn, Source
+from taskgist.importing.mat import MatFile
 from taskgist.importing.readers import READERS, read_take
 from taskgist.importing.table_values import (
     Part,
@@ -49,20 +50,25 @@ USUAL_LAYOUTS: dict[int, tuple[Name, ...]] = {
 
 
 class ArrayTable:
-    """The arrays of an NPZ or NPY file.
+    """The arrays of an NPZ or NPY file, or of one of MATLAB.
 
     Args:
         file: The file.
+        kind: "npz", "npy" or "mat".
         where: The mapping and source that name it, for messages.
-        most_bytes: What the arrays that are asked for may take together.
+        most_bytes: What the arrays that are asked for may take together; of MATLAB, the whole file.
 
     Raises:
         MappingError: The file is missing or holds no plain arrays.
     """
 
-    def __init__(self, file: Path, where: str, *, most_bytes: int = DEFAULT.limits.table_bytes) -> None:
+    def __init__(self, file: Path, kind: str, where: str, *, most_bytes: int = DEFAULT.limits.table_bytes) -> None:
         self.where = f"{where}: {shown_path(file)}"
-        self._arrays = ArrayFile(file, most_bytes=most_bytes, where=self.where, error=MappingError)
+        self._arrays: ArrayFile | MatFile
+        if kind == "mat":
+            self._arrays = MatFile(file, most_bytes=most_bytes, where=self.where)
+        else:
+            self._arrays = ArrayFile(file, most_bytes=most_bytes, where=self.where, error=MappingError)
 
     def array(self, name: str | None) -> NDArray[np.generic]:
         """An array by name; ``None`` is the only one.
@@ -271,7 +277,7 @@ class Tables:
         """The part with the orientations of a point: that of its positions, or another array of the same file."""
         if array is None:
             return part
-        assert isinstance(part, ArrayPart)  # only an NPZ has arrays
+        assert isinstance(part, ArrayPart)  # others have no arrays
         return part.beside(tokens.filled(array))
 
     def _table(self, file: Path, source: Source, where: str) -> CsvTable | ArrayTable | Take:
@@ -286,7 +292,7 @@ def _opened(file: Path, source: Source, where: str, most_bytes: int) -> CsvTable
         return read_take(file, source.kind, where=f"{where}: {shown_path(file)}", most_bytes=most_bytes)
     if source.kind == "csv":
         return CsvTable(file, source.table, where, most_bytes=most_bytes)
-    return ArrayTable(file, where, most_bytes=most_bytes)
+    return ArrayTable(file, source.kind, where, most_bytes=most_bytes)
 
 
 def _lost(part: Part, tokens: Tokens, position: Array) -> Mask:
