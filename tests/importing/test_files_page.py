@@ -26,7 +26,7 @@ def snippet(section: str) -> list[str]:
 def test_every_format_has_a_row() -> None:
     rows = re.findall(r"^\| [^|]+ \| (`[^|]+`) \|", LOADS, flags=re.MULTILINE)
     named = {name for row in rows for name in re.findall(r"`(\w+)`", row)} - {"format"}
-    assert named == {*READERS, "csv", "npz", "npy"}
+    assert named == {*READERS, "csv", "npz", "npy", "mat"}
 
 
 def test_files_that_do_not_load_are_named_by_the_reader_too() -> None:

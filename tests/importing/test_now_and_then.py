@@ -116,5 +116,5 @@ def test_arrays_of_rotations_that_cannot_be_right_are_named(tmp_path: Path) -> N
         tracks_of(tmp_path, ("cup",), source=source + f'rotation = {{ array = "quat", {TURNS["quat"]} }}\n')
     with pytest.raises(UnknownNameError, match=r"o.npz: no array .squat.; did you mean .quat."):
         tracks_of(tmp_path, ("cup",), source=source + f'rotation = {{ array = "squat", {TURNS["quat"]} }}\n')
-    with pytest.raises(MappingError, match=r"rotation.*array.*only an NPZ holds several arrays"):
+    with pytest.raises(MappingError, match=r"rotation.*array.*only NPZ and MAT files hold several arrays"):
         tracks_of(tmp_path, ("cup",), source=TABLE + f'rotation = {{ array = "quat", {TURNS["quat"]} }}\n')

@@ -45,16 +45,17 @@ class MatFile:
 
     def __init__(self, path: Path, *, most_bytes: int, where: str | None = None) -> None:
         self._where = where or shown_path(path)
-        with reading(path, error=MappingError) as stream:
-            try:
+        try:
+            with reading(path, error=MappingError) as stream:
                 _check_size(stream, most_bytes, self._where)
                 stream.seek(0)
                 self._arrays = dict(_flat(_loaded(stream)))
-            except MappingError:
-                raise
-            except Exception as problem:  # SciPy fails in many ways on what is damaged
-                text = f"{type(problem).__name__}: {problem}"
-                raise MappingError("not a file of MATLAB 5 to 7", where=self._where, value=text, hint=HINT) from problem
+        except MappingError as problem:
+            problem.where = self._where
+            raise
+        except Exception as problem:  # SciPy fails in many ways on what is damaged
+            text = f"{type(problem).__name__}: {problem}"
+            raise MappingError("not a file of MATLAB 5 to 7", where=self._where, value=text, hint=HINT) from problem
         self.names = tuple(self._arrays)
 
     def array(self, name: str) -> NDArray[Any]:
