@@ -56,7 +56,7 @@ MISTAKES = {
     "rotation kind": ('kind = "wxyz"', 'kind = "xyzx"', r"rotation.kind: .*did you mean 'xyzw'"),
     "rotation columns": ("columns = [3, 4, 5, 6]", "columns = [3, 4, 5]", r"rotation.columns: must list 4 columns"),
     "nothing fills": ('file = "data.npz"', 'file = "{folder}.npz"', r"nothing fills \{folder\}.*\[parameters\]"),
-    "format": ('file = "data.npz"', 'file = "data.mat"', r"sources.body.file: cannot tell the format.*'data.mat'"),
+    "format": ('file = "data.npz"', 'file = "data.bin"', r"sources.body.file: cannot tell the format.*'data.bin'"),
     "landmark": ('nose = "NOSE"', 'noze = "NOSE"', r"people.P1.points: no landmark 'noze'; did you mean 'nose'"),
     "source": ('source = "body"', 'source = "bodies"', r"people.P1.points: no source 'bodies'; did you mean 'body'"),
     "part": ("person = 0", 'person = 0\nunknown = ["left_leg"]', r"no part 'left_leg'; did you mean 'left_arm'"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -47,16 +48,20 @@ class MatFile:
         self._where = where or shown_path(path)
         try:
             with reading(path, error=MappingError) as stream:
-                _check_size(stream, most_bytes, self._where)
-                stream.seek(0)
-                self._arrays = dict(_flat(_loaded(stream)))
+                self._arrays = self._read(stream, most_bytes)
         except MappingError as problem:
             problem.where = self._where
             raise
+        self.names = tuple(self._arrays)
+
+    def _read(self, stream: BinaryIO, most_bytes: int) -> dict[str, NDArray[Any]]:
+        _check_size(stream, most_bytes, self._where)
+        stream.seek(0)
+        try:
+            return dict(_flat(_loaded(stream)))
         except Exception as problem:  # SciPy fails in many ways on what is damaged
             text = f"{type(problem).__name__}: {problem}"
             raise MappingError("not a file of MATLAB 5 to 7", where=self._where, value=text, hint=HINT) from problem
-        self.names = tuple(self._arrays)
 
     def array(self, name: str) -> NDArray[Any]:
         """One of the arrays.
@@ -113,11 +118,12 @@ def _check_size(stream: BinaryIO, most_bytes: int, where: str) -> None:
 def _unpacked(stream: BinaryIO, size: int) -> Iterator[int]:
     """How much a packed element holds, piece by piece."""
     unpacker = zlib.decompressobj()
-    while size > 0 and (packed := stream.read(min(size, CHUNK_BYTES))):
-        size -= len(packed)
-        while packed:
-            yield len(unpacker.decompress(packed, CHUNK_BYTES))
-            packed = unpacker.unconsumed_tail
+    with suppress(zlib.error):  # what is damaged is told when it is read
+        while size > 0 and (packed := stream.read(min(size, CHUNK_BYTES))):
+            size -= len(packed)
+            while packed:
+                yield len(unpacker.decompress(packed, CHUNK_BYTES))
+                packed = unpacker.unconsumed_tail
 
 
 def _skipped(stream: BinaryIO, size: int) -> Iterator[int]:
