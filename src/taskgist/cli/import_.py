@@ -101,6 +101,8 @@ def _print_found(proposal: Proposal, mapping: Path) -> None:
     for subject in proposal.people:
         lacking = f", without {', '.join(subject.lacking)}" if subject.lacking else ""
         console.print(f"person {subject.name}: {len(subject.points)} points, skeleton {subject.skeleton}{lacking}")
+    for name, base in proposal.robots.items():
+        console.print(f"robot {name}: its joints are there, its base is {base or 'not known'}")
     if proposal.things:
         console.print(f"things: {', '.join(proposal.things)}")
     if proposal.loose:

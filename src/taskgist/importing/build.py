@@ -14,6 +14,7 @@ from taskgist.errors import MappingError, SceneError
 from taskgist.importing.bodies import BodyTrack, entry_of, fit_person
 from taskgist.importing.floor import floor_problem, floor_remedy, off_the_floor_m
 from taskgist.importing.mapping import ImportMapping, Shape, Support
+from taskgist.importing.robots import robot_entry, robot_positions
 from taskgist.importing.sizes import estimate_size
 from taskgist.importing.tracks import ObjectTrack, Tracks, read_tracks
 from taskgist.recording.recording import Recording
@@ -103,7 +104,7 @@ def _size(mapping: ImportMapping, name: str, tracks: Tracks) -> HumanSize:
 
 
 def build_scene(mapping: ImportMapping, tracks: Tracks, sizes: Mapping[str, HumanSize]) -> Scene:
-    """The scene of a mapping: floor, supports, objects, and bodies of the people's size."""
+    """The scene of a mapping: floor, supports, objects, robots, and bodies of the people's size."""
     room = mujoco.MjSpec()
     room.modelname = "imported room"
     room.worldbody.add_geom(
@@ -117,7 +118,10 @@ def build_scene(mapping: ImportMapping, tracks: Tracks, sizes: Mapping[str, Huma
     estimated += [name for name, track in tracks.objects.items() if track.estimated]
     return Scene.from_spec(
         room,
-        [entry_of(name, size) for name, size in sizes.items()],
+        [
+            *(entry_of(name, size) for name, size in sizes.items()),
+            *(robot_entry(name, robot.profile) for name, robot in tracks.robots.items()),
+        ],
         name=mapping.name,
         estimated=estimated,
         where=str(mapping.file),
@@ -163,6 +167,9 @@ def _positions(scene: Scene, tracks: Tracks, bodies: Mapping[str, BodyTrack]) ->
     for name, body in bodies.items():
         qpos[:, scene.base_slice(name)] = body.base
         qpos[:, scene.joint_indices(name)] = body.joints_rad
+    for name, robot in tracks.robots.items():
+        own = [*range(scene.nq)[scene.base_slice(name)], *scene.joint_indices(name)]
+        qpos[:, own] = _filled(robot_positions(scene, name, robot)[:, own], robot.known)
     for name, track in tracks.objects.items():
         pose = np.concatenate((track.position_m, track.wxyz), axis=1)
         qpos[:, scene.object_slice(name)] = _filled(pose, track.known)
@@ -216,6 +223,7 @@ def _tracked(
     tracks: Tracks, bodies: Mapping[str, BodyTrack], doubtful: Mapping[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
     tracked = {name: track.known for name, track in tracks.objects.items()}
+    tracked |= {name: robot.known for name, robot in tracks.robots.items()}
     for name, body in bodies.items():
         tracked |= {f"{name}/{part}": known for part, known in body.tracked.items()}
         tracked[f"{name}/legs"] = body.tracked["legs"] & ~doubtful[name]

@@ -58,6 +58,8 @@ def check_clocks(file: Path, tracks: Iterable[Track]) -> None:
         MappingError: For a long time nothing is tracked, and there are sources before it and after it.
     """
     known = sorted(tracks, key=lambda track: float(track.times_s[0]))
+    if not known:
+        return
     first = known[0]
     for track in known[1:]:
         if float(track.times_s[0] - first.times_s[-1]) > FARTHEST_CLOCKS_S:

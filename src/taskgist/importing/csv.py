@@ -97,6 +97,11 @@ class CsvTable:
         ):
             self._values = self._read(text, form, most_bytes)
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns; none without a header."""
+        return self._header or ()
+
     def rows_where(self, conditions: Sequence[tuple[Name, str]]) -> Indices:
         """Indices of the rows that have these texts (or equal numbers) in these columns."""
         if not conditions:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,13 +17,16 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Mask
 from taskgist.common.text import clean_name
+from taskgist.errors import TaskgistError
 from taskgist.importing.mapping_fields import UNITS_M
 from taskgist.importing.mapping_people import HEAD_POINTS, LEG_POINTS, folded
 from taskgist.importing.readers import READERS, kind_of, read_take
+from taskgist.importing.robots import joint_names
 from taskgist.importing.sizes import height_of_soles_m
 from taskgist.importing.skeletons import SKELETONS
 from taskgist.importing.takes import OWNER, Take, TakeTrack
 from taskgist.settings import DEFAULT
+from taskgist.world.bodies.profile import builtin_profiles
 
 LEAST_SHARE = 0.4
 """Of a skeleton's landmarks, that a person's points must have for the skeleton to be recognised (ours)."""
@@ -86,6 +90,7 @@ class Proposal:
         unit: Its unit.
         up: Its axis that points up.
         raised_m: What is added to heights so that people stand on the floor; 0 where they do, or no feet are known.
+        robots: Names of built-in profiles whose joints the file has, and the frame of the base of each.
         open: Questions that the mapping's user has to answer, each with its field.
     """
 
@@ -97,6 +102,7 @@ class Proposal:
     unit: Choice
     up: Choice
     raised_m: float
+    robots: Mapping[str, str | None]
     open: tuple[str, ...]
 
 
@@ -131,8 +137,30 @@ def look(file: Path, kind: str | None = None) -> Proposal:
         unit,
         up,
         _raised_m([_without_markers(s, body) for s, body in zip(people, bodies, strict=True)], unit, up),
-        _open(people, things, loose, unit, up),
+        robots := _robots(take),
+        _open(people, things, loose, robots, unit, up),
     )
+
+
+JOINTS_SHARE = 0.6
+"""Of a profile's joints, that a file must have for it to be that robot (ours): grippers are often not published."""
+BASES = ("base_footprint", "base_link", "base")
+"""Frames of tf at a robot's base, the best first [REP-105]."""
+
+
+def _robots(take: Take) -> dict[str, str | None]:
+    """The built-in robot whose joints a file has most of, with the frame of its base."""
+    if not take.series:
+        return {}
+    shares = {}
+    for profile in builtin_profiles():
+        with suppress(TaskgistError):  # a robot whose model is not installed
+            joints = {*joint_names(profile)}
+            shares[profile] = len(joints & take.series.keys()) / len(joints)
+    best = max(shares, key=lambda profile: shares[profile])
+    if shares[best] < JOINTS_SHARE:
+        return {}
+    return {best: next((frame for frame in BASES if frame in take.tracks), None)}
 
 
 def _subject(owner: str, points: Sequence[str]) -> Subject:
@@ -262,11 +290,17 @@ def _raised_m(bodies: Sequence[Mapping[str, Array]], unit: Choice, up: Choice) -
 
 
 def _open(
-    people: Sequence[Subject], things: Sequence[str], loose: Sequence[str], unit: Choice, up: Choice
+    people: Sequence[Subject],
+    things: Sequence[str],
+    loose: Sequence[str],
+    robots: Mapping[str, str | None],
+    unit: Choice,
+    up: Choice,
 ) -> tuple[str, ...]:
     questions = [f"sources.take.units: {unit.why}"] if unit.value is None else []
     questions += [f"sources.take.axes: {up.why}"] if up.value is None else []
-    if not people and loose:
+    questions += [f"robots.{name}.point: which frame is its base?" for name, base in robots.items() if base is None]
+    if not people and loose and not robots:
         questions.append("people: no skeleton is recognised by its names: say which points are which landmarks")
     return (*questions, *(f"objects.{thing_name(name)}.shape: what does it look like?" for name in things))
 
@@ -305,10 +339,11 @@ def _lines(proposal: Proposal, file: str) -> Iterator[str]:
         yield f"names = [{', '.join(map(_quoted, names))}]"
     for subject in proposal.people:
         yield from _person(subject, {folded(name) for name in names})
-    if proposal.loose and not proposal.people:
+    if proposal.loose and not proposal.people and not proposal.robots:
         yield from ("", "# [people.P1]", '# source = "take"', '# points = { head = "...", left_wrist = "..." }')
     if proposal.loose:
         yield f"# points of nobody: {_one_line(', '.join(proposal.loose))}"
+    yield from _robot(proposal)
     for name in proposal.things:
         yield from ("", f"[objects.{thing_name(name)}]", 'source = "take"', f"point = {_quoted(name)}")
         yield '# shape = { type = "box", size_m = [0.1, 0.1, 0.1] }  # open: box, cylinder, sphere or mesh'
@@ -340,6 +375,30 @@ def _person(subject: Subject, listed: set[str]) -> Iterator[str]:
         yield f"points = {{ {', '.join(f'{key} = false' for key in others)} }}"
 
 
+def _robot(proposal: Proposal) -> Iterator[str]:
+    for name, base in proposal.robots.items():
+        yield from (
+            "",
+            f"[robots.{name}]",
+            f"profile = {_quoted(name)}  # its joints are in the file",
+            'source = "take"',
+        )
+        yield f"point = {_quoted(base)}" if base else "# point =   # open: which frame is its base?"
+        yield "joints = {}  # those of the file that are called as its own"
+    if proposal.take.series and not proposal.robots:
+        names = _one_line(", ".join(list(proposal.take.series)[:MOST_SHOWN]))
+        yield from (
+            "",
+            "# Joints of a robot that has no built-in profile: write one (docs/howto/bodies.md), and fill in",
+        )
+        yield from (f"# {names}", "# [robots.R1]", '# profile = "my_robot.toml"', '# source = "take"')
+        yield from ('# point = "base_footprint"', "# joints = {}")
+
+
+MOST_SHOWN = 12
+"""Joints that a mapping lists."""
+
+
 def _quoted(text: str | None) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
@@ -358,7 +417,8 @@ def summary(take: Take) -> str:
     parts += [f"{rate:.6g} Hz" for rate in [_rate_hz(tracks)] if rate]
     lost, longest_s, name = _gaps(take)
     gaps = f"{100 * lost:.1f} % lost, for {longest_s:.2f} s at most ({name})" if lost else "no gaps"
-    return ", ".join([*parts, f"{last_s - first_s:.2f} s", gaps])
+    joints = [f"{len(take.series)} joints"] if take.series else []
+    return ", ".join([*parts, *joints, f"{last_s - first_s:.2f} s", gaps])
 
 
 def _rate_hz(tracks: Sequence[TakeTrack]) -> float | None:

@@ -1,4 +1,4 @@
-"""What a mapping file says about people, objects, supports, time and label.
+"""What a mapping file says about people, robots, objects, supports, time and label.
 
 All lengths are metres, all times seconds, all axes those of the room (x forward, y left, z up), unless a name says
 that something is the *source's*.
@@ -257,6 +257,37 @@ class Thing:
 
 
 @dataclass(frozen=True)
+class JointColumns:
+    """Where the joints of a robot stand.
+
+    Attributes:
+        source: The source.
+        column: Its columns, of which ``{joint}`` is the joint's name.
+        unit_rad: Radians per unit of joints that turn; those that slide are in metres.
+    """
+
+    source: str
+    column: str
+    unit_rad: float
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot: what it is, where its base is tracked, and where its joints stand.
+
+    Attributes:
+        profile: A built-in profile, or a file.
+        pose: Of its base.
+        joints: None where nobody published them: it stays at rest.
+    """
+
+    name: str
+    profile: str
+    pose: PointRef | FixedPose
+    joints: JointColumns | None
+
+
+@dataclass(frozen=True)
 class Support:
     """A box that things rest on (a table, a shelf board, a seat), which was not tracked.
 
@@ -332,6 +363,17 @@ class ImportMapping:
     supports: tuple[Support, ...]
     signals: tuple[SignalColumn, ...]
     label: Label | None
+    robots: tuple[Robot, ...] = ()
+
+    @property
+    def agents(self) -> tuple[Person | Robot, ...]:
+        """People and robots."""
+        return (*self.people, *self.robots)
+
+    @property
+    def posed(self) -> tuple[Thing | Robot, ...]:
+        """What is tracked as one body: objects, and bases of robots."""
+        return (*self.objects, *self.robots)
 
     def source(self, name: str) -> Source:
         """The source of that name, which loading has made sure exists."""

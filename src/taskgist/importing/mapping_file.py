@@ -23,14 +23,12 @@ from taskgist.importing.mapping import (
     Rotation,
     SignalColumn,
     Source,
-    Support,
     TableFormat,
-    Thing,
     Timeline,
 )
 from taskgist.importing.mapping_fields import read_column, read_columns, read_frame
 from taskgist.importing.mapping_people import read_person
-from taskgist.importing.mapping_things import read_support, read_thing
+from taskgist.importing.mapping_things import ANGLE_UNITS_RAD, read_robot, read_support, read_thing
 from taskgist.importing.readers import CONVERSIONS, READERS, SUFFIXES
 from taskgist.importing.skeletons import SKELETONS
 from taskgist.importing.takes import CONFIDENCE, POSITION, ROTATION, TIME
@@ -42,7 +40,7 @@ from taskgist.settings import DEFAULT, Limits
 RESERVED = frozenset({"person", "point", "axis", "AXIS"})
 """Placeholders that are filled while tables are read, and cannot be parameters."""
 
-_SINGULAR = {"sources": "source", "people": "person", "objects": "object"}
+_SINGULAR = {"sources": "source", "people": "person", "robots": "robot", "objects": "object"}
 """Sections whose tables may be ``like`` another one."""
 
 _PERSONAL = ("person", "stature_m", "unknown", "like")  # said of one person: never copied by ``like``
@@ -151,7 +149,6 @@ def _like(section: str, name: str, tables: dict[str, Any], file: Path, seen: tup
 
 
 TIME_UNITS_S = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-ANGLE_UNITS_RAD = {"deg": math.pi / 180.0, "rad": 1.0}
 KINDS = {".csv": "csv", ".tsv": "csv", ".txt": "csv", ".npz": "npz", ".npy": "npy", ".mat": "mat"}
 """Formats of tables by the ends of their names."""
 ROTATION_LETTERS = {"xyzw": "xyzw", "wxyz": "wxyz", "rotation_vector": "xyz", "matrix": "012345678"}
@@ -322,7 +319,7 @@ def _missing(section: TomlTable) -> tuple[float, ...] | None:
 
 # --- Reads a mapping file: every section once, in the order of ``docs/howto/import.md``.
 
-_SECTIONS = ("about", "time", "sources", "people", "objects", "supports", "signals", "label")
+_SECTIONS = ("about", "time", "sources", "people", "robots", "objects", "supports", "signals", "label")
 
 
 def load_mapping(
@@ -352,6 +349,9 @@ def load_mapping(
     about = top.table("about")
     people = {name: read_person(name, section, sources) for name, section in top.tables_by_name("people").items()}
     sources = _named_points(top, sources, people)
+    robots = {
+        name: read_robot(name, section, sources, file.parent) for name, section in top.tables_by_name("robots").items()
+    }
     things = {name: read_thing(name, section, sources, base) for name, section in top.tables_by_name("objects").items()}
     mapping = ImportMapping(
         name=about.text("name", clean_name(file.stem) or "recording"),
@@ -365,9 +365,10 @@ def load_mapping(
         objects=tuple(things.values()),
         supports=tuple(read_support(name, section) for name, section in top.tables_by_name("supports").items()),
         signals=tuple(_signal(name, section, sources) for name, section in top.tables_by_name("signals").items()),
-        label=_label(top.table("label"), people, things) if "label" in top else None,
+        label=_label(top.table("label"), [*people, *robots], things) if "label" in top else None,
+        robots=tuple(robots.values()),
     )
-    _check_whole(top, mapping.people, mapping.objects, mapping.supports)
+    _check_whole(top, mapping)
     return mapping
 
 
@@ -445,15 +446,13 @@ OF_THE_ROOM = ("world", "floor")
 """Names that the imported room gives to parts of its own."""
 
 
-def _check_whole(
-    top: TomlTable, people: tuple[Person, ...], things: tuple[Thing, ...], supports: tuple[Support, ...]
-) -> None:
-    if not people and not things:
+def _check_whole(top: TomlTable, mapping: ImportMapping) -> None:
+    if not mapping.people and not mapping.objects and not mapping.robots:
         raise top.error("the mapping brings in nobody and nothing", hint="add [people.NAME] and [objects.NAME]")
-    names = [*(p.name for p in people), *(t.name for t in things), *(s.name for s in supports)]
+    names = [*(a.name for a in mapping.agents), *(t.name for t in mapping.objects), *(s.name for s in mapping.supports)]
     for name in names:
         if names.count(name) > 1:
-            raise top.error("two of people, objects and supports have the same name", value=name)
+            raise top.error("two of people, robots, objects and supports have the same name", value=name)
         if name in OF_THE_ROOM:
             raise top.error("the room itself has that name", value=name, hint="name it otherwise")
         if not name.replace("_", "").replace("-", "").isalnum():

@@ -1,4 +1,4 @@
-"""The [objects.NAME] and [supports.NAME] tables."""
+"""The [objects.NAME], [supports.NAME] and [robots.NAME] tables."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import numpy as np
 
 from taskgist.common.files import is_file
 from taskgist.common.toml import TomlTable
-from taskgist.importing.mapping import FixedPose, PointRef, Shape, Support, Thing
+from taskgist.errors import UnknownNameError
+from taskgist.importing.mapping import FixedPose, JointColumns, PointRef, Robot, Shape, Support, Thing
 from taskgist.importing.mapping_fields import UNITS_M
 from taskgist.importing.mapping_people import read_point_ref
+from taskgist.world.bodies.profile import builtin_profiles
 from taskgist.world.geometry.transforms import matrix_from_euler, wxyz_from_matrix
 
 _SMALLEST_M = 1e-4
@@ -27,7 +29,7 @@ def read_thing(name: str, section: TomlTable, sources: Collection[str], data_dir
     """
     thing = Thing(
         name=name,
-        pose=_pose(name, section, sources),
+        pose=_pose(name, section, sources, "object"),
         shapes=_shapes(section, data_dir),
         estimated=section.flag("estimated", False),
         note=section.text("note", ""),
@@ -35,6 +37,52 @@ def read_thing(name: str, section: TomlTable, sources: Collection[str], data_dir
     )
     section.done()
     return thing
+
+
+ANGLE_UNITS_RAD = {"deg": math.pi / 180.0, "rad": 1.0}
+
+
+def read_robot(name: str, section: TomlTable, sources: Collection[str], folder: Path) -> Robot:
+    """One robot.
+
+    Args:
+        name: What it is called.
+        section: Its table.
+        sources: Names of the sources.
+        folder: To which the file of a profile of one's own is relative.
+
+    Raises:
+        MappingError: A field is missing, unknown or out of range.
+        UnknownNameError: A source, or a built-in profile, that does not exist.
+    """
+    profile = section.text("profile")
+    if profile.endswith(".toml"):
+        if not is_file(folder / profile):
+            raise section.error("the profile does not exist", "profile", str(folder / profile), "check the path")
+        profile = str((folder / profile).resolve())
+    elif profile not in builtin_profiles():
+        raise UnknownNameError("profile", profile, builtin_profiles(), where=f"{section.place}.profile")
+    pose = _pose(name, section, sources, "robot")
+    joints = _joints(section, sources, pose)
+    section.done()
+    return Robot(name, profile, pose, joints)
+
+
+def _joints(section: TomlTable, sources: Collection[str], pose: PointRef | FixedPose) -> JointColumns | None:
+    if "joints" not in section:
+        return None
+    table = section.table("joints")
+    source = table.text("source", None if isinstance(pose, FixedPose) else pose.source)
+    if source is None:
+        raise table.error("the joints have no source", "source", hint='give source = "NAME"')
+    if source not in sources:
+        raise UnknownNameError("source", str(source), sources, where=f"{table.place}.source")
+    column = table.text("column", "{joint}")
+    if "{joint}" not in column:
+        raise table.error("must hold {joint}", "column", column, 'write it as "position.{joint}"')
+    joints = JointColumns(source, column, ANGLE_UNITS_RAD[table.choice("unit", ANGLE_UNITS_RAD, "rad")])
+    table.done()
+    return joints
 
 
 def read_support(name: str, section: TomlTable) -> Support:
@@ -55,7 +103,7 @@ def read_support(name: str, section: TomlTable) -> Support:
     return support
 
 
-def _pose(name: str, section: TomlTable, sources: Collection[str]) -> PointRef | FixedPose:
+def _pose(name: str, section: TomlTable, sources: Collection[str], kind: str) -> PointRef | FixedPose:
     if "fixed" in section:
         fixed = section.table("fixed")
         pose = FixedPose(fixed.triple("position_m"), math.radians(fixed.number("yaw_deg", 0.0)))
@@ -64,7 +112,7 @@ def _pose(name: str, section: TomlTable, sources: Collection[str]) -> PointRef |
     named = {"point": name} | {key: section.any(key) for key in ("source", "point", "offset_m") if key in section}
     if "source" not in named:
         hint = 'give source = "NAME" (tracked), or fixed = { position_m = [x, y, z] } (it never moves)'
-        raise section.error("the object has no pose", "source", hint=hint)
+        raise section.error(f"the {kind} has no pose", "source", hint=hint)
     return read_point_ref(TomlTable(named, section.document, section.path), None, sources)
 
 

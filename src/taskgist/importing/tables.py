@@ -34,7 +34,7 @@ from taskgist.importing.table_values import (
     smoothed,
     wxyz_from_numbers,
 )
-from taskgist.importing.takes import Take, part_of
+from taskgist.importing.takes import Take, part_of, series_of
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.geometry.transforms import changed_frame, matrix_from_wxyz
 
@@ -69,6 +69,11 @@ class ArrayTable:
             self._arrays = MatFile(file, most_bytes=most_bytes, where=self.where)
         else:
             self._arrays = ArrayFile(file, most_bytes=most_bytes, where=self.where, error=MappingError)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the arrays."""
+        return self._arrays.names
 
     def array(self, name: str | None) -> NDArray[np.generic]:
         """An array by name; ``None`` is the only one.
@@ -190,7 +195,8 @@ def input_files(mapping: ImportMapping) -> tuple[Path, ...]:
         mapping: A loaded mapping.
     """
     refs = [(ref.source, person.token, ref.point) for person in mapping.people for p in person.points for ref in p.refs]
-    refs += [(t.pose.source, "", t.pose.point) for t in mapping.objects if isinstance(t.pose, PointRef)]
+    refs += [(each.pose.source, "", each.pose.point) for each in mapping.posed if isinstance(each.pose, PointRef)]
+    refs += [(robot.joints.source, "", "") for robot in mapping.robots if robot.joints is not None]
     refs += [(signal.source, "", signal.name) for signal in mapping.signals]
     tables = [
         mapping.data_dir / Tokens(source, person, point, "").filled(source.file)
@@ -255,10 +261,28 @@ class Tables:
             MappingError: As ``track``.
             UnknownNameError: As ``track``.
         """
-        source = self._mapping.source(column.source)
-        tokens = Tokens(source, "", column.name, f"{self._mapping.file}: signals.{column.name}")
+        return self._numbers(column.source, column.column, f"signals.{column.name}", column.name)
+
+    def column(self, source: str, column: str) -> tuple[Array, Array]:
+        """Times in seconds and values of a column of a source, (n,) each; errors as of ``track``."""
+        return self._numbers(source, column, f"sources.{source}", column)
+
+    def columns(self, source: str) -> frozenset[str]:
+        """Names of the columns that a source has: series of a file of motion capture, else columns or arrays."""
+        found = self._mapping.source(source)
+        table = self._table(self._mapping.data_dir / found.file, found, f"{self._mapping.file}: sources.{source}")
+        return frozenset(table.series if isinstance(table, Take) else table.names)
+
+    def _numbers(self, name: str, column: Name, field: str, point: str) -> tuple[Array, Array]:
+        source = self._mapping.source(name)
+        tokens = Tokens(source, "", point, f"{self._mapping.file}: {field}")
+        file = self._mapping.data_dir / tokens.filled(source.file)
+        table = self._table(file, source, tokens.where)
+        if isinstance(table, Take):
+            series = series_of(table, str(column), f"{tokens.where}: {shown_path(file)}")
+            return series.times_s + source.clock.offset_s, series.values
         part = self._part(source, tokens)
-        values = part.numbers(tokens.columns(Columns((column.column,))))[:, 0]
+        values = part.numbers(tokens.columns(Columns((column,))))[:, 0]
         times_s, kept = read_times(part, source.clock, len(values))
         return times_s, values[kept]
 

@@ -11,7 +11,7 @@ format keeps people apart by other means.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -45,6 +45,19 @@ class TakeTrack:
 
 
 @dataclass(frozen=True, eq=False)
+class Series:
+    """Numbers over time that are no place: the angle of a joint.
+
+    Attributes:
+        times_s: Times of its samples, (n,), seconds.
+        values: (n,).
+    """
+
+    times_s: Array
+    values: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Take:
     """What a file of motion capture holds.
 
@@ -55,6 +68,7 @@ class Take:
         unit: "m", "cm", "mm" or "inch" if the format says so.
         up: The file's axis that points up, such as "y" or "-y", if the format says so.
         notes: What a user should know of the file.
+        series: Numbers over time by name; of bags, the joints of robots in radians and metres.
     """
 
     kind: str
@@ -63,6 +77,7 @@ class Take:
     unit: str | None = None
     up: str | None = None
     notes: tuple[str, ...] = ()
+    series: Mapping[str, Series] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,3 +145,14 @@ def part_of(take: Take, person: Name, point: Name, where: str) -> TakePart:
         if name in take.tracks:
             return TakePart(take.tracks[name], where)
     raise UnknownNameError("point", str(point), take.tracks, where=where)
+
+
+def series_of(take: Take, name: str, where: str) -> Series:
+    """Numbers over time by name.
+
+    Raises:
+        UnknownNameError: There are none of that name.
+    """
+    if name not in take.series:
+        raise UnknownNameError("series of numbers", name, take.series, where=where)
+    return take.series[name]

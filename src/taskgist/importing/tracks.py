@@ -34,6 +34,7 @@ from taskgist.importing.mapping import (
 )
 from taskgist.importing.mapping_people import HEAD_POINTS, PARTS
 from taskgist.importing.resampling import Frames, resample, stayed
+from taskgist.importing.robots import RobotTrack, robot_notes, robot_samples, tracked_robot
 from taskgist.importing.skeletons import SKELETONS
 from taskgist.importing.table_values import Track
 from taskgist.importing.tables import Samples, Tables
@@ -100,6 +101,7 @@ class Tracks:
         times_s: Frames, (N,), from 0 at a fixed rate.
         start_s: Time of the first frame in the time of the sources.
         people: By name.
+        robots: By name.
         objects: By name.
         supports: Furniture that nobody tracked.
         signals: Numbers over time that are no motion, by name.
@@ -109,6 +111,7 @@ class Tracks:
     times_s: Array
     start_s: float
     people: Mapping[str, PersonTrack]
+    robots: Mapping[str, RobotTrack]
     objects: Mapping[str, ObjectTrack]
     supports: tuple[Support, ...]
     signals: Mapping[str, Signal]
@@ -328,9 +331,13 @@ def read_tracks(mapping: ImportMapping) -> Tracks:
     samples = {person.name: _samples(person, tables) for person in mapping.people}
     moving = {t.name: tables.track(t.pose, t.name) for t in mapping.objects if isinstance(t.pose, PointRef)}
     check_duplicates(mapping.file, samples)
-    check_clocks(mapping.file, [*_all_tracks(samples), *moving.values()])
-    frames_s = _frames(mapping, [*_all_tracks(samples), *moving.values()])
+    running = [robot_samples(robot, tables, mapping) for robot in mapping.robots]
+    tracks = [*_all_tracks(samples), *moving.values(), *(each.base for each in running if each.base is not None)]
+    check_clocks(mapping.file, tracks)
+    spans_s = [(float(track.times_s[0]), float(track.times_s[-1])) for track in tracks]
+    frames_s = _frames(mapping, [*spans_s, *(span for each in running for span in each.spans_s)])
     people = {p.name: tracked_person(p, samples[p.name], frames_s, mapping) for p in mapping.people}
+    robots = {each.robot.name: tracked_robot(each, frames_s, mapping) for each in running}
     objects = {t.name: _object(t, moving, frames_s, mapping) for t in mapping.objects}
     _check_plausible(mapping, people, objects)
     times_s = frames_s - frames_s[0]
@@ -340,10 +347,14 @@ def read_tracks(mapping: ImportMapping) -> Tracks:
         times_s=times_s,
         start_s=float(frames_s[0]),
         people=MappingProxyType(people),
+        robots=MappingProxyType(robots),
         objects=MappingProxyType(objects),
         supports=mapping.supports,
         signals=MappingProxyType({column.name: _signal(column, tables, frames_s) for column in mapping.signals}),
-        notes=_notes(mapping, people, objects),
+        notes=(
+            *_notes(mapping, people, objects),
+            *(note for name, robot in robots.items() for note in robot_notes(name, robot)),
+        ),
     )
 
 
@@ -368,13 +379,13 @@ def _all_tracks(people: AnyMapping[str, Samples]) -> list[Track]:
     return [track for landmarks in people.values() for pairs in landmarks.values() for _, track in pairs]
 
 
-def _frames(mapping: ImportMapping, tracks: list[Track]) -> Array:
+def _frames(mapping: ImportMapping, spans_s: list[tuple[float, float]]) -> Array:
     """Times of the frames: from the first sample of anything to the last, unless the mapping cuts them."""
     line = mapping.timeline
-    if not tracks:
+    if not spans_s:
         raise MappingError("nothing is tracked", where=mapping.file, hint="add points or objects with a source")
-    first_s = min(float(track.times_s[0]) for track in tracks) if line.start_s is None else line.start_s
-    last_s = max(float(track.times_s[-1]) for track in tracks) if line.end_s is None else line.end_s
+    first_s = min(first for first, _ in spans_s) if line.start_s is None else line.start_s
+    last_s = max(last for _, last in spans_s) if line.end_s is None else line.end_s
     count = int(np.floor((last_s - first_s) * line.rate_hz + 1e-6)) + 1
     if count < 2:
         problem = f"fewer than two frames lie between {first_s:g} and {last_s:g} s"
@@ -385,13 +396,14 @@ def _frames(mapping: ImportMapping, tracks: list[Track]) -> Array:
 
 
 NUMBERS_OF_A_PERSON = 200
-"""Numbers that a frame holds of a person: landmarks, directions and joints."""
+"""Numbers that a frame holds of a person, or a robot: landmarks, directions and joints."""
 NUMBERS_OF_A_THING = 14
 
 
 def _check_count(mapping: ImportMapping, count: int) -> None:
     """Refuse more frames than are held in memory."""
-    numbers = NUMBERS_OF_A_PERSON * len(mapping.people) + NUMBERS_OF_A_THING * len(mapping.objects)
+    agents = len(mapping.people) + len(mapping.robots)
+    numbers = NUMBERS_OF_A_PERSON * agents + NUMBERS_OF_A_THING * len(mapping.objects)
     most = DEFAULT.limits.frame_bytes // (8 * numbers)
     if count > most:
         hint = f"check times, rate_hz, start_s and end_s: at most {most:,} are held (setting limits.frame_bytes)"
@@ -427,9 +439,9 @@ def _check_plausible(
 def _check_label(mapping: ImportMapping, last_s: float) -> None:
     if mapping.label is None:
         return
-    people, objects = [p.name for p in mapping.people], [t.name for t in mapping.objects]
+    agents, objects = [a.name for a in mapping.agents], [t.name for t in mapping.objects]
     try:
-        mapping.label.check(agents=people, objects=objects, first_s=0.0, last_s=last_s)
+        mapping.label.check(agents=agents, objects=objects, first_s=0.0, last_s=last_s)
     except InputError as problem:
         problem.where = f"{mapping.file}: label"
         raise
