@@ -72,7 +72,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "maps": {"numpy"},
     "observe": {"numpy"},
     "recording": {"numpy", "mcap", "zstandard", "lz4"},
-    "importing": {"numpy", "mujoco", "rosbags"},
+    "importing": {"numpy", "scipy", "mujoco", "rosbags"},
     "recognition": set(),
     "planning": {"numpy", "scipy", "mujoco", "ompl", "toppra"},
     "performing": {"numpy", "mujoco"},

@@ -34,7 +34,7 @@ from taskgist_lab.paper.displacements import Displacements, write_displacements
 from tools.fuzz_checks import Check, others_records, own_files
 from tools.fuzz_mutations import copied
 from tools.fuzz_rooms import bracket, obj, prism, rooms, stl
-from tools.fuzz_takes import takes
+from tools.fuzz_takes import matlab, takes
 
 Command = tuple[str, ...]
 """Arguments of ``taskgist``; or ``read-maps``, ``read-pool``, ``read-displacements`` and a file."""
@@ -135,6 +135,7 @@ def _table_seeds() -> tuple[Seed, ...]:
         Seed("table", tables, ("body.csv", "cup.tsv"), FROM_CSV, ("out.mcap",)),
         Seed("table", tables, ("data.npz", "cup.npy"), FROM_NPZ, ("out.mcap",)),
         Seed("table", ros, ("topics.csv",), FROM_ROS, ("out.mcap",)),
+        Seed("table", matlab(), ("data.mat",), (("import", "mat.toml", "-o", "out.mcap"),), ("out.mcap",)),
         Seed("name", tables, ("P1", "P2", "cup", "ball", "table", "give", "grip", "body"), FROM_CSV, ("out.mcap",)),
         *(
             Seed("take", {name: data}, (name,), (("import", name, "-o", "out.mcap"),), ("out.mcap", "out.toml"))

@@ -5,9 +5,14 @@ from __future__ import annotations
 import io
 import json
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
+from scipy.io import savemat
 
 from taskgist.importing.skeletons import MEDIAPIPE_POSE, SMPL_X, ZED_BODY_34
 
@@ -55,6 +60,7 @@ def takes() -> dict[str, bytes]:
         "zed.json": _zed(),
         "pose.json": _mediapipe(),
         "smplx.npz": _smplx(),
+        **_bags(),
     }
 
 
@@ -165,6 +171,75 @@ def _smplx() -> bytes:
     packed = io.BytesIO()
     np.savez_compressed(packed, joints=joints, poses=np.zeros((FRAMES, 66), np.float32), fps=np.array(30.0))
     return packed.getvalue()
+
+
+MAT_TOML = """
+[sources.s]
+file = "data.mat"
+array = "take.Trajectories.Data"
+rate_hz = 30
+units = "m"
+[objects.cup]
+source = "s"
+point = 1
+shape = { type = "sphere", radius_m = 0.04 }
+"""
+
+
+def matlab() -> dict[str, bytes]:
+    """Arrays of MATLAB, and their mapping."""
+    packed = io.BytesIO()
+    savemat(packed, {"take": {"Trajectories": {"Data": PLACES}}, "t": np.arange(FRAMES)}, do_compression=True)
+    return {"mat.toml": MAT_TOML.encode(), "data.mat": packed.getvalue()}
+
+
+def _bags() -> dict[str, bytes]:
+    """A bag of ROS 1 and one of ROS 2 with a person of ROS4HRI and two joints; none without rosbags."""
+    if find_spec("rosbags") is None:
+        return {}
+    from rosbags import rosbag1, rosbag2
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    one, two = get_typestore(Stores.ROS1_NOETIC), get_typestore(Stores.ROS2_HUMBLE)
+    one.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TREE))
+    with TemporaryDirectory() as folder:
+        with rosbag1.Writer(Path(folder) / "take.bag") as writer:
+            _fill(writer, one, one.serialize_ros1)
+        with rosbag2.Writer(Path(folder) / "two", version=9, storage_plugin=rosbag2.StoragePlugin.SQLITE3) as writer:
+            _fill(writer, two, two.serialize_cdr)
+        return {
+            "take.bag": (Path(folder) / "take.bag").read_bytes(),
+            "take.db3": (Path(folder) / "two/two.db3").read_bytes(),
+        }
+
+
+TREE, JOINTS = "tf2_msgs/msg/TFMessage", "sensor_msgs/msg/JointState"
+
+
+def _fill(writer: Any, store: Any, packed: Callable[[Any, str], memoryview[int]]) -> None:
+    types = store.types
+    topics = {
+        kind: writer.add_connection(name, kind, typestore=store) for name, kind in (("/tf", TREE), ("/joints", JOINTS))
+    }
+    unturned = types["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0)
+    seq = [0] if "seq" in types["std_msgs/msg/Header"].__dataclass_fields__ else []
+    for k, places in enumerate(_named(ROS4HRI)):
+        at_ns = 10**9 + 33_000_000 * k
+        header = types["std_msgs/msg/Header"](*seq, types["builtin_interfaces/msg/Time"](1, 33_000_000 * k), "world")
+        links = [
+            types["geometry_msgs/msg/TransformStamped"](
+                header,
+                f"{name}_7",
+                types["geometry_msgs/msg/Transform"](types["geometry_msgs/msg/Vector3"](*map(float, place)), unturned),
+            )
+            for name, place in zip(("body", *ROS4HRI), (places[0], *places), strict=True)
+        ]
+        writer.write(topics[TREE], at_ns, packed(types[TREE](links), TREE))
+        joints = types[JOINTS](header, ["a", "b"], np.array([0.1 * k, 1.0]), np.zeros(0), np.zeros(0))
+        writer.write(topics[JOINTS], at_ns, packed(joints, JOINTS))
+
+
+ROS4HRI = ("l_hip", "r_hip", "l_shoulder", "r_shoulder", "l_elbow", "l_wrist", "r_elbow", "r_wrist", "l_ear", "r_ear")
 
 
 def _c3d() -> bytes:

@@ -181,3 +181,34 @@ def test_a_damaged_bag_is_named(tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes()[:3000])
     with pytest.raises(MappingError, match=r"take.bag: cannot be read as a bag: .*reindex"):
         look(path)
+
+
+def test_a_person_is_called_as_who_was_recognised(tmp_path: Path) -> None:
+    def made(types: Any) -> list[tuple[str, str, int, Any]]:
+        text = types["std_msgs/msg/String"]
+        said = [("anna", ""), ("anna", "17"), ("nobody", "99")]  # at first nobody knew
+        words = [("/humans/persons/" + who + "/body_id", "std_msgs/msg/String", START_NS, text(b)) for who, b in said]
+        return [*messages(types), *words]
+
+    proposal = look(ros2(tmp_path, made))
+    assert [(s.name, s.skeleton) for s in proposal.people] == [("anna", "ros4hri")]
+
+
+def test_skeletons_in_images_are_named(tmp_path: Path) -> None:
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    kind = "hri_msgs/msg/Skeleton2D"
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    store.register(get_types_from_msg("std_msgs/Header header\nfloat32[] skeleton", kind))
+    with Writer(tmp_path / "bag", version=9) as writer:
+        flat = writer.add_connection("/humans/bodies/17/skeleton2d", kind, typestore=store)
+        points = store.types[kind](header(store.types, "camera", START_NS), np.zeros(4, np.float32))
+        writer.write(flat, START_NS, store.serialize_cdr(points, kind))
+        connections: dict[str, Any] = {}
+        for topic, name, at, message in messages(store.types):
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, name, typestore=store)
+            writer.write(connections[topic], at, store.serialize_cdr(message, name))
+    notes = read_take(tmp_path / "bag", "ros").notes
+    assert "places in an image are not read: /humans/bodies/17/skeleton2d; people come from /tf" in notes
