@@ -66,6 +66,34 @@ def test_a_table_is_read_in_little_more_than_its_numbers(tmp_path: Path) -> None
     assert most < len(text) + 6 * 8 * 3 * 25_000
 
 
+@pytest.mark.parametrize(
+    ("delimiter", "decimal"), [(",", "."), (";", ","), ("\t", "."), ("|", "."), ("whitespace", ".")]
+)
+@pytest.mark.parametrize("header", [False, True])
+def test_many_lines_at_once_are_what_they_are_one_by_one(
+    delimiter: str, decimal: str, header: bool, tmp_path: Path
+) -> None:
+    rng = np.random.default_rng(3)
+    between = "  " if delimiter == "whitespace" else delimiter
+    spelled = [["1", "-2.5", "+.5", "1e3", "-1.25E-07", "007"][k] for k in rng.integers(0, 6, 3 * 5000)]
+    if delimiter != "whitespace":
+        spelled = ["" if rng.random() < 0.1 else cell for cell in spelled]
+    rows = [spelled[k : k + 3] for k in range(0, len(spelled), 3)]
+    rows[3000][1], rows[3001] = "lost", ["0", '"7"' if delimiter != "whitespace" else "7", "9"]
+    lines = ["# of a tracker", *(["a" + between + "b" + between + "c"] if header else [])]
+    lines += [between.join(row).replace(".", decimal) for row in rows]
+    (tmp_path / "t.csv").write_text("\n\n".join(lines), encoding="utf-8")
+    form = TableFormat(delimiter=delimiter, decimal=decimal)
+    cells = CsvTable(tmp_path / "t.csv", form, "m.toml: sources.t", most_bytes=2**24)
+    values = cells.numbers([0, 2], cells.rows_where([]))
+    assert len(values) == 5000
+    truth = [[float(cell.strip('"') or "nan") for cell in (row[0], row[2])] for row in rows]
+    np.testing.assert_array_equal(values, truth)
+    line = 2 * (3000 + 1 + header) + 1
+    with pytest.raises(MappingError, match=rf"t.csv, line {line}: column 1: is no number \(got 'lost'\)"):
+        cells.numbers([1], cells.rows_where([]))
+
+
 def test_pipes_and_zeros_are_refused_without_waiting(tmp_path: Path) -> None:
     text = npz_mapping(tmp_path)
     (tmp_path / "data.npz").unlink()

@@ -7,7 +7,7 @@ import io
 import math
 import re
 from array import array
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -141,32 +141,35 @@ class CsvTable:
         return f"line {self._lines[row]}"
 
     def _read(self, text: IO[str], form: TableFormat, most_bytes: int) -> Array:
-        """Take the file apart, line after line."""
-        lines = self._kept_lines(text, form)
-        first = list(islice(lines, _SAMPLE_LINES))
+        """Take the file apart: many lines at once where they hold nothing but numbers, else line after line."""
+        kept = self._kept_lines(text, form)
+        first = list(islice(kept, _SAMPLE_LINES))
         if not first:
             raise MappingError("the table is empty", where=self.where, hint="check file and skip_rows")
-        at = 0
-
-        def numbered() -> Iterator[str]:
-            nonlocal at
-            for at, line in chain(first, lines):  # noqa: B007 - told to whoever reads rows
-                yield line
-
-        rows = split(numbered(), form.delimiter or sniffed([line for _, line in first], form.decimal))
+        delimiter = form.delimiter or sniffed([line for _, line in first], form.decimal)
+        rows = _Rows(chain(first, kept), delimiter)
         values, width, left = array("d"), 0, most_bytes
-        for cells in rows:
-            if not width:
-                width = len(cells)
-                if form.header or (form.header is None and not any(map(self._is_number, cells))):
-                    self._header = tuple(cell.strip() for cell in cells)
-                    continue
-            self._check_length(cells, width, at)
-            left -= 8 * (width + 1) + self._add(cells, values)
-            self._lines.append(at)
+        while True:
+            block = rows.numbers(form.decimal, width) if width else None
+            if block is None:
+                cells = next(rows, None)
+                if cells is None:
+                    break
+                if not width:
+                    width = len(cells)
+                    if form.header or (form.header is None and not any(map(self._is_number, cells))):
+                        self._header = tuple(cell.strip() for cell in cells)
+                        continue
+                self._check_length(cells, width, rows.at)
+                left -= 8 * (width + 1) + self._add(cells, values)
+                self._lines.append(rows.at)
+            else:
+                left -= 8 * (width + 1) * len(block)
+                values.frombytes(block.tobytes())
+                self._lines.extend(rows.block)
             if left < 0:
                 hint = most_read(most_bytes, "table_bytes")
-                raise MappingError("the table is too large", where=f"{self.where}, line {at}", hint=hint)
+                raise MappingError("the table is too large", where=f"{self.where}, line {rows.at}", hint=hint)
         if not len(self._lines):
             raise MappingError("the table has no rows below its header", where=self.where)
         return np.frombuffer(values).reshape(-1, width)
@@ -176,7 +179,7 @@ class CsvTable:
         taken, row = 0, len(self._lines)
         for column, cell in enumerate(cells):
             text = cell.strip()
-            value = self._number(text)
+            value = self._number(text) if text else math.nan
             if not math.isfinite(value):
                 value = math.nan
                 if text:
@@ -256,6 +259,83 @@ class CsvTable:
         """A cell for comparison."""
         value = float(self._values[row, column])
         return self._texts.get(column, {}).get(row, "") if math.isnan(value) else repr(value)
+
+
+class _Rows(Iterator[list[str]]):
+    """Rows of a text: one after another as their cells, or many at once as numbers.
+
+    Args:
+        lines: Number in the file and text of each line.
+        delimiter: Between cells.
+
+    Attributes:
+        at: Number of the line that was read last.
+        block: Those of the lines of the last ``numbers``.
+    """
+
+    def __init__(self, lines: Iterator[tuple[int, str]], delimiter: str) -> None:
+        self._lines, self._delimiter = lines, delimiter
+        self._waiting: deque[tuple[int, str]] = deque()
+        self._rows = split(self._numbered(), delimiter)
+        self._looked_at = False
+        self.at, self.block = 0, [0]
+
+    def __next__(self) -> list[str]:
+        return next(self._rows)
+
+    def _numbered(self) -> Iterator[str]:
+        while self._waiting or self._wait():
+            self.at, line = self._waiting.popleft()
+            yield line
+
+    def _wait(self) -> bool:
+        self._waiting.extend(islice(self._lines, BLOCK_LINES))
+        self._looked_at = False
+        return bool(self._waiting)
+
+    def numbers(self, decimal: str, width: int) -> Array | None:
+        """The next lines, (lines, width), if all their cells are finite numbers or empty; else they go on waiting.
+
+        Lines that wait after a look were found to hold something else; they are taken one by one.
+        """
+        if (self._looked_at and self._waiting) or not (self._waiting or self._wait()):
+            return None
+        self._looked_at = True
+        found = _numbers([line for _, line in self._waiting], self._delimiter, decimal, width)
+        if found is not None:
+            self.block = [number_ for number_, _ in self._waiting]
+            self.at = self.block[-1]
+            self._waiting.clear()
+        return found
+
+
+BLOCK_LINES = 2048
+_NUMERIC = b"0123456789eE+-., ;\t|\n"
+"""All that stands in a table of numbers alone."""
+
+
+def _numbers(lines: list[str], delimiter: str, decimal: str, width: int) -> Array | None:
+    """Lines as numbers, (lines, width), NaN where a cell is empty; None if a cell is anything else."""
+    text = "\n".join(lines)
+    if delimiter == decimal or not text.isascii() or text.encode().translate(None, _NUMERIC):
+        return None
+    if decimal != ".":
+        text = text.replace(decimal, ".")
+    if delimiter != "whitespace":
+        text = _filled(f"\n{text}\n", delimiter)[1:-1]
+    try:
+        found = np.loadtxt(text.split("\n"), delimiter=None if delimiter == "whitespace" else delimiter, ndmin=2)
+    except ValueError:
+        return None
+    return found if found.shape == (len(lines), width) and not np.isinf(found).any() else None
+
+
+def _filled(text: str, delimiter: str) -> str:
+    """A text whose empty cells are NaN."""
+    twice = delimiter * 2
+    if twice in text:
+        text = text.replace(twice, f"{delimiter}nan{delimiter}").replace(twice, f"{delimiter}nan{delimiter}")
+    return text.replace(f"\n{delimiter}", f"\nnan{delimiter}").replace(f"{delimiter}\n", f"{delimiter}nan\n")
 
 
 @dataclass(frozen=True, eq=False)
