@@ -34,18 +34,10 @@ import numpy as np
 from taskgist.common.files import shown_path
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
-from taskgist.world.assembly import (
-    SCENE_FILE,
-    Assembled,
-    as_mjcf,
-    assemble,
-    bundle_from_path,
-    bundle_from_spec,
-    bundle_with_agent,
-    free_bodies,
-)
+from taskgist.world.assembly import Assembled, as_mjcf, assemble, free_bodies
 from taskgist.world.bodies.agent import SEEN_GROUPS, Agent, subtree
 from taskgist.world.bodies.hands import GHOST_GROUP
+from taskgist.world.gathering import SCENE_FILE, bundle_from_path, bundle_from_spec, bundle_with_agent
 from taskgist.world.geometry.convex import whole
 from taskgist.world.geometry.shapes import surface_points
 from taskgist.world.scene_file import AgentEntry, SceneFile, parse_scene_file
@@ -413,7 +405,8 @@ def _objects(file: SceneFile, model: mujoco.MjModel, agents: set[str]) -> dict[s
     for name in file.objects or ():
         if name not in free:
             raise UnknownNameError("object (a free body of the model)", name, free, where=file.where)
-    objects = {name: free[name] for name in (free if file.objects is None else file.objects)}
+    own = [each.name for each in file.placed if each.kind == "object"]
+    objects = {name: free[name] for name in (free if file.objects is None else (*file.objects, *own))}
     for name, body in objects.items():
         _check_shapes(file, model, name, body)
     return objects

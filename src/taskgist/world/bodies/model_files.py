@@ -19,6 +19,7 @@ from taskgist.common.files import is_file, read_whole
 from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
+from taskgist.world.bodies.bases import stand_still
 from taskgist.world.bodies.human import HumanSize, human_mjcf
 from taskgist.world.bodies.markup import asking_mujoco, parse_markup
 from taskgist.world.bodies.meshes import flat_name, keep_file
@@ -60,7 +61,7 @@ def _root_problems(spec: mujoco.MjSpec, profile: AgentProfile, where: str) -> It
         return
     joints = spec.worldbody.first_body().joints
     if joints and [joint.type for joint in joints] != [FREE]:
-        hint = "without any it is made free to stand anywhere"
+        hint = "without any it is made free to stand anywhere, as are bases that slide along x and y and turn about z"
         problem = "the root body of an agent's model has a free joint, or none"
         yield SceneError(problem, where=where, field="model", value=str(joints[0].name), hint=hint)
 
@@ -377,7 +378,7 @@ def read_model(
         files: The bundle; files that the model needs are added under the names that MuJoCo asks for.
         name: Name of the model's document.
         where: File for error messages.
-        room: Whether a URDF's root link is the world.
+        room: Whether it is no robot: a URDF's root link is the world then, and joints at the root stay.
         limits: Bounds of what it may hold.
 
     Raises:
@@ -388,7 +389,7 @@ def read_model(
     where = f"{where}: {name}"
     read = from_files(files, where)
     if is_urdf(files[name]):
-        return read_urdf(
+        spec = read_urdf(
             files[name],
             lambda uri: read((uri, flat_name(uri)), "mesh")[1],
             files,
@@ -396,7 +397,11 @@ def read_model(
             room=room,
             limits=limits,
         )
-    return read_mjcf(parse_markup(files[name], where=where, limits=limits), read, files, where=where, limits=limits)
+    else:
+        spec = read_mjcf(parse_markup(files[name], where=where, limits=limits), read, files, where=where, limits=limits)
+    if not room:
+        stand_still(spec)
+    return spec
 
 
 def read_file(
