@@ -124,8 +124,16 @@ def compiled(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> muj
         SceneError: MuJoCo refuses.
     """
     spec.assets = assets(files)
-    with asking_mujoco("MuJoCo cannot compile this scene:", where):
+    with asking_mujoco("MuJoCo cannot compile this scene:", where), unwarned():
         return spec.compile()
+
+
+@contextmanager
+def unwarned() -> Iterator[None]:
+    """Without MuJoCo's warnings about models that are joined: names without prefix, options of which one counts."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        yield
 
 
 def assets(files: Mapping[str, bytes]) -> dict[str, bytes]:
@@ -167,18 +175,21 @@ def _check_in_room(room: mujoco.MjSpec, file: SceneFile, agents: Collection[Agen
     """Every body that is an agent or left out is there, and none of them is part of another."""
     said = [(f"agents.{entry.name}.room_body", str(entry.room_body)) for entry in agents]
     said += [("scene.leave_out", name) for name in file.leave_out]
-    carriers: dict[str, list[str]] = {}
-    for place, name in said:
-        _named(room, name, f"{file.where}: {place}")
-    for place, name in said:
-        carriers.setdefault(name, []).append(place)
-    for place, name in said:
-        body, others = room.body(name), [each for each in carriers[name] if each != place]
-        while not others and (body := body.parent) is not None:
-            others = carriers.get(str(body.name), [])
-        if others:
-            problem = f"is part of what {others[0]} takes out of the room"
+    bodies = [_named(room, name, f"{file.where}: {place}") for place, name in said]
+    taken: dict[str, str] = {}
+    for (place, name), body in sorted(zip(said, bodies, strict=True), key=lambda each: _depth(each[1])):
+        above: mujoco.MjsBody | None = body
+        while above is not None and str(above.name) not in taken:
+            above = above.parent
+        if above is not None:
+            problem = f"is part of what {taken[str(above.name)]} takes out of the room"
             raise SceneError(problem, where=file.where, field=place, value=name, hint="name it once")
+        taken[name] = place
+
+
+def _depth(body: mujoco.MjsBody) -> int:
+    """How many bodies carry it."""
+    return 0 if body.parent is None else 1 + _depth(body.parent)
 
 
 def _to_free(
@@ -264,20 +275,13 @@ def _take_out(room: mujoco.MjSpec, entry: AgentEntry, file: SceneFile, files: di
     assert entry.room_body is not None
     if entry.model_key not in files:
         alone, copy = mujoco.MjSpec(), room.copy()
-        with asking_mujoco(f"MuJoCo cannot take {entry.room_body!r} out of the room:", file.where), _unprefixed():
+        alone.assets = copy.assets = assets(files)
+        with asking_mujoco(f"MuJoCo cannot take {entry.room_body!r} out of the room:", file.where), unwarned():
             alone.worldbody.add_frame().attach_body(copy.body(entry.room_body), "", "")
             root = alone.worldbody.first_body()
             root.pos, root.quat = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
             files[entry.model_key] = str(alone.to_xml()).encode()
     _delete(room, entry.room_body)
-
-
-@contextmanager
-def _unprefixed() -> Iterator[None]:
-    """Without MuJoCo's warning of names that get no prefix: nothing else in that model has any."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)
-        yield
 
 
 def _delete(room: mujoco.MjSpec, name: str) -> None:

@@ -178,7 +178,7 @@ def parse_scene_file(text: bytes | str, *, where: str, limits: Limits = DEFAULT.
     document.only({"scene", "agents", "furniture", "objects"})
     scene = document.table("scene").only(SCENE_KEYS)
     agents, furniture, objects = (document.table(key) for key in ("agents", "furniture", "objects"))
-    _check_apart(agents, furniture, objects)
+    _check_apart(furniture, objects, agents)
     placed = [_placed(name, "furniture", furniture.table(name).only(MODEL_KEYS)) for name in furniture]
     placed += [_placed(name, "object", objects.table(name).only(OBJECT_KEYS)) for name in objects]
     return SceneFile(
