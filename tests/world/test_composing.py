@@ -95,6 +95,14 @@ def test_without_a_keyframe_all_is_as_the_bodies_are(tmp_path: Path) -> None:
     same_poses(poses(scene.model, scene.initial.qpos), poses(mujoco.MjModel.from_xml_string(KEYED)))
 
 
+def test_the_lid_of_what_is_freed_stands_as_the_keyframe_says(tmp_path: Path) -> None:
+    lid = "<body name='lid'><joint name='hinge' axis='0 1 0'/><geom size='0.02'/></body>"
+    box = f"<body name='box'>{SLIDES}<geom size='0.1'/>{lid}</body>"
+    text = room(box, rest="<keyframe><key name='open' qpos='1 2 3 0.5'/></keyframe>")
+    scene = loaded(tmp_path, '[scene]\nmodel = "room.xml"\nkeyframe = "open"\nobjects = ["box"]', room__xml=text)
+    assert scene.initial.qpos == pytest.approx((1, 2, 3, 1, 0, 0, 0, 0.5))
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -381,6 +389,7 @@ def test_bodies_are_left_out_with_all_that_speaks_of_them(tmp_path: Path) -> Non
     [
         ('leave_out = ["based"]\n', "", r"scene\.leave_out: no body 'based'; did you mean 'base'"),
         ('leave_out = ["grip"]\n', "", r"is part of what agents\.C\.room_body takes out of the room \(got 'grip'\)"),
+        ('objects = ["post"]\nleave_out = ["post"]\n', "", r"objects: is what scene\.leave_out takes \(got 'post'\)"),
         ('leave_out = ["post", "post"]\n', "", r"scene\.leave_out: .*name it once"),
         (
             "",

@@ -151,10 +151,9 @@ def movers(room: mujoco.MjSpec, file: SceneFile) -> tuple[str, ...]:
     others: those without are handles, by which simulations pull robots about.
     """
     gone = {*file.leave_out, *(entry.room_body for entry in file.agents)}
+    named = (body for body in room.worldbody.bodies if body.name and body.name not in gone)
     return tuple(
-        str(body.name)
-        for body in room.worldbody.bodies
-        if (is_free(body) or moves_all_ways(body) or _is_mocap_object(body)) and body.name not in gone
+        str(body.name) for body in named if is_free(body) or moves_all_ways(body) or _is_mocap_object(body)
     )
 
 
@@ -172,7 +171,7 @@ def _named(room: mujoco.MjSpec, name: str, where: str) -> mujoco.MjsBody:
 
 
 def _check_in_room(room: mujoco.MjSpec, file: SceneFile, agents: Collection[AgentEntry]) -> None:
-    """Every body that is an agent or left out is there, and none of them is part of another."""
+    """Every body that is an agent or left out is there, and none of them is part of another, or an object."""
     said = [(f"agents.{entry.name}.room_body", str(entry.room_body)) for entry in agents]
     said += [("scene.leave_out", name) for name in file.leave_out]
     bodies = [_named(room, name, f"{file.where}: {place}") for place, name in said]
@@ -185,6 +184,10 @@ def _check_in_room(room: mujoco.MjSpec, file: SceneFile, agents: Collection[Agen
             problem = f"is part of what {taken[str(above.name)]} takes out of the room"
             raise SceneError(problem, where=file.where, field=place, value=name, hint="name it once")
         taken[name] = place
+    for name in file.objects or ():
+        if name in taken:
+            hint = "an object is in the room: leave one of both out"
+            raise SceneError(f"is what {taken[name]} takes", where=file.where, field="objects", value=name, hint=hint)
 
 
 def _depth(body: mujoco.MjsBody) -> int:
@@ -238,9 +241,9 @@ def _note_poses(
             composed.standing[entry.name] = Pose(data.xpos[at].copy(), data.xmat[at].reshape(3, 3).copy())
     if key is None:
         return
-    gone = [body for body, _ in freed]
-    gone += [room.body(name) for name in (*file.leave_out, *(e.room_body for e in file.agents)) if name is not None]
-    without = {int(joint.id) for body in gone for joint in (*body.joints, *body.find_all("joint"))}
+    gone = [room.body(name) for name in (*file.leave_out, *(e.room_body for e in file.agents)) if name is not None]
+    without = {int(joint.id) for body in gone for joint in body.find_all("joint")}
+    without |= {int(joint.id) for body, _ in freed for joint in body.joints}
     for joint in room.joints:
         if int(joint.id) not in without:
             first = int(model.jnt_qposadr[joint.id])

@@ -24,7 +24,7 @@ from taskgist.world.bodies.model_files import (
     read_model,
 )
 from taskgist.world.bodies.profile import builtin_profile_text, builtin_profiles, parse_profile
-from taskgist.world.composing import movers, read_room
+from taskgist.world.composing import movers
 from taskgist.world.scene_file import AgentEntry, PlacedModel, SceneFile, parse_scene_file, write_scene_file
 
 SCENE_FILE = "scene.toml"
@@ -50,7 +50,8 @@ def bundle_from_path(path: Path, *, limits: Limits = DEFAULT.limits) -> dict[str
     bundle = {SCENE_FILE: text}
     if file.model is not None:
         model = find_file(file.model, near=path.parent, where=path, field="scene.model")
-        add_model(model, file.model, bundle, room=True, limits=limits)
+        room = add_model(model, file.model, bundle, room=True, limits=limits)
+        _name_movers(file, room, bundle)
     for each in file.placed:
         found = find_file(each.file, near=path.parent, where=path, field=each.field)
         if each.is_mesh:
@@ -59,7 +60,6 @@ def bundle_from_path(path: Path, *, limits: Limits = DEFAULT.limits) -> dict[str
             add_model(found, each.key, bundle, room=each.kind == "furniture", limits=limits)
     for agent in file.agents:
         _add_agent(agent, bundle, path.parent, str(path), limits)
-    _name_movers(file, bundle, limits)
     return bundle
 
 
@@ -89,7 +89,7 @@ def bundle_from_spec(
             _add_agent(agent, bundle, Path(), file.where, limits)
         elif agent.model_key not in bundle and agent.room_body is None:
             _add_packaged(agent, bundle, file.where, limits)
-    _name_movers(file, bundle, limits)
+    _name_movers(file, room, bundle)
     return bundle
 
 
@@ -120,16 +120,13 @@ def bundle_with_agent(
     return found
 
 
-def _name_movers(file: SceneFile, bundle: dict[str, bytes], limits: Limits) -> None:
+def _name_movers(file: SceneFile, room: mujoco.MjSpec, bundle: dict[str, bytes]) -> None:
     """Name as objects the bodies that move freely without a free joint, where the scene file names none.
 
     In a bundle only free bodies are objects by themselves, as in recordings from before others could be.
     """
-    if file.objects is not None or file.model is None:
-        return
-    room = read_room(file, dict(bundle), limits)
-    names = movers(room, file)
-    if any(not is_free(room.body(name)) for name in names if name):
+    names = movers(room, file) if file.objects is None else ()
+    if any(not is_free(room.body(name)) for name in names):
         bundle[SCENE_FILE] = write_scene_file(replace(file, objects=names))
 
 

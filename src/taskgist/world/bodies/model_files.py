@@ -276,7 +276,7 @@ def add_model(
     shapes: Shapes = "visual",
     room: bool = False,
     limits: Limits = DEFAULT.limits,
-) -> None:
+) -> mujoco.MjSpec:
     """Add a model to a bundle: one flat XML document under ``key``, and its meshes under names without folders.
 
     Args:
@@ -287,6 +287,9 @@ def add_model(
         shapes: Which shapes of a URDF are seen.
         room: Whether a URDF's root link is the world.
         limits: Bounds of what it may hold.
+
+    Returns:
+        The model.
 
     Raises:
         SceneError: A file is missing or is no model.
@@ -314,6 +317,7 @@ def add_model(
         read = from_folder(path.parent, path, limits=limits)
         spec = read_mjcf(root, read, files, where=str(path), prefix=prefix, limits=limits)
     files[key] = _xml(spec, str(path))
+    return spec
 
 
 def add_spec(
