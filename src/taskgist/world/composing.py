@@ -75,13 +75,19 @@ def compose(file: SceneFile, files: dict[str, bytes], limits: Limits) -> Compose
         SceneError: A model cannot be read, or what the file says of one cannot be done.
         UnknownNameError: A body or a keyframe that the room's model does not have.
     """
-    composed = Composed(read_room(file, files, limits))
-    room = composed.room
+    room = read_room(file, files, limits)
     agents = [entry for entry in file.agents if entry.room_body is not None]
     _check_in_room(room, file, agents)
-    freed = [] if file.objects is None else list(_to_free(room, file.objects, file))
+    freed = list(_to_free(room, file))
+    composed = Composed(room)
+    lying: list[Array] = []
     if file.keyframe is not None or agents or freed:
-        _note_poses(composed, file, files, freed)
+        model, data = _as_it_stands(room, file, files)
+        _check_masses(model, freed, file)
+        composed.standing.update({entry.name: _pose(data, room.body(entry.room_body)) for entry in agents})
+        if file.keyframe is not None:
+            lying = [np.concatenate((data.xpos[body.id], data.xquat[body.id])) for body in freed]
+            composed.starts.extend(_starts(room, file, freed, data))
     for key in list(room.keys):
         room.delete(key)
     if agents or freed or file.leave_out or file.placed:
@@ -90,10 +96,8 @@ def compose(file: SceneFile, files: dict[str, bytes], limits: Limits) -> Compose
         _take_out(room, entry, file, files)
     for name in file.leave_out:
         _delete(room, name)
-    for body, kept in freed:
-        joint = free(room, body)
-        if kept:
-            composed.starts.append((joint, np.concatenate(kept)))
+    joints = [free(room, body) for body in freed]
+    composed.starts.extend(zip(joints, lying, strict=False))  # without a keyframe they lie as their bodies do
     for each in file.placed:
         _put_in(room, each, files, file.where, limits)
     check_bodies(len(room.bodies), file.where, limits)
@@ -152,9 +156,7 @@ def movers(room: mujoco.MjSpec, file: SceneFile) -> tuple[str, ...]:
     """
     gone = {*file.leave_out, *(entry.room_body for entry in file.agents)}
     named = (body for body in room.worldbody.bodies if body.name and body.name not in gone)
-    return tuple(
-        str(body.name) for body in named if is_free(body) or moves_all_ways(body) or _is_mocap_object(body)
-    )
+    return tuple(str(body.name) for body in named if is_free(body) or moves_all_ways(body) or _is_mocap_object(body))
 
 
 def _is_mocap_object(body: mujoco.MjsBody) -> bool:
@@ -195,11 +197,9 @@ def _depth(body: mujoco.MjsBody) -> int:
     return 0 if body.parent is None else 1 + _depth(body.parent)
 
 
-def _to_free(
-    room: mujoco.MjSpec, names: Collection[str], file: SceneFile
-) -> Iterator[tuple[mujoco.MjsBody, list[Array]]]:
-    """Bodies that are named as objects and have no free joint; where the keyframe has them is noted later."""
-    for name in names:
+def _to_free(room: mujoco.MjSpec, file: SceneFile) -> Iterator[mujoco.MjsBody]:
+    """Bodies that are named as objects and have no free joint."""
+    for name in file.objects or ():
         body = room.body(name) if name != "world" else None
         if body is None or is_free(body):
             continue
@@ -207,47 +207,48 @@ def _to_free(
             hint = "an object lies in the room by itself: put its body directly below <worldbody>, or leave it out"
             problem = f"is part of {str(body.parent.name)!r}"
             raise SceneError(problem, where=file.where, field="scene.objects", value=name, hint=hint)
-        yield body, []
+        yield body
+
+
+def _check_masses(model: mujoco.MjModel, freed: Collection[mujoco.MjsBody], file: SceneFile) -> None:
+    for body in freed:
+        if model.body_subtreemass[body.id] < LEAST_KG:
+            hint = "give one of its shapes a mass or a density above zero, or the body an <inertial>"
+            problem, name = "an object without mass", str(body.name)
+            raise SceneError(problem, where=file.where, field="scene.objects", value=name, hint=hint)
 
 
 # --- What the keyframe says, and where bodies are by it.
 
 
-def _note_poses(
-    composed: Composed,
-    file: SceneFile,
-    files: Mapping[str, bytes],
-    freed: Collection[tuple[mujoco.MjsBody, list[Array]]],
-) -> None:
-    """Compile the room as it is, and note where its joints, its agents and what is freed are."""
-    room = composed.room
+def _as_it_stands(
+    room: mujoco.MjSpec, file: SceneFile, files: Mapping[str, bytes]
+) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """The room before anything is done to it, as its keyframe has it, where one is named."""
     key = _key(room, file)
     model = compiled(room, files, file.where)
     data = mujoco.MjData(model)
     if key is not None:
         mujoco.mj_resetDataKeyframe(model, data, key)
     mujoco.mj_kinematics(model, data)
-    for body, kept in freed:
-        if model.body_subtreemass[body.id] < LEAST_KG:
-            hint = "give one of its shapes a mass or a density above zero, or the body an <inertial>"
-            raise SceneError(
-                "an object without mass", where=file.where, field="scene.objects", value=body.name, hint=hint
-            )
-        if key is not None:
-            kept += [data.xpos[body.id].copy(), data.xquat[body.id].copy()]
-    for entry in file.agents:
-        if entry.room_body is not None:
-            at = int(room.body(entry.room_body).id)
-            composed.standing[entry.name] = Pose(data.xpos[at].copy(), data.xmat[at].reshape(3, 3).copy())
-    if key is None:
-        return
+    return model, data
+
+
+def _pose(data: mujoco.MjData, body: mujoco.MjsBody) -> Pose:
+    return Pose(data.xpos[body.id].copy(), data.xmat[body.id].reshape(3, 3).copy())
+
+
+def _starts(
+    room: mujoco.MjSpec, file: SceneFile, freed: Collection[mujoco.MjsBody], data: mujoco.MjData
+) -> Iterator[tuple[mujoco.MjsJoint, Array]]:
+    """The joints that stay in the room, and where they are."""
     gone = [room.body(name) for name in (*file.leave_out, *(e.room_body for e in file.agents)) if name is not None]
     without = {int(joint.id) for body in gone for joint in body.find_all("joint")}
-    without |= {int(joint.id) for body, _ in freed for joint in body.joints}
+    without |= {int(joint.id) for body in freed for joint in body.joints}
     for joint in room.joints:
         if int(joint.id) not in without:
-            first = int(model.jnt_qposadr[joint.id])
-            composed.starts.append((joint, data.qpos[first : first + POSITIONS.get(joint.type, 1)].copy()))
+            first = int(data.model.jnt_qposadr[joint.id])
+            yield joint, data.qpos[first : first + POSITIONS.get(joint.type, 1)].copy()
 
 
 POSITIONS = {mujoco.mjtJoint.mjJNT_FREE: 7, mujoco.mjtJoint.mjJNT_BALL: 4}
