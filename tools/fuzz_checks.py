@@ -95,7 +95,7 @@ def _models(path: Path, scene: Scene) -> Iterator[ModelFile]:
 def _wrong_file(whole: mujoco.MjModel, model: ModelFile) -> str:
     if model.scale is not None:
         own = model.scale * _alone(Element("mesh", filename=model.path.name), model.path)
-        there = _box(whole, whole.mesh(model.prefix + model.prefix[:-1]).id)
+        (there,) = _boxes(whole, str(model.root))
         return "" if np.allclose(own, there, atol=TOLERANCE) else f"mesh {model.path.name!r}"
     return _wrong_link(whole, model) if is_urdf(model.path.read_bytes()) else _wrong_asset(whole, model)
 

@@ -6,6 +6,7 @@ robot in the room's model is the same agent as one with a model of its own.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import mujoco
@@ -14,10 +15,11 @@ import pytest
 
 from taskgist.errors import InputError
 from taskgist.recording import Recording, read, write
-from taskgist.world import Scene, State
+from taskgist.world import Scene, Stage, State
 from taskgist.world.fit import alone
 from taskgist.world.scene_file import AgentEntry
 from tests.world.test_profiles import MODEL, PROFILE
+from tools.fuzz_rooms import Mesh, dae, obj, prism, stl
 
 FLOOR = "<geom name='floor' type='plane' size='5 5 0.1'/>"
 DOOR = "<body name='door' pos='2 0 1'><joint axis='0 0 1' range='-90 90'/><geom type='box' size='0.02 0.4 1'/></body>"
@@ -255,6 +257,20 @@ def test_meshes_of_one_name_are_not_taken_for_each_other(tmp_path: Path) -> None
     scene = loaded(tmp_path, toml)
     volumes = [float(scene.model.body(name).mass[0]) for name in "ab"]
     assert volumes[1] == pytest.approx(8 * volumes[0])
+
+
+@pytest.mark.parametrize(("suffix", "write_mesh"), [("obj", obj), ("stl", stl), ("dae", dae)])
+def test_an_object_is_a_mesh_of_any_kind(tmp_path: Path, suffix: str, write_mesh: Callable[[Mesh], bytes]) -> None:
+    (tmp_path / f"a nut.{suffix}").write_bytes(write_mesh(prism()))
+    table = f'[objects.nut]\nmesh = "a nut.{suffix}"\nscale = 2\nposition_m = [1, 0, 0]\n'
+    scene = loaded(tmp_path, f"{table}[agents.P1]\n")
+    (geom,), model = scene.geoms_of("nut"), scene.model
+    start = model.mesh_vertadr[model.geom_dataid[geom]]
+    corners = model.mesh_vert[start : start + model.mesh_vertnum[model.geom_dataid[geom]]]
+    extent = np.ptp(Stage(scene).geom(geom).to_world(corners), axis=0)
+    hexagon = 2 * 0.08 * np.cos(np.radians(30)), 2 * 0.08, 2 * 0.1
+    assert sorted(extent) == pytest.approx(hexagon, abs=1e-5), "twice as large as in its file"
+    assert scene.initial.qpos[scene.object_slice("nut")][:3] == pytest.approx((1, 0, 0))
 
 
 def test_objects_of_the_room_and_of_models_are_objects_together(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from taskgist.common.text import UNSEEN
-from taskgist.errors import SceneError
+from taskgist.errors import InputError, SceneError
 from taskgist.world import AgentEntry, Scene, Stage
 from taskgist.world.scene_file import PlacedModel, SceneFile, parse_scene_file, write_scene_file
 from tests.meshes import obj
@@ -103,6 +103,17 @@ def room() -> mujoco.MjSpec:
     cube.add_freejoint()
     cube.add_geom(type=BOX, size=(0.05, 0.05, 0.05))
     return spec
+
+
+def test_a_room_that_is_a_value_may_have_a_keyframe_and_bodies_to_leave_out() -> None:
+    spec = room()
+    spec.worldbody.add_body(name="mark").add_geom(type=BOX, size=(0.1, 0.1, 0.1))
+    spec.add_key(name="k", qpos=(1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0))
+    scene = Scene.from_spec(spec, keyframe="k", leave_out=["mark"])
+    assert scene.bodies == (AWKWARD,)
+    assert scene.initial.qpos[:3] == pytest.approx((1, 2, 3))
+    with pytest.raises(InputError, match=r"scene: scene\.keyframe: no keyframe 'l'"):
+        Scene.from_spec(spec, keyframe="l")
 
 
 def test_names_may_hold_any_sign() -> None:

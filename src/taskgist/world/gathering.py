@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement, tostring
 
 import mujoco
 
@@ -12,7 +13,6 @@ from taskgist.common.files import shown_path
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.bases import is_free
-from taskgist.world.bodies.meshes import check_mesh, stl_from_dae
 from taskgist.world.bodies.model_files import (
     PACKAGE,
     add_body,
@@ -24,6 +24,7 @@ from taskgist.world.bodies.model_files import (
     read_model,
 )
 from taskgist.world.bodies.profile import builtin_profile_text, builtin_profiles, parse_profile
+from taskgist.world.bodies.urdf import read_urdf
 from taskgist.world.composing import movers
 from taskgist.world.scene_file import AgentEntry, PlacedModel, SceneFile, parse_scene_file, write_scene_file
 
@@ -131,21 +132,21 @@ def _name_movers(file: SceneFile, room: mujoco.MjSpec, bundle: dict[str, bytes])
 
 
 def _add_mesh(path: Path, each: PlacedModel, bundle: dict[str, bytes], where: str, limits: Limits) -> None:
-    """An object that is a mesh, as a model of one body."""
-    data = read_file(path, named_by=f"{where}: {each.field}", most_bytes=limits.mesh_bytes, setting="mesh_bytes")
-    name = path.name
-    if path.suffix.lower() == ".dae":
-        data, name = stl_from_dae(data, str(path), limits=limits), f"{name}.stl"
-    check_mesh(data, name, where=where, limits=limits)
-    spec = mujoco.MjSpec()
-    convex = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX  # scans have holes, so that nothing is inside of them
-    spec.add_mesh(name=each.name, file=name, scale=(each.scale,) * 3, inertia=convex)
-    body = spec.worldbody.add_body(name=each.name)
-    geom = body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=each.name)
-    if each.mass_kg is not None:
+    """An object that is a mesh, as a model of one body: the link that a URDF would make of it."""
+    at = f"{where}: {each.field}"
+    robot = Element("robot", name=each.name)
+    shape = SubElement(SubElement(SubElement(robot, "link", name=each.name), "collision"), "geometry")
+    SubElement(shape, "mesh", filename=path.name, scale=" ".join([repr(each.scale)] * 3))
+
+    def read(_: str) -> bytes:
+        return read_file(path, named_by=at, most_bytes=limits.mesh_bytes, setting="mesh_bytes")
+
+    spec = read_urdf(tostring(robot), read, bundle, where=at, limits=limits)
+    for mesh in spec.meshes:  # scans have holes, so that nothing is inside of them
+        mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
+    for geom in spec.geoms if each.mass_kg is not None else ():
         geom.mass = each.mass_kg
-    spec.assets = {name: data}
-    add_spec(spec, each.key, bundle, where=where, limits=limits)
+    add_spec(spec, each.key, bundle, where=at, limits=limits)
 
 
 def _add_packaged(agent: AgentEntry, bundle: dict[str, bytes], where: str, limits: Limits) -> None:
