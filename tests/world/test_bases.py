@@ -64,22 +64,40 @@ def test_a_lift_above_the_base_stays_a_joint(tmp_path: Path) -> None:
     assert scene.joints("C")[0] == "up"
 
 
-def test_a_planar_joint_of_a_urdf_is_a_free_base(tmp_path: Path) -> None:
-    def link(name: str) -> str:
-        return f"<link name='{name}'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>"
+def link(name: str, shape: str = "") -> str:
+    return f"<link name='{name}'>{shape}</link>"
 
-    def joint(child: str, parent: str, kind: str) -> str:
-        limit = "<limit lower='-1' upper='1' effort='1' velocity='1'/>"
-        named = f"<joint name='{child}' type='{kind}'><origin xyz='0.2 0 0.1'/>"
-        return f"{named}<parent link='{parent}'/><child link='{child}'/><axis xyz='0 0 1'/>{limit}</joint>"
 
-    body = link("base_link") + link("neck") + joint("neck", "base_link", "revolute")
-    urdf = f"<robot name='r'><link name='odom'/>{body}{joint('base_link', 'odom', 'planar')}</robot>"
-    (tmp_path / "r.urdf").write_text(urdf)
+def joint(child: str, parent: str, kind: str, axis: str) -> str:
+    limit = "<limit lower='-1' upper='1' effort='1' velocity='1'/>"
+    ends = f"<parent link='{parent}'/><child link='{child}'/><axis xyz='{axis}'/>"
+    return f"<joint name='{child}' type='{kind}'>{ends}{limit}</joint>"
+
+
+@pytest.mark.parametrize("root", ["world", "odom"])
+@pytest.mark.parametrize(
+    "kinds",
+    [
+        ["fixed"],
+        ["floating"],
+        ["planar"],
+        ["prismatic 1 0 0", "prismatic 0 1 0", "continuous 0 0 1"],
+        ["continuous 0 0 1", "prismatic 1 0 0", "prismatic 0 1 0", "fixed"],
+    ],
+)
+def test_the_root_of_a_urdf_stands_on_the_floor(tmp_path: Path, root: str, kinds: list[str]) -> None:
+    shape = "<collision><geometry><sphere radius='0.1'/></geometry></collision>"
+    names = [root, *(f"link{i}" for i in range(len(kinds) - 1)), "base_link"]
+    links = [link(name, shape if name == "base_link" else "") for name in names]
+    for parent, child, kind in zip(names, names[1:], kinds, strict=False):
+        word, _, axis = kind.partition(" ")
+        links.append(joint(child, parent, word, axis or "0 0 1"))
+    neck = link("neck", shape) + joint("neck", "base_link", "revolute", "0 0 1")
+    (tmp_path / "r.urdf").write_text(f"<robot name='r'>{''.join(links)}{neck}</robot>")
     eye = "[eye]\nframe = 'neck'\nexclude = 'neck'\nfov_deg = [60, 40]\nimage_px = [160, 120]\n"
     scene = Scene.load(written(tmp_path, f"name = 'r'\nmodel = 'r.urdf'\n{eye}"))
     assert scene.joints("C") == ("neck",)
-    assert scene.initial.qpos[scene.base_slice("C")][:2] == pytest.approx((0, 0))
+    assert scene.initial.qpos[scene.base_slice("C")] == pytest.approx((0, 0, 0.1, 1, 0, 0, 0))
 
 
 def test_the_check_of_a_body_says_nothing_against_it(tmp_path: Path) -> None:

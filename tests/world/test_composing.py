@@ -312,6 +312,11 @@ def test_a_recording_holds_all_of_it(tmp_path: Path) -> None:
         ("yaw_deg = 180", "mass_kg = 1", r"objects\.box\.mass_kg: is for a mesh"),
         ('"box.xml"', '"boxes.xml"', r"objects\.box: no such file"),
         ('"box.xml"', '"shelf.xml"', r"one top-level body, 'shelf.xml' has side, drawer, loose, shapes of the world"),
+        (
+            'name = "kitchen"',
+            'model = "mug.object.xml"',
+            r"scene\.model: is what a recording calls the model of something",
+        ),
         ('name = "kitchen"', 'objects = ["mog"]', r"no object \(a body of the model\) 'mog'; did you mean 'mug'"),
     ],
 )

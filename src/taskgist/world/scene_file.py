@@ -181,12 +181,17 @@ def parse_scene_file(text: bytes | str, *, where: str, limits: Limits = DEFAULT.
     _check_apart(furniture, objects, agents)
     placed = [_placed(name, "furniture", furniture.table(name).only(MODEL_KEYS)) for name in furniture]
     placed += [_placed(name, "object", objects.table(name).only(OBJECT_KEYS)) for name in objects]
+    entries = tuple(_agent(name, agents.table(name).only(AGENT_KEYS)) for name in agents)
+    model = scene.text("model") if "model" in scene or not placed else None
+    if model in {each.key for each in placed} | {entry.model_key for entry in entries}:
+        hint = "call the file otherwise"
+        raise scene.error("is what a recording calls the model of something else", "model", model, hint)
     return SceneFile(
         name=scene.name("name", clean_name(Path(where).stem) or "scene"),
-        model=scene.text("model") if "model" in scene or not placed else None,
+        model=model,
         objects=scene.texts("objects") if "objects" in scene else None,
         estimated=scene.texts("estimated"),
-        agents=tuple(_agent(name, agents.table(name).only(AGENT_KEYS)) for name in agents),
+        agents=entries,
         where=where,
         seen_groups=_checked_groups(scene) if "seen_groups" in scene else None,
         keyframe=scene.text("keyframe", None),
