@@ -235,7 +235,6 @@ def _put_together(
     profiles = {entry.name: _profile(entry, files, file.where, limits) for entry in file.agents}
     for entry in file.agents:
         check_free_name(room, entry.name, file.where, f"agents.{entry.name}")
-    _check_flexes(room, f"{file.where}: {file.model}")
     if file.seen_groups is None:
         hide_stand_ins(room, lambda: compiled(room, files, file.where))
     else:
@@ -260,14 +259,6 @@ def _check_bytes(files: Mapping[str, bytes], where: str, limits: Limits) -> None
     if together > limits.bundle_bytes:
         hint = most_read(limits.bundle_bytes, "bundle_bytes")
         raise SceneError("the files of this scene are too large", where=where, value=f"{together:,} bytes", hint=hint)
-
-
-def _check_flexes(spec: mujoco.MjSpec, where: str) -> None:
-    """Refuse what bends: no ray of ours meets it, so that all behind it would be seen."""
-    for flex in spec.flexes:
-        hint = "leave it out, or make it a mesh (or boxes) where it hangs or lies"
-        problem = "a flex (cloth, rope or soft body) is not read"
-        raise SceneError(problem, where=where, field="flex", value=flex.name, hint=hint)
 
 
 def _check_objects(model: mujoco.MjModel, file: SceneFile, limits: Limits) -> None:
@@ -359,12 +350,11 @@ def _agent_spec(
     profile: AgentProfile, files: dict[str, bytes], entry: AgentEntry, where: str, limits: Limits
 ) -> mujoco.MjSpec:
     """An agent's model with all that reasoning needs: a base that is free to move, frames, and shapes of grasps."""
-    spec = read_spec(files, entry.model_key, entry.name, agent=True, limits=limits)
+    spec = read_spec(files, entry.model_key, where, agent=True, limits=limits)
     if len(spec.geoms) > limits.body_shapes:
         hint = f"leave out what is only shown: {most_read(limits.body_shapes, 'body_shapes')}"
         field = f"{entry.name}: {entry.model_key}"
         raise SceneError("a body of too many shapes", where=where, field=field, value=len(spec.geoms), hint=hint)
-    _check_flexes(spec, f"{where}: {entry.model_key}")
     spec.compiler.balanceinertia = True  # MJCF text of a URDF has lost that; published inertias are often impossible
     hide_stand_ins(spec, lambda: compiled(spec, files, where))
     for problem in name_problems(spec, profile, f"{where}: {entry.profile_key}"):

@@ -114,11 +114,20 @@ def read_room(file: SceneFile, files: dict[str, bytes], limits: Limits) -> mujoc
 
 
 def read_spec(files: dict[str, bytes], name: str, where: str, *, agent: bool = False, limits: Limits) -> mujoco.MjSpec:
-    """A model of the bundle, whose shapes have sizes."""
+    """A model of the bundle, whose shapes have sizes and do not bend."""
     spec = read_model(files, name, where=where, room=not agent, limits=limits)
     for problem in size_problems(spec, f"{where}: {name}"):
         raise problem
+    _check_flexes(spec, f"{where}: {name}")
     return spec
+
+
+def _check_flexes(spec: mujoco.MjSpec, where: str) -> None:
+    """Refuse what bends: no ray of ours meets it, so that all behind it would be seen."""
+    for flex in spec.flexes:
+        hint = "leave it out, or make it a mesh (or boxes) where it hangs or lies"
+        problem = "a flex (cloth, rope or soft body) is not read"
+        raise SceneError(problem, where=where, field="flex", value=flex.name, hint=hint)
 
 
 def compiled(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> mujoco.MjModel:
@@ -306,10 +315,10 @@ def _delete(room: mujoco.MjSpec, name: str) -> None:
 
 
 def _put_in(room: mujoco.MjSpec, each: PlacedModel, files: dict[str, bytes], where: str, limits: Limits) -> None:
-    check_free_name(room, each.name, where, each.field)
+    check_free_name(room, each.name, where, each.table)
     if each.key not in files:
         problem, hint = "no such file among the scene's own", f"the bundle holds it as {each.key!r}"
-        raise SceneError(problem, where=where, field=each.field, value=each.file, hint=hint)
+        raise SceneError(problem, where=where, field=each.table, value=each.file, hint=hint)
     spec = read_spec(files, each.key, where, limits=limits)
     drop_controls(spec)
     spec.compiler.balanceinertia = True  # MJCF text of a URDF has lost that; published inertias are often impossible
@@ -337,7 +346,7 @@ def _freed_root(spec: mujoco.MjSpec, each: PlacedModel, where: str) -> mujoco.Mj
         names = [str(body.name) or "(no name)" for body in roots] + ["shapes of the world"] * bool(spec.worldbody.geoms)
         hint = "keep the object, and leave floor and furniture to the scene"
         problem = f"a model of an object has one top-level body, {each.file!r} has {', '.join(names) or 'none'}"
-        raise SceneError(problem, where=where, field=each.field, hint=hint)
+        raise SceneError(problem, where=where, field=each.table, hint=hint)
     (root,) = roots
     root.name = root.name or each.name
     free(spec, root)

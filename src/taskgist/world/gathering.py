@@ -54,7 +54,7 @@ def bundle_from_path(path: Path, *, limits: Limits = DEFAULT.limits) -> dict[str
         room = add_model(model, file.model, bundle, room=True, limits=limits)
         _name_movers(file, room, bundle)
     for each in file.placed:
-        found = find_file(each.file, near=path.parent, where=path, field=each.field)
+        found = find_file(each.file, near=path.parent, where=path, field=each.table)
         if each.is_mesh:
             _add_mesh(found, each, bundle, str(path), limits)
         else:
@@ -133,7 +133,7 @@ def _name_movers(file: SceneFile, room: mujoco.MjSpec, bundle: dict[str, bytes])
 
 def _add_mesh(path: Path, each: PlacedModel, bundle: dict[str, bytes], where: str, limits: Limits) -> None:
     """An object that is a mesh, as a model of one body: the link that a URDF would make of it."""
-    at = f"{where}: {each.field}"
+    at = f"{where}: {each.table}"
     robot = Element("robot", name=each.name)
     shape = SubElement(SubElement(SubElement(robot, "link", name=each.name), "collision"), "geometry")
     SubElement(shape, "mesh", filename=path.name, scale=" ".join([repr(each.scale)] * 3))

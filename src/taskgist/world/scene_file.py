@@ -121,7 +121,7 @@ class PlacedModel:
         return f"{self.name}.{self.kind}.xml"
 
     @property
-    def field(self) -> str:
+    def table(self) -> str:
         """Its table in the scene file."""
         return f"{'objects' if self.kind == 'object' else 'furniture'}.{self.name}"
 
@@ -165,7 +165,7 @@ class SceneFile:
     def field_of_model(self, name: str) -> str:
         """The field that gives an object's model, for messages."""
         each = self.placed_object(name)
-        return f"scene.model {self.model!r}" if each is None else f"{each.field} {each.file!r}"
+        return f"scene.model {self.model!r}" if each is None else f"{each.table} {each.file!r}"
 
 
 def parse_scene_file(text: bytes | str, *, where: str, limits: Limits = DEFAULT.limits) -> SceneFile:
