@@ -268,7 +268,8 @@ position_m = [-0.95, 0.0]
 
 [agents.R]
 profile = "robot.toml"
-room_body = "base"
+room_body = "r0_base"
+room_prefix = "r0_"
 """
 COMPOSED_XML = f"""<mujoco model="room"><compiler angle="degree"/>
   <asset><mesh name="wedge" file="wedge.obj"/></asset>
@@ -282,12 +283,12 @@ COMPOSED_XML = f"""<mujoco model="room"><compiler angle="degree"/>
     <body name="tray" pos="-0.1 0.2 0.73"><geom type="mesh" mesh="wedge"/></body>
     <body name="tag" mocap="true" pos="0 -0.2 0.75"><geom size="0.02"/></body>
     <body name="target"><geom size="0.02" contype="0" conaffinity="0"/></body>
-    {ROBOT_XML[ROBOT_XML.index("<body") : ROBOT_XML.index("</worldbody>")]}
+    {ROBOT_XML[ROBOT_XML.index("<body") : ROBOT_XML.index("</worldbody>")].replace('name="', 'name="r0_')}
   </worldbody>
-  <equality><joint joint1="x"/><weld body1="tag" body2="rh"/></equality>
-  <tendon><fixed name="t"><joint joint="x" coef="1"/><joint joint="pan" coef="1"/></fixed></tendon>
-  <actuator><motor joint="e1"/><motor tendon="t"/></actuator>
-  <sensor><framepos objtype="body" objname="rh"/></sensor>
+  <equality><joint joint1="x"/><weld body1="tag" body2="r0_rh"/></equality>
+  <tendon><fixed name="t"><joint joint="x" coef="1"/><joint joint="r0_pan" coef="1"/></fixed></tendon>
+  <actuator><motor joint="r0_e1"/><motor tendon="t"/></actuator>
+  <sensor><framepos objtype="body" objname="r0_rh"/></sensor>
   <keyframe><key name="home" qpos="0.3 0 0.1 0 1 0 0 0 0 0 0 0 0" mpos="0 -0.3 0.75"/></keyframe>
 </mujoco>
 """

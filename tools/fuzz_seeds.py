@@ -127,7 +127,7 @@ def _room_seeds() -> tuple[Seed, ...]:
         Seed("name", plain, ("P1", "cup", "mug"), (ASK_CUP, ASK_MUG)),
         Seed("name", plain, ("R", "box", "table", "pan", "rh"), (ASK_BOX,)),
         Seed("name", crowded, ("R", "first", "second", "head"), IN_CROWDED, check=own_files),
-        Seed("name", composed, ("R", "mug", "stone", "shelf", "cup", "base", "home"), IN_COMPOSED, check=own_files),
+        Seed("name", composed, ("R", "mug", "stone", "shelf", "cup", "r0_base", "home"), IN_COMPOSED, check=own_files),
     )
 
 

@@ -6,6 +6,7 @@ robot in the room's model is the same agent as one with a model of its own.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -373,6 +374,23 @@ def test_a_robot_in_the_rooms_model_is_the_agent_that_it_would_be_beside_it(tmp_
     same_poses(poses(scene.model, scene.initial.qpos), poses(beside.model, beside.initial.qpos))
     joints = [str(scene.model.joint(int(each)).name) for each in scene.model.eq_obj1id]
     assert joints == ["C/pan"], "what couples its own joints goes with it, what holds it to others does not"
+
+
+def test_its_names_may_have_a_prefix_in_the_room(tmp_path: Path) -> None:
+    named = re.sub(r'name="(\w+)"', r'name="r0:\1"', PLACED)
+    couples = "<equality><joint joint1='r0:pan' joint2='r0:shoulder'/></equality>"
+    contacts = "<contact><exclude body1='r0:fore' body2='r0:base'/><pair geom1='r0:lens' geom2='floor'/></contact>"
+    toml = STANDS.format("", 'room_prefix = "r0:"').replace('"base"', '"r0:base"')
+    scene = loaded(tmp_path, toml, crane__toml=PROFILE, room__xml=room(named, rest=couples + contacts))
+    plain = with_robot(tmp_path)
+    assert scene.joints("C") == plain.joints("C")
+    there = poses(plain.model, plain.initial.qpos)
+    same_poses(
+        poses(scene.model, scene.initial.qpos), {name: pose for name, pose in there.items() if name.startswith("C/")}
+    )
+    assert [str(scene.model.joint(int(each)).name) for each in scene.model.eq_obj1id] == ["C/pan"]
+    with pytest.raises(InputError, match=r"agents\.P1\.room_prefix: is of names in the room's model \(got 'r0:'\)"):
+        loaded(tmp_path, '[scene]\nmodel = "room.xml"\n[agents.P1]\nroom_prefix = "r0:"', room__xml=IN_ROOM)
 
 
 def test_it_stands_where_the_scene_says_if_it_says_so(tmp_path: Path) -> None:

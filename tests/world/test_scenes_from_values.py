@@ -47,6 +47,7 @@ def entries_in_the_room(draw: st.DrawFn) -> AgentEntry:
     return AgentEntry(
         draw(texts.filter(lambda name: "/" not in name)),
         room_body=draw(texts),
+        room_prefix=draw(st.just("") | texts),
         position_m=draw(st.none() | st.tuples(numbers, numbers)),
         yaw_rad=draw(st.none() | numbers.map(math.radians)),
     )

@@ -293,8 +293,20 @@ def _take_out(room: mujoco.MjSpec, entry: AgentEntry, file: SceneFile, files: di
             alone.worldbody.add_frame().attach_body(copy.body(entry.room_body), "", "")
             root = alone.worldbody.first_body()
             root.pos, root.quat = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+            _drop_prefix(alone, entry.room_prefix)
             files[entry.model_key] = str(alone.to_xml()).encode()
     _delete(room, entry.room_body)
+
+
+def _drop_prefix(alone: mujoco.MjSpec, prefix: str) -> None:
+    """Call bodies, joints, sites and shapes without a prefix; what speaks of their contacts alone goes."""
+    for each in (*alone.bodies, *alone.joints, *alone.sites, *alone.geoms):
+        each.name = str(each.name).removeprefix(prefix)
+    for equality in alone.equalities:
+        equality.name1 = str(equality.name1).removeprefix(prefix)
+        equality.name2 = str(equality.name2).removeprefix(prefix)
+    for contact in (*alone.pairs, *alone.excludes):
+        alone.delete(contact)
 
 
 def _delete(room: mujoco.MjSpec, name: str) -> None:

@@ -107,6 +107,9 @@ class Scene:
     ) -> Scene:
         """A scene from its files in memory. Nothing else is opened, whatever a model among them names.
 
+        Where its scene file names no objects, these are the bodies with a free joint; ``load`` and ``from_spec`` name
+        others that move freely there.
+
         Args:
             bundle: Contents by relative names, ``scene.toml`` among them.
             where: What the scene comes from, for messages.

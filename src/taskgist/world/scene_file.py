@@ -23,6 +23,7 @@ SCENE_KEYS = {"name", "model", "keyframe", "objects", "leave_out", "estimated", 
 AGENT_KEYS = {
     "profile",
     "room_body",
+    "room_prefix",
     "position_m",
     "yaw_deg",
     "posture",
@@ -58,6 +59,7 @@ class AgentEntry:
         joints_rad: Angles of joints that turn, by name.
         joints_m: Positions of joints that slide, by name.
         room_body: The body of the room's model that it is, with all that it carries; None: its profile's own model.
+        room_prefix: What its names begin with in the room's model, and do not in the profile.
     """
 
     name: str
@@ -70,6 +72,7 @@ class AgentEntry:
     joints_rad: Mapping[str, float] = field(default_factory=dict)
     joints_m: Mapping[str, float] = field(default_factory=dict)
     room_body: str | None = None
+    room_prefix: str = ""
 
     def __post_init__(self) -> None:
         if self.room_body is None and self.position_m is None:
@@ -257,7 +260,15 @@ def _agent(name: str, entry: TomlTable) -> AgentEntry:
         joints_rad={key: math.radians(joints.number(key)) for key in joints},
         joints_m={key: slides.number(key) for key in slides},
         room_body=entry.text("room_body", None),
+        room_prefix=_checked_prefix(entry) if "room_prefix" in entry else "",
     )
+
+
+def _checked_prefix(entry: TomlTable) -> str:
+    if "room_body" not in entry:
+        hint = "name the body of the room's model that this agent is, as room_body"
+        raise entry.error("is of names in the room's model", "room_prefix", entry.any("room_prefix"), hint)
+    return entry.text("room_prefix")
 
 
 def _checked_seat_height(entry: TomlTable) -> float:
@@ -308,6 +319,8 @@ def _agent_table(entry: AgentEntry) -> dict[str, Any]:
     table: dict[str, Any] = {"profile": entry.profile}
     if entry.room_body is not None:
         table["room_body"] = entry.room_body
+    if entry.room_prefix:
+        table["room_prefix"] = entry.room_prefix
     if entry.position_m is not None:
         table["position_m"] = [_written(value) for value in entry.position_m]
     if entry.yaw_rad is not None:
