@@ -89,8 +89,8 @@ def hostile(secret: Path) -> Iterator[tuple[str, dict[str, bytes]]]:
         f"[objects.f]\nmesh = '{mesh}'",
     ):
         yield f"put in {table}", room("") | {"scene.toml": f"{SCENE}{table}\n".encode()}
-        own = f"<mujoco>{MESH.format(mesh)}</mujoco>".encode()
-        held = {"f.furniture.xml": own, "f.object.xml": own}
+        whole = f"<mujoco>{MESH.format(mesh)}</mujoco>".encode()
+        held = {"f.furniture.xml": whole, "f.object.xml": whole}
         yield f"mesh of {table}", room("") | held | {"scene.toml": f"{SCENE}{table}\n".encode()}
     for name in (secret / "own.toml", secret / "own", os.path.relpath(secret / "own", Path.cwd())):
         yield f"profile {name}", room("") | {"scene.toml": (SCENE + PROFILE_OF.format(name)).encode()}
