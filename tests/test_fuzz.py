@@ -72,6 +72,10 @@ def test_what_cannot_be_taken_apart_is_spoiled_all_the_same() -> None:
         ("many", "many.toml", "colours/a/m.png", "colours/a_m.png"),
         ("many", "many.toml", "colours/m.obj", "colours/m.png"),
         ("many", "many.toml", "shapes/hills.png", "colours/m.png"),
+        ("composed", "room.toml", "shelf.obj", "wedge.obj"),
+        ("composed", "room.toml", "m.stl", "a/m.stl"),
+        ("composed", "room.toml", "a/m.stl", "m.stl"),
+        ("composed", "room.toml", "stone.obj", "shelf.obj"),
     ],
 )
 def test_a_file_in_the_place_of_another_is_noticed(

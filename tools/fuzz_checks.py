@@ -11,6 +11,7 @@ import io
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
@@ -42,40 +43,74 @@ def own_files(command: tuple[str, ...]) -> Callable[[], str]:
     def wrong() -> str:
         path = Path(next(word for word in command if word.endswith(".toml")))
         scene = Scene.load(path)
-        for prefix, model, collides_only in _models(path, scene):
-            if is_urdf(model.read_bytes()):
-                at_fault = _wrong_link(scene.model, prefix, model, collides_only)
-            else:
-                at_fault = _wrong_asset(scene.model, prefix, model)
-            if at_fault:
+        for model in _models(path, scene):
+            if at_fault := _wrong_file(scene.model, model):
                 return f"another file in the place of {at_fault}"
         return ""
 
     return wrong
 
 
-def _models(path: Path, scene: Scene) -> Iterator[tuple[str, Path, bool]]:
-    """Models of a scene that are files: what their names begin with, where they are, whether only solids count."""
+@dataclass(frozen=True)
+class ModelFile:
+    """A model of a scene that is a file.
+
+    Attributes:
+        path: Where it is.
+        prefix: What its names begin with.
+        root: The body that a URDF's root link is; None: that of its own name.
+        collides_only: Whether only solids count.
+        may_lack: Whether some of it may have been left out.
+        scale: Of a mesh; None for models.
+    """
+
+    path: Path
+    prefix: str = ""
+    root: str | None = None
+    collides_only: bool = False
+    may_lack: bool = False
+    scale: float | None = None
+
+
+def _models(path: Path, scene: Scene) -> Iterator[ModelFile]:
     document = tomllib.loads(path.read_text("utf-8"))
-    yield "", path.parent / document["scene"]["model"], False
-    for name, entry in zip(scene.agents, document.get("agents", {}).values(), strict=True):
+    agents = document.get("agents", {})
+    if room := document["scene"].get("model"):
+        lacks = "leave_out" in document["scene"] or any("room_body" in entry for entry in agents.values())
+        yield ModelFile(path.parent / room, root="world", may_lack=lacks)
+    for kind in ("furniture", "objects"):
+        for name, entry in document.get(kind, {}).items():
+            scale = entry.get("scale", 1.0) if "mesh" in entry else None
+            file = find_file(entry.get("mesh") or entry["model"], near=path.parent, where=path, field=kind)
+            yield ModelFile(file, f"{name}/", name, scale=scale)
+    for name, entry in zip(scene.agents, agents.values(), strict=True):
         given = entry.get("profile", "human")
-        if given.endswith(".toml"):
+        if given.endswith(".toml") and "room_body" not in entry:
             profile = tomllib.loads((path.parent / given).read_text("utf-8"))
             if profile["model"] not in builtin_models():
                 model = find_file(profile["model"], near=(path.parent / given).parent, where=given, field="model")
-                yield f"{name}/", model, profile.get("shapes") == "collision"
+                yield ModelFile(model, f"{name}/", collides_only=profile.get("shapes") == "collision")
 
 
-def _wrong_asset(whole: mujoco.MjModel, prefix: str, path: Path) -> str:
-    """The name of something that a room or robot has of another file, or lacks."""
+def _wrong_file(whole: mujoco.MjModel, model: ModelFile) -> str:
+    if model.scale is not None:
+        own = model.scale * _alone(Element("mesh", filename=model.path.name), model.path)
+        (there,) = _boxes(whole, str(model.root))
+        return "" if np.allclose(own, there, atol=TOLERANCE) else f"mesh {model.path.name!r}"
+    return _wrong_link(whole, model) if is_urdf(model.path.read_bytes()) else _wrong_asset(whole, model)
+
+
+def _wrong_asset(whole: mujoco.MjModel, model: ModelFile) -> str:
+    """The name of something that a room, a robot or a thing has of another file, or lacks."""
     try:
-        alone = mujoco.MjModel.from_xml_path(str(path))
+        alone = mujoco.MjModel.from_xml_path(str(model.path))
     except ValueError:  # what MuJoCo does not take from a folder, it is no witness of
         return ""
     found = _assets(whole)
     for (kind, name), content in _assets(alone).items():
-        there = found.get((kind, prefix + name))
+        there = found.get((kind, model.prefix + name))
+        if there is None and model.may_lack:
+            continue
         if there is None or there.shape != content.shape or not np.allclose(there, content, atol=TOLERANCE):
             return f"{kind} {name!r}"
     return ""
@@ -108,16 +143,18 @@ def _box(model: mujoco.MjModel, mesh: int) -> NDArray[np.float64]:
     return np.stack((vertices.min(axis=0), vertices.max(axis=0)))
 
 
-def _wrong_link(whole: mujoco.MjModel, prefix: str, path: Path, collides_only: bool) -> str:
+def _wrong_link(whole: mujoco.MjModel, model: ModelFile) -> str:
     """The name of a link of a URDF that has another mesh than its own."""
-    robot = ElementTree.parse(path).getroot()
+    robot = ElementTree.parse(model.path).getroot()
     children = {child.get("link") for child in robot.findall("joint/child")}
     for link in robot.findall("link"):
-        kinds = ("collision",) if collides_only else ("visual", "collision")
+        kinds = ("collision",) if model.collides_only else ("visual", "collision")
         meshes = [mesh for kind in kinds for mesh in link.findall(f"{kind}/geometry/mesh")]
         name = str(link.get("name"))
-        body = "world" if not prefix and name not in children else prefix + name
-        own = _sorted(_alone(mesh, path) for mesh in meshes)
+        body = model.root if model.root and name not in children else model.prefix + name
+        own = _sorted(_alone(mesh, model.path) for mesh in meshes)
+        if model.may_lack and body not in {whole.body(b).name for b in range(whole.nbody)}:
+            continue
         if not np.allclose(own, _sorted(_boxes(whole, body)), atol=TOLERANCE):
             return f"a mesh of link {name!r}"
     return ""

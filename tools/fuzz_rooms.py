@@ -236,6 +236,89 @@ LAMP_XML = """<mujoco model="lamp">
   </worldbody>
 </mujoco>
 """
+COMPOSED_TOML = """[scene]
+name = "a room of several models"
+model = "room.xml"
+keyframe = "home"
+objects = ["cup", "tray", "tag"]
+leave_out = ["target"]
+
+[furniture.shelf]
+model = "shelf.xml"
+position_m = [0.5, 1.2, 0]
+yaw_deg = 90
+
+[furniture.rack]
+model = "rack.urdf"
+position_m = [-0.5, 1.2, 0]
+rpy_deg = [0, 5, 30]
+
+[objects.mug]
+model = "mug.urdf"
+position_m = [0.1, 0.3, 0.72]
+
+[objects.stone]
+mesh = "stone.obj"
+scale = 0.5
+mass_kg = 0.3
+position_m = [0.2, -0.3, 0.72]
+
+[agents.P1]
+position_m = [-0.95, 0.0]
+
+[agents.R]
+profile = "robot.toml"
+room_body = "r0_base"
+room_prefix = "r0_"
+"""
+COMPOSED_XML = f"""<mujoco model="room"><compiler angle="degree"/>
+  <asset><mesh name="wedge" file="wedge.obj"/></asset>
+  <worldbody>
+    <geom name="floor" type="plane" size="5 5 0.1"/>
+    <body name="table" pos="0 0 0.7"><geom type="box" size="0.4 0.6 0.02"/></body>
+    <body name="door" pos="0 3 1"><joint name="door" range="-60 60"/><geom size="0.05 0.4 1" type="box"/></body>
+    <body name="cup" pos="0.1 0.1 0.77"><joint name="x" type="slide" axis="1 0 0"/>
+      <joint type="slide" axis="0 1 0"/><joint type="slide"/><joint type="ball"/>
+      <geom type="cylinder" size="0.04 0.05"/></body>
+    <body name="tray" pos="-0.1 0.2 0.73"><geom type="mesh" mesh="wedge"/></body>
+    <body name="tag" mocap="true" pos="0 -0.2 0.75"><geom size="0.02"/></body>
+    <body name="target"><geom size="0.02" contype="0" conaffinity="0"/></body>
+    {ROBOT_XML[ROBOT_XML.index("<body") : ROBOT_XML.index("</worldbody>")].replace('name="', 'name="r0_')}
+  </worldbody>
+  <equality><joint joint1="x"/><weld body1="tag" body2="r0_rh"/></equality>
+  <tendon><fixed name="t"><joint joint="x" coef="1"/><joint joint="r0_pan" coef="1"/></fixed></tendon>
+  <actuator><motor joint="r0_e1"/><motor tendon="t"/></actuator>
+  <sensor><framepos objtype="body" objname="r0_rh"/></sensor>
+  <keyframe><key name="home" qpos="0.3 0 0.1 0 1 0 0 0 0 0 0 0 0" mpos="0 -0.3 0.75"/></keyframe>
+</mujoco>
+"""
+SHELF_XML = """<mujoco model="shelf">
+  <asset><mesh name="wedge" file="shelf.obj"/></asset>
+  <worldbody>
+    <geom type="box" size="0.2 0.4 0.02" pos="0 0 0.5"/>
+    <body name="drawer" pos="0 0 0.4"><joint name="pull" type="slide" axis="1 0 0" range="0 0.3"/>
+      <geom type="box" size="0.2 0.3 0.05"/></body>
+    <body name="vase" pos="0 0 0.52"><freejoint/><geom type="mesh" mesh="wedge"/></body>
+  </worldbody>
+  <keyframe><key qpos="0.1 0 0 0.5 1 0 0 0"/></keyframe>
+</mujoco>
+"""
+RACK_URDF = """<?xml version="1.0"?>
+<robot name="rack">
+ <link name="frame"><collision><geometry><box size="0.3 0.3 0.8"/></geometry></collision></link>
+ <link name="arm"><visual><geometry><mesh filename="a/m.stl"/></geometry></visual></link>
+ <joint name="turn" type="revolute"><origin xyz="0 0 0.6"/><parent link="frame"/><child link="arm"/>
+  <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+</robot>
+"""
+MUG_URDF = """<?xml version="1.0"?>
+<robot name="mug">
+ <link name="mug"><visual><geometry><mesh filename="m.stl"/></geometry></visual></link>
+ <link name="lid"><collision><geometry><box size="0.05 0.05 0.01"/></geometry></collision></link>
+ <joint name="lid" type="revolute"><origin xyz="0 0 0.1"/><parent link="mug"/><child link="lid"/>
+  <axis xyz="0 1 0"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint>
+</robot>
+"""
 MESHED_ROBOT_XML = ROBOT_XML.replace(
     "<worldbody>", '<asset><mesh name="a" file="a.obj"/></asset><worldbody>', 1
 ).replace('<geom type="sphere" size="0.08"/>', '<geom type="mesh" mesh="a"/>')
@@ -268,6 +351,19 @@ def rooms() -> dict[str, dict[str, bytes]]:
             "R_a_m.stl": stl(prism(0.12)),
             "a/m.dae": dae(prism(0.13)),
             "robot/a/m.stl": stl(prism(0.14)),
+        },
+        "composed": {
+            "room.toml": COMPOSED_TOML.encode(),
+            "room.xml": COMPOSED_XML.encode(),
+            "shelf.xml": SHELF_XML.encode(),
+            "rack.urdf": RACK_URDF.encode(),
+            "mug.urdf": MUG_URDF.encode(),
+            "wedge.obj": obj(prism(0.10)),
+            "shelf.obj": obj(prism(0.11)),
+            "stone.obj": obj(prism(0.12)),
+            "m.stl": stl(prism(0.13)),
+            "a/m.stl": stl(prism(0.14)),
+            "robot.toml": ROBOT_TOML.encode(),
         },
         "counted": {"room.toml": COUNTED_TOML.encode(), "room.xml": COUNTED_XML.encode()},
         "many": {

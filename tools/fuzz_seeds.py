@@ -88,6 +88,11 @@ IN_MANY: tuple[Command, ...] = (
     ("query", "many.toml", "--agent", "R", "--object", "cup", "--ability", "see"),
     ("query", "many.toml", "--agent", "P1", "--object", "bracket", "--ability", "reach", "--json"),
 )
+IN_COMPOSED: tuple[Command, ...] = (
+    ("query", "room.toml", "--agent", "R", "--object", "mug", "--ability", "see"),
+    ("query", "room.toml", "--agent", "P1", "--object", "stone", "--ability", "reach", "--json"),
+    ("query", "room.toml", "--agent", "P1", "--object", "tray", "--ability", "see"),
+)
 CHECK_ROBOT: Command = ("agent", "check", "robot.toml")
 
 
@@ -95,6 +100,9 @@ def _room_seeds() -> tuple[Seed, ...]:
     room = rooms()
     plain, urdf, crowded, many = room["plain"], room["urdf"], room["crowded"], room["many"]
     hollow = {**plain, "mug.obj": obj(bracket())}
+    composed = room["composed"]
+    composed_models = tuple(name for name in composed if name.endswith((".xml", ".urdf")))
+    composed_meshes = tuple(name for name in composed if name.endswith((".obj", ".stl")))
     crowded_meshes = tuple(name for name in crowded if name.endswith((".stl", ".dae")))
     many_files = tuple(name for name in many if name.endswith((".obj", ".stl", ".png")))
     return (
@@ -113,9 +121,13 @@ def _room_seeds() -> tuple[Seed, ...]:
         Seed("concave", hollow, ("room.xml", "room.toml"), (ASK_MUG,)),
         Seed("concave", room["concave"], ("part.stl", "part.dae", "room.urdf"), IN_URDF),
         Seed("profile", plain, ("robot.toml",), (CHECK_ROBOT, ASK_BOX, ASK_WHY)),
+        Seed("composed", composed, ("room.toml",), IN_COMPOSED, check=own_files),
+        Seed("composed", composed, composed_models, IN_COMPOSED, check=own_files),
+        Seed("composed", composed, composed_meshes, IN_COMPOSED, check=own_files),
         Seed("name", plain, ("P1", "cup", "mug"), (ASK_CUP, ASK_MUG)),
         Seed("name", plain, ("R", "box", "table", "pan", "rh"), (ASK_BOX,)),
         Seed("name", crowded, ("R", "first", "second", "head"), IN_CROWDED, check=own_files),
+        Seed("name", composed, ("R", "mug", "stone", "shelf", "cup", "r0_base", "home"), IN_COMPOSED, check=own_files),
     )
 
 

@@ -104,7 +104,7 @@ def test_links_of_a_urdf_are_objects_if_they_float(room: Path, kind: str) -> Non
     if kind == "floating":
         assert "door" in run("query room.toml --ability see")
     else:
-        assert "scene.objects: no object in this scene; objects are bodies with a free" in refusal(
+        assert "scene.objects: no object in this scene; objects are bodies that move" in refusal(
             "query room.toml", room
         )
 

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from taskgist.common.text import UNSEEN
-from taskgist.errors import SceneError
+from taskgist.errors import InputError, SceneError
 from taskgist.world import AgentEntry, Scene, Stage
-from taskgist.world.scene_file import SceneFile, parse_scene_file, write_scene_file
+from taskgist.world.scene_file import PlacedModel, SceneFile, parse_scene_file, write_scene_file
 from tests.meshes import obj
 
 BOX, PLANE, MESH = mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_MESH
@@ -42,23 +42,57 @@ def entries(draw: st.DrawFn) -> AgentEntry:
     )
 
 
+@st.composite
+def entries_in_the_room(draw: st.DrawFn) -> AgentEntry:
+    return AgentEntry(
+        draw(texts.filter(lambda name: "/" not in name)),
+        room_body=draw(texts),
+        room_prefix=draw(st.just("") | texts),
+        position_m=draw(st.none() | st.tuples(numbers, numbers)),
+        yaw_rad=draw(st.none() | numbers.map(math.radians)),
+    )
+
+
+@st.composite
+def placed_models(draw: st.DrawFn) -> PlacedModel:
+    roll, pitch, yaw = (math.radians(draw(numbers)) for _ in range(3))
+    is_mesh = draw(st.booleans())
+    return PlacedModel(
+        draw(texts.filter(lambda name: "/" not in name)),
+        "object" if is_mesh else draw(st.sampled_from(["furniture", "object"])),
+        draw(texts),
+        position_m=(draw(numbers), draw(numbers), draw(numbers)),
+        rpy_rad=(roll, pitch, yaw) if draw(st.booleans()) else (0.0, 0.0, yaw),
+        is_mesh=is_mesh,
+        scale=draw(st.sampled_from([1.0, 0.001])) if is_mesh else 1.0,
+        mass_kg=draw(st.none() | st.just(0.3)) if is_mesh else None,
+    )
+
+
 @given(
     texts,
     texts,
     st.none() | st.lists(texts, max_size=2).map(tuple),
     st.lists(texts, max_size=2).map(tuple),
-    st.lists(entries(), max_size=2, unique_by=lambda entry: entry.name).map(tuple),
+    st.lists(entries() | entries_in_the_room() | placed_models(), max_size=3, unique_by=lambda entry: entry.name),
     st.none() | st.lists(st.integers(0, 5), min_size=1, max_size=3).map(tuple),
+    st.none() | texts,
+    st.lists(texts, max_size=2).map(tuple),
 )
 def test_a_written_scene_file_reads_as_the_same_value(
     name: str,
     model: str,
     objects: tuple[str, ...] | None,
     estimated: tuple[str, ...],
-    agents: tuple[AgentEntry, ...],
+    tables: list[AgentEntry | PlacedModel],
     seen_groups: tuple[int, ...] | None,
+    keyframe: str | None,
+    leave_out: tuple[str, ...],
 ) -> None:
-    file = SceneFile(name, model, objects, estimated, agents, "here", seen_groups)
+    agents = tuple(each for each in tables if isinstance(each, AgentEntry))
+    models = [each for each in tables if isinstance(each, PlacedModel)]
+    placed = tuple(sorted(models, key=lambda each: each.kind))  # furniture first
+    file = SceneFile(name, model, objects, estimated, agents, "here", seen_groups, keyframe, leave_out, placed)
     assert parse_scene_file(write_scene_file(file), where="elsewhere") == file
 
 
@@ -70,6 +104,17 @@ def room() -> mujoco.MjSpec:
     cube.add_freejoint()
     cube.add_geom(type=BOX, size=(0.05, 0.05, 0.05))
     return spec
+
+
+def test_a_room_that_is_a_value_may_have_a_keyframe_and_bodies_to_leave_out() -> None:
+    spec = room()
+    spec.worldbody.add_body(name="mark").add_geom(type=BOX, size=(0.1, 0.1, 0.1))
+    spec.add_key(name="k", qpos=(1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0))
+    scene = Scene.from_spec(spec, keyframe="k", leave_out=["mark"])
+    assert scene.bodies == (AWKWARD,)
+    assert scene.initial.qpos[:3] == pytest.approx((1, 2, 3))
+    with pytest.raises(InputError, match=r"scene: scene\.keyframe: no keyframe 'l'"):
+        Scene.from_spec(spec, keyframe="l")
 
 
 def test_names_may_hold_any_sign() -> None:

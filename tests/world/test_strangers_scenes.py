@@ -83,6 +83,15 @@ def hostile(secret: Path) -> Iterator[tuple[str, dict[str, bytes]]]:
     yield "URDF meshdir", room("") | {"room.xml": URDF.format(there_too, "mesh.obj").encode()}
     yield "URDF entity", room("") | {"room.xml": ENTITY.format(inner).replace("mujoco", "robot").encode()}
     yield "model of the scene", room("") | {"scene.toml": f"[scene]\nmodel = '{inner}'".encode()}
+    for table in (
+        f"[furniture.f]\nmodel = '{inner}'",
+        f"[objects.f]\nmodel = '{inner}'",
+        f"[objects.f]\nmesh = '{mesh}'",
+    ):
+        yield f"put in {table}", room("") | {"scene.toml": f"{SCENE}{table}\n".encode()}
+        whole = f"<mujoco>{MESH.format(mesh)}</mujoco>".encode()
+        held = {"f.furniture.xml": whole, "f.object.xml": whole}
+        yield f"mesh of {table}", room("") | held | {"scene.toml": f"{SCENE}{table}\n".encode()}
     for name in (secret / "own.toml", secret / "own", os.path.relpath(secret / "own", Path.cwd())):
         yield f"profile {name}", room("") | {"scene.toml": (SCENE + PROFILE_OF.format(name)).encode()}
     for name in (inner, f"package://{secret.name}/inner.xml"):

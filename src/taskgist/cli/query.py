@@ -194,7 +194,7 @@ def _check_scene(scene: Scene) -> None:
     if not scene.agents:
         raise InputError("no agent in this scene", field="agents", hint="add a table such as [agents.P1]")
     if not scene.objects:
-        hint = "objects are bodies with a free joint; in URDF, links on a `floating` joint, no others"
+        hint = "objects are bodies that move freely (in URDF, links on a `floating` joint), and those that this names"
         raise InputError("no object in this scene", field="scene.objects", hint=hint)
 
 

@@ -21,8 +21,9 @@ from numpy.typing import ArrayLike
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.errors import UnknownNameError
-from taskgist.world.assembly import SCENE_FILE, assemble
+from taskgist.world.assembly import assemble
 from taskgist.world.bodies.agent import Agent
+from taskgist.world.gathering import SCENE_FILE
 from taskgist.world.scene import Scene
 from taskgist.world.scene_file import AgentEntry, SceneFile, parse_scene_file
 from taskgist.world.state import State
@@ -93,7 +94,7 @@ def _apart(scene: Scene, name: str) -> tuple[mujoco.MjModel, Agent]:
 
 
 def _seated(entry: AgentEntry) -> AgentEntry:
-    return replace(entry, seat_height_m=entry.seat_height_m or SOME_SEAT_M)
+    return replace(entry, seat_height_m=entry.seat_height_m or SOME_SEAT_M, room_body=None)
 
 
 # --- What a fit asks for, as tasks of mink's: many points, or many directions, at once.

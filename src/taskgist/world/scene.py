@@ -4,10 +4,21 @@ A scene file is a short TOML document beside the model::
 
     [scene]
     name = "living room"
-    model = "room.xml"                 # MJCF of room and objects
-    objects = ["cup", "box"]           # optional; default: every free body
+    model = "room.xml"                 # MJCF or URDF of room and objects
+    keyframe = "home"                  # optional: the model's key by which objects lie and doors stand
+    objects = ["cup", "box"]           # optional; default: every body that moves freely
+    leave_out = ["target"]             # optional: bodies of the model that are not in the scene
     estimated = ["table"]              # optional: bodies that nobody measured
     seen_groups = [0, 1, 2]            # optional: the model's geom groups that are seen
+
+    [furniture.shelf]                  # optional: furniture that is a model of its own
+    model = "shelf.urdf"
+    position_m = [1.0, 0.5, 0.0]
+    yaw_deg = 90
+
+    [objects.mug]                      # optional: an object that is a model of its own, or a mesh
+    mesh = "mug.obj"
+    position_m = [0.4, 0.1, 0.8]
 
     [agents.P1]
     profile = "human"                  # built in, or the file of your own
@@ -34,18 +45,10 @@ import numpy as np
 from taskgist.common.files import shown_path
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
-from taskgist.world.assembly import (
-    SCENE_FILE,
-    Assembled,
-    as_mjcf,
-    assemble,
-    bundle_from_path,
-    bundle_from_spec,
-    bundle_with_agent,
-    free_bodies,
-)
+from taskgist.world.assembly import Assembled, as_mjcf, assemble, free_bodies
 from taskgist.world.bodies.agent import SEEN_GROUPS, Agent, subtree
 from taskgist.world.bodies.hands import GHOST_GROUP
+from taskgist.world.gathering import SCENE_FILE, bundle_from_path, bundle_from_spec, bundle_with_agent
 from taskgist.world.geometry.convex import whole
 from taskgist.world.geometry.shapes import surface_points
 from taskgist.world.scene_file import AgentEntry, SceneFile, parse_scene_file
@@ -104,6 +107,9 @@ class Scene:
     ) -> Scene:
         """A scene from its files in memory. Nothing else is opened, whatever a model among them names.
 
+        Where its scene file names no objects, these are the bodies with a free joint; ``load`` and ``from_spec`` name
+        others that move freely there.
+
         Args:
             bundle: Contents by relative names, ``scene.toml`` among them.
             where: What the scene comes from, for messages.
@@ -127,6 +133,8 @@ class Scene:
         objects: Collection[str] | None = None,
         estimated: Collection[str] = (),
         seen_groups: Collection[int] | None = None,
+        keyframe: str | None = None,
+        leave_out: Collection[str] = (),
         files: Mapping[str, bytes] | None = None,
         where: str | None = None,
         limits: Limits = DEFAULT.limits,
@@ -147,9 +155,11 @@ class Scene:
                 scene keeps its numbers with six significant digits, which is how MuJoCo writes them.
             agents: Who is there, in this order.
             name: Name for people.
-            objects: The bodies that facts can be said of; None: every free body.
+            objects: The bodies that facts can be said of; None: every body that moves freely.
             estimated: Bodies whose place or shape nobody measured.
             seen_groups: Geom groups of the room's shapes that are seen; None: 0 to 2, without coarse stand-ins.
+            keyframe: The room's key by which its objects lie and its doors stand; None: as its bodies are.
+            leave_out: Bodies of the room that are not in the scene, nor what they carry.
             files: Profiles (``NAME.profile.toml``) and models (``NAME.model.xml``) of agents that are not on disk.
             where: What the scene comes from, for messages; default: its name.
             limits: What is refused before memory is taken for it.
@@ -160,7 +170,17 @@ class Scene:
         where = name if where is None else where
         chosen = None if objects is None else tuple(objects)
         groups = None if seen_groups is None else tuple(seen_groups)
-        file = SceneFile(name, ROOM_FILE, chosen, tuple(estimated), tuple(agents), where, groups)
+        file = SceneFile(
+            name=name,
+            model=ROOM_FILE,
+            objects=chosen,
+            estimated=tuple(estimated),
+            agents=tuple(agents),
+            where=where,
+            seen_groups=groups,
+            keyframe=keyframe,
+            leave_out=tuple(leave_out),
+        )
         bundle = bundle_from_spec(room, file, files or {}, limits=limits)
         return cls.from_bundle(bundle, where=where, limits=limits)
 
@@ -412,8 +432,11 @@ def _objects(file: SceneFile, model: mujoco.MjModel, agents: set[str]) -> dict[s
         raise SceneError("an object without a name", where=file.where, field="scene.model", hint=hint)
     for name in file.objects or ():
         if name not in free:
-            raise UnknownNameError("object (a free body of the model)", name, free, where=file.where)
-    objects = {name: free[name] for name in (free if file.objects is None else file.objects)}
+            lying = (str(model.body(int(body)).name) for body in np.flatnonzero(model.body_parentid == 0)[1:])
+            known = {body for body in lying if body and body.partition("/")[0] not in agents}
+            raise UnknownNameError("object (a body of the model)", name, known, where=file.where)
+    own = [each.name for each in file.placed if each.kind == "object"]
+    objects = {name: free[name] for name in (free if file.objects is None else (*file.objects, *own))}
     for name, body in objects.items():
         _check_shapes(file, model, name, body)
     return objects
@@ -421,7 +444,7 @@ def _objects(file: SceneFile, model: mujoco.MjModel, agents: set[str]) -> dict[s
 
 def _check_shapes(file: SceneFile, model: mujoco.MjModel, name: str, body: int) -> None:
     """What shapes an object has must include one that can be seen; without any, all about it is unknown."""
-    own = np.flatnonzero(model.geom_bodyid == body)
+    own = np.flatnonzero(np.isin(model.geom_bodyid, subtree(model, body)))
     if not len(own):
         return
     flat = (int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_HFIELD))

@@ -42,13 +42,13 @@ def hide_stand_ins(spec: mujoco.MjSpec, compiled: Callable[[], mujoco.MjModel]) 
         spec: The model; its groups are changed.
         compiled: Compiles it; only asked if a body has shapes that touch something and others that do not.
     """
-    both = [body for body in spec.bodies[1:] if len({_touches(geom) for geom in _seen(body)}) == 2]
+    both = [body for body in spec.bodies[1:] if len({touches(geom) for geom in _seen(body)}) == 2]
     if not both:
         return
     model = compiled()
     for body in both:
-        coarse = [geom for geom in _seen(body) if _touches(geom)]
-        looks = [geom for geom in _seen(body) if not _touches(geom)]
+        coarse = [geom for geom in _seen(body) if touches(geom)]
+        looks = [geom for geom in _seen(body) if not touches(geom)]
         looks = [geom for geom in looks if alphas(model)[geom.id] > 0.0]
         if looks and _stand_for(_box(model, looks), _box(model, coarse)):
             for geom in coarse:
@@ -59,7 +59,8 @@ def _seen(body: mujoco.MjsBody) -> list[mujoco.MjsGeom]:
     return [geom for geom in body.geoms if geom.group in SEEN_GROUPS]
 
 
-def _touches(geom: mujoco.MjsGeom) -> bool:
+def touches(geom: mujoco.MjsGeom) -> bool:
+    """Whether a shape collides with something."""
     return bool(geom.contype or geom.conaffinity)
 
 

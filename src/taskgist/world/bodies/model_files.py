@@ -19,6 +19,7 @@ from taskgist.common.files import is_file, read_whole
 from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
+from taskgist.world.bodies.bases import stand_still
 from taskgist.world.bodies.human import HumanSize, human_mjcf
 from taskgist.world.bodies.markup import asking_mujoco, parse_markup
 from taskgist.world.bodies.meshes import flat_name, keep_file
@@ -60,7 +61,7 @@ def _root_problems(spec: mujoco.MjSpec, profile: AgentProfile, where: str) -> It
         return
     joints = spec.worldbody.first_body().joints
     if joints and [joint.type for joint in joints] != [FREE]:
-        hint = "without any it is made free to stand anywhere"
+        hint = "without any it is made free to stand anywhere, as are bases that slide along x and y and turn about z"
         problem = "the root body of an agent's model has a free joint, or none"
         yield SceneError(problem, where=where, field="model", value=str(joints[0].name), hint=hint)
 
@@ -275,7 +276,7 @@ def add_model(
     shapes: Shapes = "visual",
     room: bool = False,
     limits: Limits = DEFAULT.limits,
-) -> None:
+) -> mujoco.MjSpec:
     """Add a model to a bundle: one flat XML document under ``key``, and its meshes under names without folders.
 
     Args:
@@ -286,6 +287,9 @@ def add_model(
         shapes: Which shapes of a URDF are seen.
         room: Whether a URDF's root link is the world.
         limits: Bounds of what it may hold.
+
+    Returns:
+        The model.
 
     Raises:
         SceneError: A file is missing or is no model.
@@ -313,6 +317,7 @@ def add_model(
         read = from_folder(path.parent, path, limits=limits)
         spec = read_mjcf(root, read, files, where=str(path), prefix=prefix, limits=limits)
     files[key] = _xml(spec, str(path))
+    return spec
 
 
 def add_spec(
@@ -377,7 +382,7 @@ def read_model(
         files: The bundle; files that the model needs are added under the names that MuJoCo asks for.
         name: Name of the model's document.
         where: File for error messages.
-        room: Whether a URDF's root link is the world.
+        room: Whether it is no robot: a URDF's root link is the world then, and joints at the root stay.
         limits: Bounds of what it may hold.
 
     Raises:
@@ -388,7 +393,7 @@ def read_model(
     where = f"{where}: {name}"
     read = from_files(files, where)
     if is_urdf(files[name]):
-        return read_urdf(
+        spec = read_urdf(
             files[name],
             lambda uri: read((uri, flat_name(uri)), "mesh")[1],
             files,
@@ -396,7 +401,11 @@ def read_model(
             room=room,
             limits=limits,
         )
-    return read_mjcf(parse_markup(files[name], where=where, limits=limits), read, files, where=where, limits=limits)
+    else:
+        spec = read_mjcf(parse_markup(files[name], where=where, limits=limits), read, files, where=where, limits=limits)
+    if not room:
+        stand_still(spec)
+    return spec
 
 
 def read_file(

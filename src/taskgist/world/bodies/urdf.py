@@ -81,6 +81,8 @@ def read_urdf(
     check_bodies(len(robot.findall("link")), where, limits)
     if room:
         _call_root_world(robot, where)
+    else:
+        _fix_to_root(robot)
     needed = _gather_meshes(robot, read, files, where, prefix, limits)
     _set_compiler(robot)
     with asking_mujoco("MuJoCo cannot read this URDF:", where):
@@ -166,6 +168,15 @@ def _call_root_world(robot: Element, where: str | Path) -> None:
         if parent.get("link") == roots[0].get("name"):
             parent.set("link", "world")
     roots[0].set("name", "world")
+
+
+def _fix_to_root(robot: Element) -> None:
+    """Make floating joints at the root fixed ones: what moves as a whole is the whole body, and not a part of it."""
+    children = {child.get("link") for child in robot.findall("joint/child")}
+    for joint in robot.findall("joint"):
+        parent = joint.find("parent")
+        if joint.get("type") == "floating" and parent is not None and parent.get("link") not in children:
+            joint.set("type", "fixed")
 
 
 def _gather_meshes(
