@@ -14,6 +14,7 @@ from rich.text import Text
 from taskgist.cli.common import FAILED, OK, JsonOption, ReplaceOption, check_target, command, console, print_json
 from taskgist.errors import InputError, UnknownNameError, nearest
 from taskgist.perspective.image import view_of
+from taskgist.world.bodies.eyes import Eye
 from taskgist.world.bodies.profile import DERIVED_M, Axis
 from taskgist.world.body_check import BODY, BodyCheck, check_body
 from taskgist.world.stage import Stage
@@ -27,6 +28,7 @@ def found_in(result: BodyCheck) -> dict[str, object]:
         "problems": [_told(problem) for problem in result.problems],
         "doubts": list(result.doubts),
         "lacks": list(result.lacks),
+        "derived": list(result.derived),
     }
     return found | _body(result) if result.scene is not None else found
 
@@ -55,13 +57,16 @@ def _body(result: BodyCheck) -> dict[str, object]:
         "base": {"moves": p.moves, "height_m": round(float(stage.state.qpos[body.base][2]), 3)},
         "eye": {
             "frame": p.eye.frame.name,
+            "camera": p.eye.camera,
             "position_m": _rounded(eye.position),
             "looks_along": _rounded(eye.matrix[:, 0]),
             "fov_deg": _degrees(p.eye.fov_rad),
             "image_px": list(p.eye.image_px),
             "gaze_cone_deg": round(math.degrees(p.eye.gaze_cone_rad), 1),
             "hidden_by_itself": _hidden_by_itself(stage),
-        },
+        }
+        if p.eye.sees
+        else None,
         "joints": {field: {"joint": axis.joint, "range_deg": _degrees(axis.range_rad)} for field, axis in p.axes},
         "postures": list(p.legs.can),
         "arms": arms,
@@ -121,14 +126,10 @@ def _told(problem: InputError) -> str:
 def _print_body(result: BodyCheck, found: dict[str, object]) -> None:
     assert result.scene is not None
     stage, body = Stage(result.scene), result.scene.agent(BODY)
-    p, eye = body.profile, found["eye"]
-    assert isinstance(eye, dict)
-    fov = " × ".join(f"{angle:.0f}°" for angle in eye["fov_deg"])
-    pixels = " × ".join(map(str, p.eye.image_px))
+    p = body.profile
     _line("model", p.model)
     _line("base", "moves about" if p.moves else "stays where it stands")
-    height, cone = stage.eye(body).position[2], eye["gaze_cone_deg"]
-    _line("eye", f"{p.eye.frame.name}, {height:.2f} m high; {fov}, {pixels} pixels; gaze cone {cone:.0f}°")
+    _line("eye", _eye(p.eye, float(stage.eye(body).position[2])) if p.eye.sees else "none")
     axes = dict(p.axes)
     for part, fields in (("head", ("pan", "tilt")), ("torso", ("turn", "lean"))):
         named = [(field, axes.get(f"{part}.{field}")) for field in fields]
@@ -142,9 +143,20 @@ def _print_body(result: BodyCheck, found: dict[str, object]) -> None:
     _line("hand", f"{p.hand.kind}, opens {100 * p.hand.opening_m:.1f} cm" if p.hand else "none")
     parts = (f"{part} ({len(bodies)})" for part, bodies in body.parts.items())
     _line("parts", f"{', '.join(parts)}: bodies of the model")
-    for name, share in eye["hidden_by_itself"].items():
+    for derived in result.derived:
+        console.print(Text.assemble("  ", ("derived", "cyan"), f"   {derived}"))
+    eye = found["eye"]
+    for name, share in eye["hidden_by_itself"].items() if isinstance(eye, dict) else ():
         hint = "; if that is the eye's own housing, add it to eye.exclude" if share > SUSPECT else ""
         console.print(Text.assemble("  ", ("note", "cyan"), f"      {name} hides {share:.1%} of its view{hint}"))
+
+
+def _eye(eye: Eye, height_m: float) -> str:
+    fov = " × ".join(f"{math.degrees(angle):.0f}°" for angle in eye.fov_rad)
+    pixels = " × ".join(map(str, eye.image_px))
+    cone = math.degrees(eye.gaze_cone_rad)
+    name = eye.camera or eye.frame.name
+    return f"{name}, {height_m:.2f} m high; {fov}, {pixels} pixels; gaze cone {cone:.0f}°"
 
 
 SUSPECT = 0.25

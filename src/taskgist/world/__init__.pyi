@@ -1,5 +1,6 @@
 from .bodies.agent import Agent as Agent
 from .bodies.agent import ArmIndices as ArmIndices
+from .bodies.eyes import Eye as Eye
 from .bodies.hands import HAND_KINDS as HAND_KINDS
 from .bodies.hands import Hand as Hand
 from .bodies.hands import HandBox as HandBox
@@ -8,7 +9,6 @@ from .bodies.hands import hand_boxes as hand_boxes
 from .bodies.human import HumanSize as HumanSize
 from .bodies.profile import AgentProfile as AgentProfile
 from .bodies.profile import Arm as Arm
-from .bodies.profile import Eye as Eye
 from .bodies.profile import Posture as Posture
 from .bodies.profile import builtin_profiles as builtin_profiles
 from .contacts import Holding as Holding

@@ -25,6 +25,8 @@ from taskgist.world.bodies.agent import (
     standing_height_m,
     subtree,
 )
+from taskgist.world.bodies.eyes import add_frame
+from taskgist.world.bodies.from_model import completed_by_model
 from taskgist.world.bodies.hands import add_ghosts
 from taskgist.world.bodies.human import HumanSize
 from taskgist.world.bodies.markup import asking_mujoco
@@ -43,7 +45,6 @@ from taskgist.world.bodies.model_files import (
 )
 from taskgist.world.bodies.profile import (
     AgentProfile,
-    add_frame,
     builtin_profile_text,
     builtin_profiles,
     parse_profile,
@@ -348,7 +349,7 @@ def _put_together(
 
     decompose(room, compiled_room, files, file.where)
     for entry in file.agents:
-        body = _agent_spec(profiles[entry.name], files, entry, file.where, limits)
+        body, profiles[entry.name] = _agent_spec(profiles[entry.name], files, entry, file.where, limits)
         room.assets = body.assets = _assets(files)  # MuJoCo warns if only one of them has any
         with asking_mujoco(f"MuJoCo cannot put {entry.name!r} into this scene:", file.where):
             room.attach(body, prefix=f"{entry.name}/", frame=room.worldbody.add_frame())
@@ -475,8 +476,11 @@ def _spec(files: dict[str, bytes], name: str, where: str, *, room: bool, limits:
 
 def _agent_spec(
     profile: AgentProfile, files: dict[str, bytes], entry: AgentEntry, where: str, limits: Limits
-) -> mujoco.MjSpec:
-    """An agent's model with all that reasoning needs: a base that is free to move, frames, and shapes of grasps."""
+) -> tuple[mujoco.MjSpec, AgentProfile]:
+    """An agent's model with all that reasoning needs: a base that is free to move, frames, and shapes of grasps.
+
+    Beside it, its profile with what that leaves to the model.
+    """
     spec = _spec(files, entry.model_key, entry.name, room=False, limits=limits)
     if len(spec.geoms) > limits.body_shapes:
         hint = f"leave out what is only shown: {most_read(limits.body_shapes, 'body_shapes')}"
@@ -487,6 +491,8 @@ def _agent_spec(
     hide_stand_ins(spec, lambda: _compile(spec, files, where))
     for problem in name_problems(spec, profile, f"{where}: {entry.profile_key}"):
         raise problem
+    at = f"{where}: {entry.profile_key}"
+    profile = completed_by_model(profile, spec, lambda: _compile(spec, files, where), at)
     root = spec.worldbody.first_body()
     if not root.joints:
         root.add_freejoint(name="root")
@@ -497,7 +503,7 @@ def _agent_spec(
     for arm in profile.arms if profile.hand else ():
         assert profile.hand is not None
         add_ghosts(spec.body(arm.hand), arm.side, profile.hand)
-    return spec
+    return spec, profile
 
 
 def _compile(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> mujoco.MjModel:
