@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
@@ -12,11 +13,14 @@ import typer
 from rich.text import Text
 
 from taskgist.cli.common import FAILED, OK, JsonOption, ReplaceOption, check_target, command, console, print_json
-from taskgist.errors import InputError, UnknownNameError, nearest
+from taskgist.common.files import writing
+from taskgist.errors import InputError, SceneError, UnknownNameError, nearest
 from taskgist.perspective.image import view_of
 from taskgist.world.bodies.eyes import Eye
+from taskgist.world.bodies.model_files import FILE, PACKAGE
 from taskgist.world.bodies.profile import DERIVED_M, Axis
 from taskgist.world.body_check import BODY, BodyCheck, check_body
+from taskgist.world.drafting.draft import draft_profile
 from taskgist.world.stage import Stage
 
 
@@ -175,12 +179,12 @@ def _span(angles: tuple[float, float]) -> str:
     return f"{math.degrees(angles[0]):.0f}° to {math.degrees(angles[1]):.0f}°"
 
 
-agent_app = typer.Typer(help="Bodies: check an agent profile, human or robot.", no_args_is_help=True)
+agent_app = typer.Typer(help="Bodies: draft and check agent profiles, human or robot.", no_args_is_help=True)
 
 
 @agent_app.callback()
 def agent() -> None:
-    """Bodies: check an agent profile, human or robot."""
+    """Bodies: draft and check agent profiles, human or robot."""
 
 
 @agent_app.command("check")
@@ -214,3 +218,44 @@ def check(
     else:
         print_found(result, found)
     return FAILED if result.problems else OK
+
+
+@agent_app.command("draft")
+@command
+def draft(
+    model: Annotated[
+        str, typer.Argument(help="A robot's model: URDF, MJCF, or package://NAME/path.", show_default=False)
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", help="The profile to write (.toml); default: named as the model, here."),
+    ] = None,
+    replace: ReplaceOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Look into a robot's model and write a profile.
+
+    Says what it found: arms and their hands, cameras, head, torso, legs or wheels. Each line of the profile has its
+    reason beside it; what the model does not tell is a line called open, to fill in. agent check looks at the profile.
+
+    Example: taskgist agent draft panda.urdf
+
+    Example: taskgist agent draft package://my_robot/urdf/robot.urdf -o robot.toml
+    """
+    out = Path(f"{Path(model).stem}.toml") if out is None else out
+    check_target(out, "--out", replace=replace, suffix=".toml", what="profiles")
+    named = model if model.startswith(PACKAGE) else os.path.relpath(model.removeprefix(FILE), out.parent)
+    found = draft_profile(model, named=named)
+    with writing(out, replace=replace, error=SceneError) as stream:
+        stream.write(found.text.encode())
+    if as_json:
+        print_json({"profile": str(out), "model": model, "found": list(found.found), "open": list(found.open)})
+        return
+    console.print(f"{found.model.name}: {found.found[0]}")
+    for line in found.found[1:]:
+        console.print(f"  {line}")
+    for question in found.open:
+        console.print(Text.assemble("  ", ("open", "bold yellow"), f"      {question}"))
+    console.print(f"wrote {out}, the profile")
+    then = f"taskgist agent check {out} -o {out.with_suffix('.png')}"
+    console.print(f"{'fill in what it calls open, then' if found.open else 'look at it'}: {then}")

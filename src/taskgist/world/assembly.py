@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 import re
 from collections.abc import Collection, Mapping
@@ -272,12 +271,6 @@ def _seat_height(model: mujoco.MjModel, data: mujoco.MjData, entry: AgentEntry, 
             hint="move the agent over a seat, or give seat_height_m",
         )
     return float(height)
-
-
-# Otherwise MuJoCo prints its warnings, and writes a file of its own; with no handler at all, Python prints them.
-_warnings = logging.getLogger("taskgist.world.mujoco")
-_warnings.addHandler(logging.NullHandler())
-mujoco.set_mju_user_warning(_warnings.warning)
 
 
 @dataclass(frozen=True, eq=False)
