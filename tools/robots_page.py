@@ -37,7 +37,7 @@ PATTERNS: Mapping[str, tuple[str, ...]] = {
 """Files of each package that are robots."""
 NO_ROBOT = re.compile(
     r"random_urdfs|plane|objects/|toys|lego|domino|jenga|tray|table|cube|sphere|/[a-z_]*_assets\.xml|adroit_assets"
-    r"|pendulum|cartpole|ground|capsule|cylinder|hello|reacher|swimmer|block|xarm/(link|base)|bullet_data/"
+    r"|pendulum|cartpole|ground|capsule|cylinder|hello|reacher|swimmer|block|xarm/(link|base)"
 )
 MOVING = re.compile(rb'type="(revolute|continuous|prismatic)"|<joint\b|<include\b')
 LEAST_JOINTS = 3
@@ -66,7 +66,7 @@ def looked_at(model: str) -> dict[str, Any]:
     try:
         draft = draft_profile(model)
     except InputError as error:
-        return {"loads": False, "why": str(error).replace(str(Path(model).parent), "").replace(model, "")}
+        return {"loads": False, "why": _without(str(error), model)}
     with tempfile.TemporaryDirectory() as folder:
         profile = Path(folder) / "robot.toml"
         profile.write_text(draft.text, encoding="utf-8")
@@ -74,11 +74,16 @@ def looked_at(model: str) -> dict[str, Any]:
     return {
         "loads": True,
         "found": list(draft.found),
-        "open": list(draft.open),
-        "problems": [str(each).rpartition("robot.toml: ")[2] for each in check.problems],
+        "open": [_without(each, model) for each in draft.open],
+        "problems": [_without(str(each).rpartition("robot.toml: ")[2], model) for each in check.problems],
         "doubts": list(check.doubts),
         "lacks": list(check.lacks),
     }
+
+
+def _without(text: str, model: str) -> str:
+    """A message without the folder of the model, and without its way out."""
+    return text.replace(f"{Path(model).parent}/", "").partition(";")[0]
 
 
 def in_a_process(path: Path) -> dict[str, Any]:
@@ -104,7 +109,11 @@ def verdict(found: Mapping[str, Any]) -> tuple[str, str, str]:
         "complete" if not found["open"] else "open: " + ", ".join(each.partition(":")[0] for each in found["open"])
     )
     fit = "not fit" if found["problems"] else "fit, doubtful" if found["doubts"] else "fit"
-    reasons = [*found["problems"], *found["doubts"]] or ["; ".join(parts)]
+    asked = {each.partition(":")[0] for each in found["open"]}
+    others = [each for each in found["problems"] if each.partition(":")[0] not in asked or not found["open"]]
+    if found["problems"] and not others:
+        fit = "fit once that is filled in"
+    reasons = [*others, *found["doubts"]] or ["; ".join(parts) or "nothing that moves an eye, an arm or a leg"]
     return drafted, fit, _cell("; ".join(reasons))
 
 

@@ -260,3 +260,11 @@ def test_the_draft_of_pr2_names_what_its_own_profile_names() -> None:
         (f"{side}_shoulder_pan_link", f"{side}_gripper_palm_link", f"{side}_gripper_tool_frame") for side in "lr"
     ]
     assert [each.partition(":")[0] for each in draft.open] == ["eye.fov_deg"], "its URDF says nothing of lenses"
+
+
+def test_a_body_without_arms_is_drafted_too(tmp_path: Path) -> None:
+    draft, profile = drafted(tmp_path, robot("", WHEELS))
+    assert draft.open == ()
+    assert "# no [[arms]]: no hand, and no chain of five joints that turn" in draft.text
+    assert (profile["base"], profile["eye"]) == ({"moves": True}, {"camera": "head_cam"})
+    assert check_body(str(tmp_path / "robot.toml")).problems == ()

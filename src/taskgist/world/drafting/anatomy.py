@@ -58,7 +58,7 @@ EYES = (
 )
 """Names of links that look, the surest first."""
 NO_EYE = re.compile(
-    r"depth|(^|_)ir(_|$)|infra|laser|lidar|imu|collision|dummy|screw|gazebo|projector|thermal|mount|_parent$"
+    r"depth|(^|_)ir(_|$)|infra|laser|lidar|imu|collision|dummy|screw|gazebo|projector|thermal|external|_parent$"
 )
 
 

@@ -143,6 +143,8 @@ def _two_arms(arms: tuple[FoundArm, ...]) -> tuple[tuple[FoundArm, ...], tuple[F
 
 def _sides(tree: Tree, arms: tuple[FoundArm, ...]) -> list[tuple[str, FoundArm, str]]:
     """The side of each arm, and why."""
+    if not arms:
+        return []
     if len(arms) == 1:
         said = _said_side(tree, arms[0])
         if said:
