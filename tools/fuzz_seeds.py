@@ -89,6 +89,12 @@ IN_MANY: tuple[Command, ...] = (
     ("query", "many.toml", "--agent", "P1", "--object", "bracket", "--ability", "reach", "--json"),
 )
 CHECK_ROBOT: Command = ("agent", "check", "robot.toml")
+CHECK_ARM: Command = ("agent", "check", "arm.toml")
+DRAFTED: tuple[Command, ...] = (
+    CHECK_ARM,
+    ("agent", "draft", "arm.xml", "-o", "new.toml"),
+    ("agent", "draft", "arm.urdf", "-o", "new.toml", "--json"),
+)
 
 
 def _room_seeds() -> tuple[Seed, ...]:
@@ -113,6 +119,8 @@ def _room_seeds() -> tuple[Seed, ...]:
         Seed("concave", hollow, ("room.xml", "room.toml"), (ASK_MUG,)),
         Seed("concave", room["concave"], ("part.stl", "part.dae", "room.urdf"), IN_URDF),
         Seed("profile", plain, ("robot.toml",), (CHECK_ROBOT, ASK_BOX, ASK_WHY)),
+        Seed("draft", room["gripper"], ("arm.xml", "arm.urdf"), DRAFTED, ("new.toml",)),
+        Seed("profile", room["gripper"], ("arm.toml",), (CHECK_ARM,)),
         Seed("name", plain, ("P1", "cup", "mug"), (ASK_CUP, ASK_MUG)),
         Seed("name", plain, ("R", "box", "table", "pan", "rh"), (ASK_BOX,)),
         Seed("name", crowded, ("R", "first", "second", "head"), IN_CROWDED, check=own_files),

@@ -21,6 +21,8 @@ from .contacts import objects_near as objects_near
 from .contacts import overlaps as overlaps
 from .contacts import rests_on as rests_on
 from .contacts import support_of as support_of
+from .drafting.draft import Draft as Draft
+from .drafting.draft import draft_profile as draft_profile
 from .dynamics import FreeMotion as FreeMotion
 from .dynamics import free_motion as free_motion
 from .fit import Fit as Fit
