@@ -268,3 +268,22 @@ def test_a_body_without_arms_is_drafted_too(tmp_path: Path) -> None:
     assert "# no [[arms]]: no hand, and no chain of five joints that turn" in draft.text
     assert (profile["base"], profile["eye"]) == ({"moves": True}, {"camera": "head_cam"})
     assert check_body(str(tmp_path / "robot.toml")).problems == ()
+
+
+def test_joints_of_legs_that_turn_without_end_are_no_wheels_and_shoulders_no_fingers(tmp_path: Path) -> None:
+    leg = """<body name="s{0}{1}" pos="{0} {1} 0.15"><joint name="a{0}{1}" axis="0 1 0"/>
+      <geom type="capsule" size="0.02" fromto="0 0 0 0.05 0 -0.2"/>
+      <body name="t{0}{1}" pos="0.05 0 -0.2"><joint name="b{0}{1}" axis="0 1 0"/>
+       <geom type="capsule" size="0.02" fromto="0 0 0 -0.05 0 -0.2"/></body></body>"""
+    legs = "".join(leg.format(x, y) for x in (-0.2, 0.2) for y in (-0.2, 0.2))
+    draft, profile = drafted(tmp_path, robot("", legs))
+    assert profile["base"] == {"moves": False}
+    small = "".join(
+        f'<body name="{side}_shoulder" pos="0 {y} 1.2"><joint name="{side}" axis="0 1 0" range="-1 1"/>'
+        '<geom size="0.03"/></body>'
+        for side, y in (("left", 0.1), ("right", -0.1))
+    )
+    bend = '<joint name="bend" axis="0 1 0" range="-1 1"/><joint name="roll" axis="1 0 0" range="-1 1"/>'
+    draft, profile = drafted(tmp_path, robot(small, torso=bend))
+    assert "arms" not in profile
+    assert draft.open == ()

@@ -7,7 +7,7 @@ The kinematic tree is read first, names only where it leaves a choice. Bodies be
               beside it that is called so
     arm       the joints that lead to a hand and to nothing else; or a chain of five that turn, without fingers
     leg       a chain of three or more that turn, to one of the lowest ends of the body, of which there are two or more
-    wheels    links that turn without end about a level axis, at the lowest height, two or more
+    wheels    round links that turn without end about a level axis, at the lowest height, two or more
     torso     joints that carry arms and eye
     head      joints that carry the eye, and no arm
     eye       a camera of the model, an optical frame, else a link that is called a camera, an eye or a head
@@ -41,9 +41,12 @@ ON_FLOOR = 0.08
 """Share of the height within which the ends of legs and wheels are lowest (ours)."""
 MOSTLY = 0.7
 """Cosine of 45°: nearer to an axis than across it."""
+ROUND = 0.1
+"""Share of its height by which a wheel's middle may lie off its axis (ours)."""
 OUTSIDE_M = 0.5
 """A camera so far from its body looks at the robot, not from it (ours)."""
-JAW, PERHAPS_JAW = re.compile(r"jaw|finger|claw|mover|tong"), re.compile(r"grip|hand")
+JAW, PERHAPS_JAW = re.compile(r"jaw|finger|claw|mover|tong"), re.compile(r"grip")
+NO_FINGER = re.compile(r"head|neck|shoulder|elbow|hip|knee|(^|_)eye|wheel|caster")
 ARM = re.compile(r"arm|hand|shoulder|elbow|wrist|grip|finger")
 LEG = re.compile(r"leg|foot|ankle|knee|thigh|calf|shank|toe")
 WHEEL = re.compile(r"wheel|caster|rad_")
@@ -270,9 +273,11 @@ def _hands(tree: Tree) -> Iterator[int]:
 
 
 def _small(tree: Tree, hand: int, fingers: Sequence[int]) -> bool:
-    """Whether all that fingers carry is near the hand."""
+    """Whether all that fingers carry is near the hand, and none of it is called as what no hand carries."""
     origin = tree.data.xpos[hand]
     bodies = [body for finger in fingers for body in subtree(tree.model, finger)]
+    if any(NO_FINGER.search(tree.name(body).lower()) for body in bodies):
+        return False
     return all(float(np.linalg.norm(tree.data.xpos[body] - origin)) < HAND_M for body in bodies)
 
 
@@ -367,6 +372,28 @@ def _legs(tree: Tree, chains: Sequence[list[int]]) -> list[list[int]]:
     return found if len(found) > 1 else []
 
 
+def _is_round(tree: Tree, joint: int) -> bool:
+    """Whether a joint carries one link alone, and the shapes of that lie about its axis."""
+    body = int(tree.model.jnt_bodyid[joint])
+    span = tree.height_m([body])
+    if span is None or tree.children(body):
+        return False
+    middle = tree.data.xpos[body] + tree.data.xmat[body].reshape(3, 3) @ _middle(tree, body)
+    off = np.cross(middle - tree.data.xanchor[joint], tree.axis(joint))
+    return float(np.linalg.norm(off)) < ROUND * (span[1] - span[0])
+
+
+def _middle(tree: Tree, body: int) -> Array:
+    """The middle of a body's shapes in its frame, metres."""
+    first, count = int(tree.model.body_geomadr[body]), int(tree.model.body_geomnum[body])
+    turn = np.zeros(9)
+    middles = []
+    for geom in range(first, first + count):
+        mujoco.mju_quat2Mat(turn, tree.model.geom_quat[geom])
+        middles.append(tree.model.geom_pos[geom] + turn.reshape(3, 3) @ tree.model.geom_aabb[geom, :3])
+    return np.asarray(np.mean(middles, axis=0))
+
+
 def _wheels(tree: Tree) -> list[str]:
     """Joints that turn links without end about a level axis at the lowest height; or what is called wheels."""
     floor = _floor_m(tree)
@@ -374,7 +401,9 @@ def _wheels(tree: Tree) -> list[str]:
     for joint in tree.turns(range(tree.model.njnt)):
         body = int(tree.model.jnt_bodyid[joint])
         span = tree.height_m([body])
-        endless = not tree.model.jnt_limited[joint] and abs(tree.axis(joint)[2]) < 1.0 - MOSTLY
+        endless = (
+            not tree.model.jnt_limited[joint] and abs(tree.axis(joint)[2]) < 1.0 - MOSTLY and _is_round(tree, joint)
+        )
         lowest = span is not None and span[0] <= floor
         called = WHEEL.search(f"{tree.name(body)} {tree.joint_name(joint)}".lower())
         if (endless and lowest) or called:
