@@ -335,3 +335,24 @@ def test_a_head_joint_that_leaves_the_eye_where_it_is_says_what_it_carries(tmp_p
     result = checked(tmp_path, PROFILE.replace('joint = "pan"', 'joint = "wrist"'))
     said = "\n".join(result.doubts)
     assert "head.pan: the joint 'wrist' does not move the eye; it carries grip, left_finger, right_finger" in said
+
+
+def test_fingers_that_are_closed_loops_are_measured_as_the_model_has_them() -> None:
+    """No joint of a loop moves alone; of two branches that are tied to each other, one finger is made."""
+    half = """<body name="{0}_driver" pos="0.03 {1}0.03 0"><joint name="{0}" axis="0 0 {1}1" range="-0.8 0"/>
+      <geom type="box" size="0.02 0.004 0.01" pos="0.02 {1}0.01 0"/></body>
+    <body name="{0}_spring" pos="0.035 {1}0.012 0"><joint name="{0}_spring" axis="0 0 {1}1" range="-0.8 0.8"/>
+      <geom type="box" size="0.02 0.003 0.008" pos="0.02 {1}0.02 0"/>
+      <body name="{0}_pad" pos="0.05 {1}0.025 0"><joint name="{0}_pad" axis="0 0 1" range="-1 1"/>
+        <geom type="box" size="0.02 0.004 0.011" pos="0.02 {1}0.005 0"/></body></body>"""
+    ties = "".join(f'<connect body1="{side}_driver" body2="{side}_pad" anchor="0.05 0.02 0"/>' for side in "lr")
+    hand = f'<body name="hand"><geom type="box" size="0.03 0.04 0.03"/>{half.format("l", "")}{half.format("r", "-")}'
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><compiler angle="radian" autolimits="true"/><worldbody>{hand}</body></worldbody>'
+        f"<equality>{ties}</equality></mujoco>"
+    )
+    found = measured_hand(model, 1)
+    assert isinstance(found, Plain)
+    assert found.fields["kind"] == "parallel"
+    assert found.fields["opening_m"] == pytest.approx(2 * (0.012 + 0.025 + 0.005 - 0.004), abs=1e-4)
+    assert found.fields["finger_width_m"] == pytest.approx(0.022, abs=1e-4)
