@@ -97,6 +97,54 @@ ROBOT_XML = """<mujoco model="robot"><worldbody>
 <geom type="box" size="0.04 0.03 0.02"/><site name="palm" pos="0.06 0 0"/></body></body>
 </body></body></worldbody></mujoco>
 """
+GRIPPER_TOML = """name = "arm"
+model = "arm.xml"
+[eye]
+camera = "head_cam"
+[base]
+moves = false
+[[arms]]
+side = "left"
+shoulder = "upper"
+root = "upper"
+hand = "hand"
+palm = { frame = "hand", offset_m = [0.1, 0, 0] }
+azimuth_deg = [-60, 120]
+elevation_deg = [-80, 70]
+[hand]
+tip_m = 0.003
+"""
+GRIPPER_XML = """<mujoco model="arm"><compiler angle="radian" autolimits="true"/><worldbody>
+<body name="base"><geom type="cylinder" size="0.1 0.4" pos="0 0 0.4"/>
+<body name="mast" pos="0 0 1"><joint name="pan" axis="0 0 1" range="-1 1"/><geom size="0.05"/>
+<camera name="head_cam" pos="0.06 0 0" xyaxes="0 -1 0 0 0 1" fovy="45" resolution="64 48"/></body>
+<body name="upper" pos="0 0.2 0.8"><joint name="j1" axis="0 0 1" range="-2 2"/>
+<geom type="capsule" size="0.03" fromto="0 0 0 0.3 0 0"/>
+<body name="fore" pos="0.3 0 0"><joint name="j2" axis="0 1 0" range="-2 2"/>
+<geom type="capsule" size="0.03" fromto="0 0 0 0.2 0 0"/>
+<body name="hand" pos="0.2 0 0"><joint name="j3" axis="1 0 0" range="-2 2"/>
+<geom type="box" size="0.03 0.04 0.02" pos="0.03 0 0"/>
+<body name="one" pos="0.06 0.005 0"><joint name="f1" type="slide" axis="0 1 0" range="0 0.04"/>
+<geom type="box" size="0.03 0.005 0.01" pos="0.03 0.005 0"/></body>
+<body name="two" pos="0.06 -0.03 0"><joint name="f2" axis="0 0 1" range="0 0.5"/>
+<geom type="capsule" size="0.006" fromto="0 0 0 0.06 0 0"/></body></body></body></body>
+</body></worldbody><equality><joint joint1="f2" joint2="f1" polycoef="0 -10 0 0 0"/></equality></mujoco>
+"""
+GRIPPER_URDF = """<robot name="arm"><link name="base"/>
+<link name="camera_optical_frame"/>
+<link name="l1"><visual><geometry><box size="0.3 0.05 0.05"/></geometry></visual></link>
+<link name="l2"><collision><geometry><box size="0.3 0.05 0.05"/></geometry></collision></link>
+<link name="jaw"><collision><geometry><cylinder radius="0.01" length="0.08"/></geometry></collision></link>
+<joint name="c" type="fixed"><parent link="base"/><child link="camera_optical_frame"/>
+<origin xyz="0 0 1" rpy="-1.5708 0 -1.5708"/></joint>
+<joint name="j1" type="continuous"><parent link="base"/><child link="l1"/><axis xyz="0 0 1"/></joint>
+<joint name="j2" type="revolute"><parent link="l1"/><child link="l2"/><origin xyz="0.3 0 0"/><axis xyz="0 1 0"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="grip" type="prismatic"><parent link="l2"/><child link="jaw"/><origin xyz="0.1 0 0.05"/><axis xyz="0 0 1"/>
+<limit lower="0" upper="0.05" effort="1" velocity="1"/></joint>
+<gazebo reference="camera_optical_frame"><sensor type="camera"><camera><horizontal_fov>1.1</horizontal_fov>
+<image><width>64</width><height>48</height></image></camera></sensor></gazebo></robot>
+"""
 URDF_TOML = """[scene]
 model = "room.urdf"
 [agents.P1]
@@ -364,6 +412,11 @@ def rooms() -> dict[str, dict[str, bytes]]:
             "m.stl": stl(prism(0.13)),
             "a/m.stl": stl(prism(0.14)),
             "robot.toml": ROBOT_TOML.encode(),
+        },
+        "gripper": {
+            "arm.toml": GRIPPER_TOML.encode(),
+            "arm.xml": GRIPPER_XML.encode(),
+            "arm.urdf": GRIPPER_URDF.encode(),
         },
         "counted": {"room.toml": COUNTED_TOML.encode(), "room.xml": COUNTED_XML.encode()},
         "many": {

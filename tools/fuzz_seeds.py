@@ -94,6 +94,12 @@ IN_COMPOSED: tuple[Command, ...] = (
     ("query", "room.toml", "--agent", "P1", "--object", "tray", "--ability", "see"),
 )
 CHECK_ROBOT: Command = ("agent", "check", "robot.toml")
+CHECK_ARM: Command = ("agent", "check", "arm.toml")
+DRAFTED: tuple[Command, ...] = (
+    CHECK_ARM,
+    ("agent", "draft", "arm.xml", "-o", "new.toml"),
+    ("agent", "draft", "arm.urdf", "-o", "new.toml", "--json"),
+)
 
 
 def _room_seeds() -> tuple[Seed, ...]:
@@ -124,6 +130,8 @@ def _room_seeds() -> tuple[Seed, ...]:
         Seed("composed", composed, ("room.toml",), IN_COMPOSED, check=own_files),
         Seed("composed", composed, composed_models, IN_COMPOSED, check=own_files),
         Seed("composed", composed, composed_meshes, IN_COMPOSED, check=own_files),
+        Seed("draft", room["gripper"], ("arm.xml", "arm.urdf"), DRAFTED, ("new.toml",)),
+        Seed("profile", room["gripper"], ("arm.toml",), (CHECK_ARM,)),
         Seed("name", plain, ("P1", "cup", "mug"), (ASK_CUP, ASK_MUG)),
         Seed("name", plain, ("R", "box", "table", "pan", "rh"), (ASK_BOX,)),
         Seed("name", crowded, ("R", "first", "second", "head"), IN_CROWDED, check=own_files),

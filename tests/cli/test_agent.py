@@ -141,3 +141,57 @@ def test_misuse_is_refused(tmp_path: Path, line: str, words: list[str]) -> None:
     message = refusal(line.format(tmp_path), tmp_path)
     for word in words:
         assert word in message
+
+
+# --- Drafting.
+
+CRANE = """<robot name="crane">
+<link name="base"><collision><geometry><box size="0.3 0.3 0.4"/></geometry></collision></link>
+{}</robot>"""
+LINK = """<link name="l{0}">
+<collision><origin xyz="0.1 0 0"/><geometry><box size="0.2 0.05 0.05"/></geometry></collision></link>
+<joint name="j{0}" type="revolute"><parent link="{1}"/><child link="l{0}"/><origin xyz="{2} 0 0.05"/>
+<axis xyz="0 {3}"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>"""
+
+
+def crane(folder: Path) -> Path:
+    links = [
+        LINK.format(n, f"l{n - 1}" if n else "base", 0.2 if n else 0, "0 1" if n == 0 else "1 0") for n in range(5)
+    ]
+    path = folder / "crane.urdf"
+    path.write_text(CRANE.format("".join(links)))
+    return path
+
+
+def test_a_draft_is_written_told_and_fit(tmp_path: Path) -> None:
+    model, out = crane(tmp_path), tmp_path / "profiles" / "crane.toml"
+    out.parent.mkdir()
+    text = run(f"agent draft {model} -o {out}")
+    assert text.startswith("crane.urdf: 6 bodies, 5 joints that turn and 0 that slide\n  arm from 'l0' to 'l4'")
+    assert f"wrote {out}, the profile\nlook at it: taskgist agent check {out}" in text
+    assert 'model = "../crane.urdf"' in out.read_text()
+    found = run_json(f"agent check {out}")
+    assert (found["fit"], found["eye"], found["hand"]) == (True, None, None)
+    assert run(f"agent check {out} -o {tmp_path / 'crane.png'}").endswith("crane.png\n")
+
+
+def test_what_a_draft_leaves_open_is_told(tmp_path: Path) -> None:
+    model = crane(tmp_path)
+    joint = '<joint name="c" type="fixed"><parent link="base"/><child link="camera_link"/></joint>'
+    head = f'<link name="camera_link"/>{joint}'
+    model.write_text(model.read_text().replace("</robot>", f"{head}</robot>"))
+    found = run_json(f"agent draft {model} -o {tmp_path}/crane.toml")
+    assert [each.partition(":")[0] for each in found["open"]] == ["eye.fov_deg"]
+    text = run(f"agent draft {model} -o {tmp_path}/crane.toml --replace")
+    assert "  open      eye.fov_deg: the model does not say how wide it sees" in text
+    assert "fill in what it calls open, then: taskgist agent check" in text
+    assert "eye.fov_deg: is missing" in run(f"agent check {tmp_path}/crane.toml", exit_code=1)
+
+
+def test_a_draft_never_takes_the_place_of_a_file(tmp_path: Path) -> None:
+    model = crane(tmp_path)
+    (tmp_path / "crane.toml").write_text("mine")
+    assert "--replace" in refusal(f"agent draft {model} -o {tmp_path}/crane.toml", tmp_path)
+    assert (tmp_path / "crane.toml").read_text() == "mine"
+    assert "profiles are TOML" in refusal(f"agent draft {model} -o {tmp_path}/crane.xml", tmp_path)
+    assert "no such file" in refusal(f"agent draft {tmp_path}/crone.urdf -o {tmp_path}/new.toml", tmp_path)

@@ -28,6 +28,7 @@ SURFACE: dict[str, set[str]] = {
     },
     "explain": {"task", "--knowledge", "-k", "--why", "--of", "--band"},
     "agent check": {"profile", "--out", "-o", "--replace"},
+    "agent draft": {"model", "--out", "-o", "--replace"},
     "see": {"where", "--agent", "--at", "--object", "--out", "-o", "--replace"},
     "query": {"where", "--agent", "--ability", "--object", "--actions", "--where", "--why", "--at"},
     "paper": {"--displacements", "--save", "--out", "-o", "--replace"},

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from taskgist.common.toml import TomlTable
 from taskgist.errors import SceneError, UnknownNameError
 from taskgist.world import HAND_KINDS, Hand, HandBox, HandKind, distances_outside_m, hand_boxes, spans_m
-from taskgist.world.bodies.hands import FINGER_WIDTH_M, SPREAD_M, parse_hand
+from taskgist.world.bodies.hands import FINGER_WIDTH_M, SPREAD_M, read_hand
 from taskgist.world.bodies.profile import builtin_profile_text
 from tests.meshes import mesh_scene
 
@@ -19,7 +19,10 @@ TABLE = "opening_m = 0.1\nfinger_length_m = 0.09\nfinger_thickness_m = 0.018\npa
 
 
 def parsed(text: str) -> Hand:
-    return parse_hand(TomlTable.parse(f"[hand]\n{text}", "arm.toml", most_bytes=1000).table("hand"))
+    kind = "" if "kind" in text else 'kind = "human"\n'
+    hand = read_hand(TomlTable.parse(f"[hand]\n{kind}{text}", "arm.toml", most_bytes=1000).table("hand"))
+    assert isinstance(hand, Hand)
+    return hand
 
 
 def corners(box: HandBox, side_m: float) -> np.ndarray:
@@ -77,7 +80,6 @@ def test_the_palm_and_its_way_stay_behind_the_tips(
     ("change", "field"),
     [
         (("opening_m = 0.1", "opening_m = 0"), "hand.opening_m"),
-        (("opening_m = 0.1", ""), "hand.opening_m"),
         (("0.018", "-0.018"), "hand.finger_thickness_m"),
         (("0.018", "0.09"), "hand.finger_thickness_m"),
         (("[0.085, 0.028]", "[0.085, 0]"), "hand.palm_m"),
@@ -100,7 +102,8 @@ def test_an_unknown_kind_is_refused_with_the_known_ones() -> None:
 
 
 def test_the_human_profile_has_a_human_hand() -> None:
-    hand = parse_hand(TomlTable.parse(builtin_profile_text("human"), "human.toml", most_bytes=100_000).table("hand"))
+    hand = read_hand(TomlTable.parse(builtin_profile_text("human"), "human.toml", most_bytes=100_000).table("hand"))
+    assert isinstance(hand, Hand)
     assert (hand.kind, hand.one_sided, hand.opening_m) == ("human", True, 0.10)
     assert (hand.tips_m, hand.thumb_m, hand.width_m) == (0.001, 0.022, 0.085)
     assert hand.palms is not None

@@ -10,7 +10,8 @@ import pytest
 
 from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.world import AgentProfile, Scene, Stage, builtin_profiles
-from taskgist.world.bodies.profile import Frame, builtin_profile_text, examine_profile, parse_profile
+from taskgist.world.bodies.eyes import Frame
+from taskgist.world.bodies.profile import builtin_profile_text, examine_profile, parse_profile
 from taskgist.world.body_check import BODY, check_body
 from tests.bodies import needs
 

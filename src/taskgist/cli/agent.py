@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
@@ -12,10 +13,14 @@ import typer
 from rich.text import Text
 
 from taskgist.cli.common import FAILED, OK, JsonOption, ReplaceOption, check_target, command, console, print_json
-from taskgist.errors import InputError, UnknownNameError, nearest
+from taskgist.common.files import writing
+from taskgist.errors import InputError, SceneError, UnknownNameError, nearest
 from taskgist.perspective.image import view_of
+from taskgist.world.bodies.eyes import Eye
+from taskgist.world.bodies.model_files import FILE, PACKAGE
 from taskgist.world.bodies.profile import DERIVED_M, Axis
 from taskgist.world.body_check import BODY, BodyCheck, check_body
+from taskgist.world.drafting.draft import draft_profile
 from taskgist.world.stage import Stage
 
 
@@ -27,6 +32,7 @@ def found_in(result: BodyCheck) -> dict[str, object]:
         "problems": [_told(problem) for problem in result.problems],
         "doubts": list(result.doubts),
         "lacks": list(result.lacks),
+        "derived": list(result.derived),
     }
     return found | _body(result) if result.scene is not None else found
 
@@ -55,13 +61,16 @@ def _body(result: BodyCheck) -> dict[str, object]:
         "base": {"moves": p.moves, "height_m": round(float(stage.state.qpos[body.base][2]), 3)},
         "eye": {
             "frame": p.eye.frame.name,
+            "camera": p.eye.camera,
             "position_m": _rounded(eye.position),
             "looks_along": _rounded(eye.matrix[:, 0]),
             "fov_deg": _degrees(p.eye.fov_rad),
             "image_px": list(p.eye.image_px),
             "gaze_cone_deg": round(math.degrees(p.eye.gaze_cone_rad), 1),
             "hidden_by_itself": _hidden_by_itself(stage),
-        },
+        }
+        if p.eye.sees
+        else None,
         "joints": {field: {"joint": axis.joint, "range_deg": _degrees(axis.range_rad)} for field, axis in p.axes},
         "postures": list(p.legs.can),
         "arms": arms,
@@ -121,14 +130,10 @@ def _told(problem: InputError) -> str:
 def _print_body(result: BodyCheck, found: dict[str, object]) -> None:
     assert result.scene is not None
     stage, body = Stage(result.scene), result.scene.agent(BODY)
-    p, eye = body.profile, found["eye"]
-    assert isinstance(eye, dict)
-    fov = " × ".join(f"{angle:.0f}°" for angle in eye["fov_deg"])
-    pixels = " × ".join(map(str, p.eye.image_px))
+    p = body.profile
     _line("model", p.model)
     _line("base", "moves about" if p.moves else "stays where it stands")
-    height, cone = stage.eye(body).position[2], eye["gaze_cone_deg"]
-    _line("eye", f"{p.eye.frame.name}, {height:.2f} m high; {fov}, {pixels} pixels; gaze cone {cone:.0f}°")
+    _line("eye", _eye(p.eye, float(stage.eye(body).position[2])) if p.eye.sees else "none")
     axes = dict(p.axes)
     for part, fields in (("head", ("pan", "tilt")), ("torso", ("turn", "lean"))):
         named = [(field, axes.get(f"{part}.{field}")) for field in fields]
@@ -142,9 +147,20 @@ def _print_body(result: BodyCheck, found: dict[str, object]) -> None:
     _line("hand", f"{p.hand.kind}, opens {100 * p.hand.opening_m:.1f} cm" if p.hand else "none")
     parts = (f"{part} ({len(bodies)})" for part, bodies in body.parts.items())
     _line("parts", f"{', '.join(parts)}: bodies of the model")
-    for name, share in eye["hidden_by_itself"].items():
+    for derived in result.derived:
+        console.print(Text.assemble("  ", ("derived", "cyan"), f"   {derived}"))
+    eye = found["eye"]
+    for name, share in eye["hidden_by_itself"].items() if isinstance(eye, dict) else ():
         hint = "; if that is the eye's own housing, add it to eye.exclude" if share > SUSPECT else ""
         console.print(Text.assemble("  ", ("note", "cyan"), f"      {name} hides {share:.1%} of its view{hint}"))
+
+
+def _eye(eye: Eye, height_m: float) -> str:
+    fov = " × ".join(f"{math.degrees(angle):.0f}°" for angle in eye.fov_rad)
+    pixels = " × ".join(map(str, eye.image_px))
+    cone = math.degrees(eye.gaze_cone_rad)
+    name = eye.camera or eye.frame.name
+    return f"{name}, {height_m:.2f} m high; {fov}, {pixels} pixels; gaze cone {cone:.0f}°"
 
 
 SUSPECT = 0.25
@@ -163,12 +179,12 @@ def _span(angles: tuple[float, float]) -> str:
     return f"{math.degrees(angles[0]):.0f}° to {math.degrees(angles[1]):.0f}°"
 
 
-agent_app = typer.Typer(help="Bodies: check an agent profile, human or robot.", no_args_is_help=True)
+agent_app = typer.Typer(help="Bodies: draft and check agent profiles, human or robot.", no_args_is_help=True)
 
 
 @agent_app.callback()
 def agent() -> None:
-    """Bodies: check an agent profile, human or robot."""
+    """Bodies: draft and check agent profiles, human or robot."""
 
 
 @agent_app.command("check")
@@ -202,3 +218,44 @@ def check(
     else:
         print_found(result, found)
     return FAILED if result.problems else OK
+
+
+@agent_app.command("draft")
+@command
+def draft(
+    model: Annotated[
+        str, typer.Argument(help="A robot's model: URDF, MJCF, or package://NAME/path.", show_default=False)
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", help="The profile to write (.toml); default: named as the model, here."),
+    ] = None,
+    replace: ReplaceOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Look into a robot's model and write a profile.
+
+    Says what it found: arms and their hands, cameras, head, torso, legs or wheels. Each line of the profile has its
+    reason beside it; what the model does not tell is a line called open, to fill in. agent check looks at the profile.
+
+    Example: taskgist agent draft panda.urdf
+
+    Example: taskgist agent draft package://my_robot/urdf/robot.urdf -o robot.toml
+    """
+    out = Path(f"{Path(model).stem}.toml") if out is None else out
+    check_target(out, "--out", replace=replace, suffix=".toml", what="profiles")
+    named = model if model.startswith(PACKAGE) else os.path.relpath(model.removeprefix(FILE), out.parent)
+    found = draft_profile(model, named=named)
+    with writing(out, replace=replace, error=SceneError) as stream:
+        stream.write(found.text.encode())
+    if as_json:
+        print_json({"profile": str(out), "model": model, "found": list(found.found), "open": list(found.open)})
+        return
+    console.print(f"{found.model.name}: {found.found[0]}")
+    for line in found.found[1:]:
+        console.print(f"  {line}")
+    for question in found.open:
+        console.print(Text.assemble("  ", ("open", "bold yellow"), f"      {question}"))
+    console.print(f"wrote {out}, the profile")
+    then = f"taskgist agent check {out} -o {out.with_suffix('.png')}"
+    console.print(f"{'fill in what it calls open, then' if found.open else 'look at it'}: {then}")

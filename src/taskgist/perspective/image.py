@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled, compiled_part
+from taskgist.errors import SceneError
 from taskgist.perspective.effort import Visibility
 from taskgist.perspective.gaze import off_gaze
 from taskgist.perspective.lens import Lens, lens_of, pixel_rays, raster, ray_through
@@ -67,8 +68,11 @@ def view_of(stage: Stage, agent: str, settings: Settings = DEFAULT) -> View:
 
     Raises:
         UnknownNameError: There is no such agent.
+        SceneError: It has no eye.
     """
     body = stage.scene.agent(agent)
+    if not body.profile.eye.sees:
+        raise no_eye(agent)
     eye = stage.eye(body)
     rays, hiding = pixel_rays(body.profile.eye), stage.scene.hiding(settings.vision.transparent_alpha)
     geoms, distances_m = stage.cast(
@@ -78,6 +82,12 @@ def view_of(stage: Stage, agent: str, settings: Settings = DEFAULT) -> View:
         only=None if hiding[stage.seen].all() else np.flatnonzero(hiding & stage.seen),
     )
     return View(geoms.reshape(rays.shape[:2]), distances_m.reshape(rays.shape[:2]), stage.scene.owners)
+
+
+def no_eye(agent: str) -> SceneError:
+    """What to tell of an agent that is asked what it sees and has no eye."""
+    hint = "name one in its profile: [eye] frame or camera (docs/howto/bodies.md)"
+    return SceneError("has no eye: what it sees is unknown", where=f"agent {agent}", hint=hint)
 
 
 # --- Sight: which of an object's pixels an eye sees, and what the others show instead (5.1.1).

@@ -25,7 +25,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.common.compiled import compiled, compiled_part
-from taskgist.world.bodies.profile import Eye
+from taskgist.world.bodies.eyes import Eye
 
 LEAST_RAYS = 128
 """Pixels are halved until so many cover the boxes around an object's shapes: areas are then right within about 2 %

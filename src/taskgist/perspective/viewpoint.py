@@ -121,6 +121,8 @@ class Viewpoint:
         """Sentence about those parts of the agent that were not tracked; None if all were."""
         if not self.state.untracked:
             return None
+        if "head" in parts and not self.agent.profile.eye.sees:
+            return f"{self.agent.name} has no eye"
         lost = [part for part in parts if not self.state.known([f"{self.agent.name}/{part}"])]
         return f"{self.agent.name}'s {' and '.join(lost)} not tracked" if lost else None
 

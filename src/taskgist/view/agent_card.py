@@ -91,7 +91,8 @@ def _extent(stage: Stage, body: Agent) -> tuple[Array, Array]:
         shoulder = stage.shoulder(arm).position
         corners += [(shoulder - arm.profile.length_m)[None], (shoulder + arm.profile.length_m)[None]]
     eye = stage.eye(body)
-    corners.append((eye.position + SIGHT_M * eye.matrix[:, 0])[None])
+    if body.profile.eye.sees:
+        corners.append((eye.position + SIGHT_M * eye.matrix[:, 0])[None])
     points = np.concatenate(corners)
     low, high = points.min(axis=0) - MARGIN_M, points.max(axis=0) + MARGIN_M
     low[2] = -MARGIN_M
@@ -123,7 +124,9 @@ def _draw_body(axes: Axes, stage: Stage, body: Agent, drawing: Drawing, low: Arr
 
 
 def _draw_sight(axes: Axes, stage: Stage, body: Agent, drawing: Drawing) -> None:
-    """Field of view and gaze cone about where the eye looks now."""
+    """Field of view and gaze cone about where the eye looks now; nothing for a body without one."""
+    if not body.profile.eye.sees:
+        return
     eye, profile = stage.eye(body), body.profile.eye
     place, ahead = drawing.flat(eye.position), drawing.angle_deg(eye.matrix[:, 0])
     half = math.degrees(profile.fov_rad[0 if drawing is TOP else 1]) / 2
@@ -160,9 +163,10 @@ def _outline(
 def _legend(body: Agent) -> Iterator[Line2D | Patch]:
     eye = body.profile.eye
     fov = " × ".join(f"{math.degrees(angle):.0f}°" for angle in eye.fov_rad)
-    yield Line2D([], [], marker="o", color=VIEW, linestyle="", label="eye")
-    yield Patch(color=VIEW, alpha=0.25, label=f"field of view {fov}")
-    if eye.gaze_cone_rad < max(eye.fov_rad) / 2:
+    if eye.sees:
+        yield Line2D([], [], marker="o", color=VIEW, linestyle="", label="eye")
+        yield Patch(color=VIEW, alpha=0.25, label=f"field of view {fov}")
+    if eye.sees and eye.gaze_cone_rad < max(eye.fov_rad) / 2:
         yield Line2D([], [], color=GAZE, linestyle="--", label=f"gaze cone {math.degrees(eye.gaze_cone_rad):.0f}°")
     for arm in body.arms:
         colour, side = COLOURS[arm.profile.side], arm.profile.side

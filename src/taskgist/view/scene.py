@@ -14,7 +14,7 @@ from matplotlib.patches import Ellipse
 
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.language.phrases import listed
-from taskgist.perspective.image import visibility
+from taskgist.perspective.image import no_eye, visibility
 from taskgist.recording.recording import Label
 from taskgist.settings import DEFAULT, Settings
 from taskgist.view.rendering import HIGHLIGHT, looking, pinhole, render, save_figure
@@ -45,7 +45,12 @@ def see_picture(
         target: An object to mark, or several.
         settings: For the visibility score in the title.
         title: Instead of the default title.
+
+    Raises:
+        SceneError: The agent has no eye.
     """
+    if not stage.scene.agent(agent).profile.eye.sees:
+        raise no_eye(agent)
     figure = Figure(figsize=(7, 6.2), layout="constrained")
     axes = figure.subplots()
     draw_eye(axes, stage, agent, target, settings, title or f"{agent} at {stage.state.time_s:.2f} s")
@@ -97,6 +102,10 @@ def draw_eye(
     """Draw what an agent sees, with one target object or several marked; the dashed circle is its gaze cone."""
     body = stage.scene.agent(agent)
     eye = body.profile.eye
+    if not eye.sees:
+        axes.set_title(f"{title}: unknown, it has no eye", fontsize=10)
+        axes.set_axis_off()
+        return
     height = round(width_px * eye.image_px[1] / eye.image_px[0])
     things = _names(target)
     marked = _geoms(stage, things)

@@ -1,5 +1,6 @@
 from .bodies.agent import Agent as Agent
 from .bodies.agent import ArmIndices as ArmIndices
+from .bodies.eyes import Eye as Eye
 from .bodies.hands import HAND_KINDS as HAND_KINDS
 from .bodies.hands import Hand as Hand
 from .bodies.hands import HandBox as HandBox
@@ -8,7 +9,6 @@ from .bodies.hands import hand_boxes as hand_boxes
 from .bodies.human import HumanSize as HumanSize
 from .bodies.profile import AgentProfile as AgentProfile
 from .bodies.profile import Arm as Arm
-from .bodies.profile import Eye as Eye
 from .bodies.profile import Posture as Posture
 from .bodies.profile import builtin_profiles as builtin_profiles
 from .contacts import Holding as Holding
@@ -21,6 +21,8 @@ from .contacts import objects_near as objects_near
 from .contacts import overlaps as overlaps
 from .contacts import rests_on as rests_on
 from .contacts import support_of as support_of
+from .drafting.draft import Draft as Draft
+from .drafting.draft import draft_profile as draft_profile
 from .dynamics import FreeMotion as FreeMotion
 from .dynamics import free_motion as free_motion
 from .fit import Fit as Fit

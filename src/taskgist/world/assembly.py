@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 import re
 from collections.abc import Collection, Mapping
@@ -23,13 +22,14 @@ from taskgist.world.bodies.agent import (
     standing_height_m,
     subtree,
 )
+from taskgist.world.bodies.eyes import add_frame
+from taskgist.world.bodies.from_model import completed_by_model
 from taskgist.world.bodies.hands import add_ghosts
 from taskgist.world.bodies.human import HumanSize
 from taskgist.world.bodies.markup import asking_mujoco
 from taskgist.world.bodies.model_files import BUILDERS, add_body, builtin_models, name_problems
 from taskgist.world.bodies.profile import (
     AgentProfile,
-    add_frame,
     builtin_profile_text,
     builtin_profiles,
     parse_profile,
@@ -170,12 +170,6 @@ def _seat_height(model: mujoco.MjModel, data: mujoco.MjData, entry: AgentEntry, 
     return float(height)
 
 
-# Otherwise MuJoCo prints its warnings, and writes a file of its own; with no handler at all, Python prints them.
-_warnings = logging.getLogger("taskgist.world.mujoco")
-_warnings.addHandler(logging.NullHandler())
-mujoco.set_mju_user_warning(_warnings.warning)
-
-
 @dataclass(frozen=True, eq=False)
 class Assembled:
     """A compiled model with its agents, the state of the scene file, and every file that made it."""
@@ -247,7 +241,7 @@ def _put_together(
 
     decompose(room, compiled_room, files, file.where)
     for entry in file.agents:
-        body = _agent_spec(profiles[entry.name], files, entry, file.where, limits)
+        body, profiles[entry.name] = _agent_spec(profiles[entry.name], files, entry, file.where, limits)
         room.assets = body.assets = assets(files)  # MuJoCo warns if only one of them has any
         with asking_mujoco(f"MuJoCo cannot put {entry.name!r} into this scene:", file.where):
             room.attach(body, prefix=f"{entry.name}/", frame=room.worldbody.add_frame())
@@ -348,8 +342,11 @@ def _size(entry: AgentEntry, where: str) -> HumanSize:
 
 def _agent_spec(
     profile: AgentProfile, files: dict[str, bytes], entry: AgentEntry, where: str, limits: Limits
-) -> mujoco.MjSpec:
-    """An agent's model with all that reasoning needs: a base that is free to move, frames, and shapes of grasps."""
+) -> tuple[mujoco.MjSpec, AgentProfile]:
+    """An agent's model with all that reasoning needs: a base that is free to move, frames, and shapes of grasps.
+
+    Beside it, its profile with what that leaves to the model.
+    """
     spec = read_spec(files, entry.model_key, where, agent=True, limits=limits)
     if len(spec.geoms) > limits.body_shapes:
         hint = f"leave out what is only shown: {most_read(limits.body_shapes, 'body_shapes')}"
@@ -359,6 +356,8 @@ def _agent_spec(
     hide_stand_ins(spec, lambda: compiled(spec, files, where))
     for problem in name_problems(spec, profile, f"{where}: {entry.profile_key}"):
         raise problem
+    at = f"{where}: {entry.profile_key}"
+    profile = completed_by_model(profile, spec, lambda: compiled(spec, files, where), at)
     root = spec.worldbody.first_body()
     if not root.joints:
         root.add_freejoint(name="root")
@@ -369,4 +368,4 @@ def _agent_spec(
     for arm in profile.arms if profile.hand else ():
         assert profile.hand is not None
         add_ghosts(spec.body(arm.hand), arm.side, profile.hand)
-    return spec
+    return spec, profile

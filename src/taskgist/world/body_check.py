@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,12 +14,13 @@ from taskgist.common.arrays import Array
 from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.world.assembly import DEFAULT_STATURE_M
-from taskgist.world.bodies.agent import Agent
+from taskgist.world.bodies.agent import Agent, subtree
+from taskgist.world.bodies.eyes import OPTICAL_WXYZ
+from taskgist.world.bodies.hands import NEEDED
 from taskgist.world.bodies.human import HumanSize
 from taskgist.world.bodies.model_files import add_body, name_problems, read_file, read_model, size_problems
 from taskgist.world.bodies.profile import (
     AS_THE_JOINT,
-    OPTICAL_WXYZ,
     AgentProfile,
     builtin_profile_text,
     builtin_profiles,
@@ -35,6 +36,8 @@ MOSTLY = 0.7
 """Cosine of 45°: nearer to an axis than across it."""
 ROUGHLY = 0.5
 """Cosine of 60°, for heads that rest bent."""
+MOST_TOLD = 4
+"""Bodies that a doubt names."""
 UPRIGHT = {"head.pan": "pan turns to the side", "torso.turn": "turn turns to the side"}
 ACROSS = {"head.tilt": "tilt looks up and down", "torso.lean": "lean bends forward"}
 
@@ -50,14 +53,31 @@ def direction_doubts(model: mujoco.MjModel, body: Agent, qpos: Array) -> Iterato
     data = mujoco.MjData(model)
     data.qpos[:] = qpos
     mujoco.mj_kinematics(model, data)
-    eye = data.site_xmat[body.eye_site].reshape(3, 3)
-    yield from _eye_doubts(eye, body)
-    carriers = _carriers(model, int(model.site_bodyid[body.eye_site]))
+    if body.profile.eye.sees:
+        yield from _eye_doubts(data.site_xmat[body.eye_site].reshape(3, 3), body)
     for field, axis in body.profile.axes:
         joint = int(model.joint(f"{body.name}/{axis.joint}").id)
         yield from _axis_doubts(field, axis.joint, np.array(data.xaxis[joint]))
-        if field.startswith("head") and int(model.jnt_bodyid[joint]) not in carriers:
-            yield f"{field}: the joint {axis.joint!r} does not move the eye"
+        yield from _carrying_doubts(model, body, field, joint)
+
+
+def _carrying_doubts(model: mujoco.MjModel, body: Agent, field: str, joint: int) -> Iterator[str]:
+    """A joint of the head that leaves the eye where it is, or one of the torso that leaves eye and shoulders."""
+    name, moved = str(model.joint(joint).name).partition("/")[2], int(model.jnt_bodyid[joint])
+    eye = {int(model.site_bodyid[body.eye_site])} if body.profile.eye.sees else set()
+    shoulders = {int(model.site_bodyid[arm.shoulder_site]) for arm in body.arms}
+    carried = subtree(model, moved)
+    if field.startswith("head") and not eye & set(carried):
+        yield f"{field}: the joint {name!r} does not move the eye; {_carried(model, carried)}"
+    if field.startswith("torso") and not (eye | shoulders) & set(carried):
+        yield f"{field}: the joint {name!r} carries neither the eye nor a shoulder; {_carried(model, carried)}"
+
+
+def _carried(model: mujoco.MjModel, bodies: Sequence[int]) -> str:
+    """What a joint carries, by names of the model, not more than a line of them."""
+    names = [str(model.body(each).name).partition("/")[2] for each in bodies]
+    more = f" and {len(names) - MOST_TOLD} more" if len(names) > MOST_TOLD else ""
+    return f"it carries {', '.join(names[:MOST_TOLD])}{more}"
 
 
 def _eye_doubts(eye: Array, body: Agent) -> Iterator[str]:
@@ -82,14 +102,6 @@ def _axis_doubts(field: str, joint: str, axis: Array) -> Iterator[str]:
         yield f"{field}: {ACROSS[field]}, but the axis of {joint!r} is {_told(axis)}, not level and across the body"
 
 
-def _carriers(model: mujoco.MjModel, body: int) -> set[int]:
-    """A body and all that carry it."""
-    found = {body}
-    while body := int(model.body_parentid[body]):
-        found.add(body)
-    return found
-
-
 def _told(vector: Array) -> str:
     return "(" + ", ".join(f"{value + 0.0:.1f}" for value in np.round(vector, 1) + 0.0) + ")"
 
@@ -108,6 +120,7 @@ class BodyCheck:
         problems: Why it cannot be used; empty if it can.
         doubts: What can be used and is probably wrong: an eye that looks aside, a joint about the wrong axis.
         lacks: What the body does not have, or has otherwise than the profile says, and what follows.
+        derived: What the profile leaves to the model, with the figures that this gave.
         scene: The body alone on an empty floor; None beside problems.
     """
 
@@ -116,6 +129,7 @@ class BodyCheck:
     problems: tuple[InputError, ...]
     doubts: tuple[str, ...] = ()
     lacks: tuple[str, ...] = ()
+    derived: tuple[str, ...] = ()
     scene: Scene | None = None
 
 
@@ -146,7 +160,8 @@ def check_body(profile: str) -> BodyCheck:
     except InputError as error:
         return BodyCheck(profile, given, (error,))
     doubts = direction_doubts(scene.model, scene.agent(BODY), scene.initial.qpos)
-    return BodyCheck(profile, given, (), tuple(doubts), tuple(_lacks(given, scene)), scene)
+    lacks, derived = tuple(_lacks(given, scene)), tuple(_derived(given, scene.agent(BODY).profile))
+    return BodyCheck(profile, given, (), tuple(doubts), lacks, derived, scene)
 
 
 def _document(profile: str) -> tuple[bytes, Path | None, str]:
@@ -172,13 +187,36 @@ def _files(given: AgentProfile, folder: Path | None, where: str) -> tuple[dict[s
     return files, (*size_problems(spec, where), *name_problems(spec, given, where))
 
 
+def _derived(given: AgentProfile, found: AgentProfile) -> Iterator[str]:
+    """What the model gave where the profile says nothing."""
+    eye, hand = found.eye, found.hand
+    if given.eye.camera is not None:
+        fov = " by ".join(f"{math.degrees(angle):.1f}°" for angle in eye.fov_rad)
+        pixels = " by ".join(map(str, eye.image_px))
+        yield f"eye.camera {eye.camera!r} of the body {eye.frame.name!r}: {fov}, {pixels} pixels"
+    if given.open_hand is not None and hand is not None:
+        said = dict(given.open_hand.given)
+        sizes = {field: getattr(hand, field) for field in (*NEEDED, "finger_width_m") if field not in said}
+        sizes |= {"spread_m": hand.spread_m} if hand.kind == "three_finger" and "spread_m" not in said else {}
+        names = " and ".join(arm.hand for arm in found.arms)
+        told = ", ".join(f"{field} {_size(value)}" for field, value in sizes.items() if value is not None)
+        yield f"hand: measured on {names}: {told}"
+
+
+def _size(value: object) -> str:
+    if isinstance(value, tuple):
+        return "[" + ", ".join(f"{each:.3f}" for each in value) + "]"
+    return f"{value:.3f}" if isinstance(value, float) else str(value)
+
+
 def _lacks(given: AgentProfile, scene: Scene) -> Iterator[str]:
     agent = scene.agent(BODY)
     has = {
+        "eye": (given.eye.sees, "what it sees is unknown"),
         "arms": (given.arms, "it reaches and grasps nothing"),
-        "hand": (given.hand, "it reaches, and grasps nothing"),
-        "head.pan": (given.pan, "to look aside it turns its torso, or itself"),
-        "head.tilt": (given.tilt, "it looks neither up nor down"),
+        "hand": (agent.profile.hand, "it reaches, and grasps nothing"),
+        "head.pan": (given.pan or not given.eye.sees, "to look aside it turns its torso, or itself"),
+        "head.tilt": (given.tilt or not given.eye.sees, "it looks neither up nor down"),
         "torso.turn": (given.turn, "it turns only as a whole"),
         "torso.lean": (given.lean, "it does not lean over to reach or see"),
         "base.moves": (given.moves, "it stays where it stands"),

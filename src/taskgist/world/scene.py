@@ -288,6 +288,11 @@ class Scene:
         return frozenset(name for name in self.objects if not len(self.geoms_of(name)))
 
     @cached_property
+    def never_known(self) -> frozenset[str]:
+        """What counts as not tracked in every state: objects without a shape, and heads of agents without an eye."""
+        return self.shapeless | {f"{name}/head" for name, agent in self._agents.items() if not agent.profile.eye.sees}
+
+    @cached_property
     def _seen_by_owner(self) -> Mapping[str, np.ndarray]:
         return {owner: own[self.visible[own]] for owner, own in self._geoms_by_owner.items()}
 

@@ -46,10 +46,11 @@ class Stage:
     def show(self, state: State) -> Self:
         """Bring the scene into a state. What was not tracked is left out: no ray meets it, and it blocks nothing.
 
-        An object without any shape counts as not tracked.
+        An object without any shape counts as not tracked, and so does the head of an agent without an eye: what it
+        sees is unknown.
         """
-        if not self.scene.shapeless <= state.untracked:
-            state = state.without(self.scene.shapeless)
+        if not self.scene.never_known <= state.untracked:
+            state = state.without(self.scene.never_known)
         if state is self.state and self._as_shown:
             return self
         self.state, self._as_shown = state, True

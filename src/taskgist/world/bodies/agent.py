@@ -334,13 +334,14 @@ def _parts(model: mujoco.MjModel, agent: str, profile: AgentProfile, bodies: Ind
     """The bodies of each part: as the profile has it, else what the joints of its actions and its arms make of it.
 
     Each arm is all that hangs on its root, the head all that the head's joints move, the torso what carries them, and
-    what is left, wheels or legs, carries the torso.
+    what is left, wheels or legs, carries the torso. Without an eye there is no head.
     """
     if profile.parts:
         return {part: np.array([_body(model, agent, b) for b in names]) for part, names in profile.parts}
     roots = {f"{arm.side}_arm": _body(model, agent, arm.root) for arm in profile.arms}
     necks = [int(model.joint(f"{agent}/{axis.joint}").bodyid[0]) for axis in (profile.pan, profile.tilt) if axis]
-    roots["head"] = min(necks, default=_body(model, agent, profile.eye.exclude))
+    if profile.eye.sees:
+        roots["head"] = min(necks, default=_body(model, agent, profile.eye.exclude))
     parts = {part: np.array(subtree(model, root)) for part, root in roots.items()}
     carriers = {body for root in roots.values() for body in _ancestors(model, root)}
     rest = set(bodies.tolist()) - carriers - {int(body) for part in parts.values() for body in part}

@@ -17,14 +17,15 @@ finger tips at the point that it presses on.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal, get_args
+from collections.abc import Iterator, Mapping
+from dataclasses import Field, dataclass, fields
+from typing import Any, Literal, get_args
 
 import mujoco
 import numpy as np
 
 from taskgist.common.toml import TomlTable
-from taskgist.errors import UnknownNameError
+from taskgist.errors import SceneError, UnknownNameError
 
 HandKind = Literal["human", "parallel", "three_finger"]
 HAND_KINDS: tuple[HandKind, ...] = get_args(HandKind)
@@ -210,36 +211,90 @@ def add_ghosts(body: mujoco.MjsBody, side: str, hand: Hand) -> None:
         )
 
 
-def parse_hand(table: TomlTable) -> Hand:
-    """Read a profile's ``[hand]`` table.
+NEEDED = ("kind", "opening_m", "finger_length_m", "finger_thickness_m", "palm_m")
+"""Fields of a hand that the model is asked for where the profile leaves them out."""
+
+
+@dataclass(frozen=True)
+class OpenHand:
+    """A profile's hand as far as the profile gives it; the rest is measured on the model (``from_model.py``).
+
+    Attributes:
+        given: Fields of ``Hand`` by name.
+    """
+
+    given: tuple[tuple[str, Any], ...]
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """The needed fields that are left out."""
+        return tuple(field for field in NEEDED if field not in dict(self.given))
+
+    def completed(self, measured: Mapping[str, Any], where: str) -> Hand:
+        """The whole hand, where what the profile gives wins.
+
+        Args:
+            measured: Fields of ``Hand``, with all that are missing.
+            where: The profile's file, for messages.
+
+        Raises:
+            SceneError: Given and measured sizes are none of one hand.
+        """
+        hand = Hand(**{**measured, **dict(self.given)})
+        for field, value, problem, hint in _faults(hand):
+            raise SceneError(problem, where=where, field=f"hand.{field}", value=value, hint=hint)
+        return hand
+
+
+def read_hand(table: TomlTable) -> Hand | OpenHand:
+    """Read a profile's ``[hand]`` table; open where it leaves the kind or a size to the model.
 
     Raises:
-        SceneError: A length is missing, or is none.
-        UnknownNameError: There is no such kind of hand.
+        SceneError: A length is none.
+        UnknownNameError: There is no such kind of hand, or no such field.
     """
-    lengths = {key: table.number(key) for key in ("opening_m", "finger_length_m", "finger_thickness_m")}
-    palm = table.pair("palm_m")
-    given = {key: table.number(key) for key in ("finger_width_m", "tip_m", "thumb_width_m") if key in table}
-    between = table.number("between_m") if "between_m" in table else None
-    spread = table.number("spread_m", SPREAD_M)
-    sized = {**lengths, "palm_m": min(palm), "spread_m": spread, **given}
-    for field, value in sized.items():
-        if not value > 0:
-            raise table.error("a hand has no such size", field, value, "give metres above zero")
-    if lengths["finger_thickness_m"] >= lengths["finger_length_m"]:
-        hint = "fingers are longer than thick"
-        raise table.error("a hand has no such fingers", "finger_thickness_m", lengths["finger_thickness_m"], hint)
-    if given.get("tip_m", 0.0) > lengths["finger_thickness_m"]:
+    table.only({field.name for field in fields(Hand)})
+    given: dict[str, Any] = {field.name: table.number(field.name) for field in _lengths() if field.name in table}
+    if "palm_m" in table:
+        given["palm_m"] = table.pair("palm_m")
+    if "kind" in table:
+        given["kind"] = _kind(table)
+    for field, value in given.items():
+        least = min(value) if field == "palm_m" else value
+        if field not in ("kind", "between_m") and not least > 0:
+            raise table.error("a hand has no such size", field, least, "give metres above zero")
+    if not set(NEEDED) <= given.keys():
+        return OpenHand(tuple(given.items()))
+    hand = Hand(**given)
+    for field, value, problem, hint in _faults(hand):
+        raise table.error(problem, field, value, hint)
+    return hand
+
+
+def _lengths() -> Iterator[Field[Any]]:
+    """Fields that are one length."""
+    return (field for field in fields(Hand) if field.name not in ("kind", "palm_m"))
+
+
+def _faults(hand: Hand) -> Iterator[tuple[str, float, str, str]]:
+    """Sizes that do not go together: field, value, what is wrong, the way out."""
+    if hand.finger_thickness_m >= hand.finger_length_m:
+        yield (
+            "finger_thickness_m",
+            hand.finger_thickness_m,
+            "a hand has no such fingers",
+            "fingers are longer than thick",
+        )
+    if hand.tip_m is not None and hand.tip_m > hand.finger_thickness_m:
         hint = "tips reach no farther past what they close on than a finger is thick"
-        raise table.error("a hand has no such fingers", "tip_m", given["tip_m"], hint)
-    if between is not None and between != 0.0 and not between > lengths["opening_m"]:
+        yield "tip_m", hand.tip_m, "a hand has no such fingers", hint
+    if hand.between_m is not None and hand.between_m != 0.0 and not hand.between_m > hand.opening_m:
         hint = "more than one hand opens, or 0 for one hand only"
-        raise table.error("two hands hold no less than one", "between_m", between, hint)
-    return Hand(**lengths, palm_m=palm, kind=_kind(table), spread_m=spread, between_m=between, **given)
+        yield "between_m", hand.between_m, "two hands hold no less than one", hint
 
 
 def _kind(table: TomlTable) -> HandKind:
-    given = table.text("kind", "human")
+    given = table.text("kind")
     for kind in HAND_KINDS:
         if given == kind:
             return kind

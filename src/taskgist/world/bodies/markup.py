@@ -7,6 +7,7 @@ printable. Elements keep their lines, so that MuJoCo's messages name those of th
 
 from __future__ import annotations
 
+import logging
 import math
 import re
 from collections.abc import Iterator
@@ -14,6 +15,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from xml.etree.ElementTree import Element
 from xml.parsers import expat
+
+import mujoco
 
 from taskgist.common.text import UNSEEN
 from taskgist.errors import SceneError, most_read
@@ -202,6 +205,12 @@ def _fits(token: str) -> bool:
         return math.isfinite(float.fromhex(token) if "x" in token.lower() else float(token))
     except (ValueError, OverflowError):
         return False
+
+
+# Otherwise MuJoCo prints its warnings, and writes a file of its own; with no handler at all, Python prints them.
+_warnings = logging.getLogger("taskgist.world.mujoco")
+_warnings.addHandler(logging.NullHandler())
+mujoco.set_mju_user_warning(_warnings.warning)
 
 
 @contextmanager

@@ -45,6 +45,7 @@ def name_problems(spec: mujoco.MjSpec, profile: AgentProfile, where: str) -> Ite
     for field, name in _bodies(profile):
         if name not in (*bodies, UNREADABLE):
             yield UnknownNameError("body", name, bodies, where=f"{where}: {field}")
+    yield from _camera_problems(spec, profile.eye.camera, where)
     yield from _frame_problems(spec, profile, where, bodies)
     yield from _joint_problems(spec, profile, where)
     for arm in profile.arms:
@@ -64,6 +65,17 @@ def _root_problems(spec: mujoco.MjSpec, profile: AgentProfile, where: str) -> It
         hint = "without any it is made free to stand anywhere, as are bases that slide along x and y and turn about z"
         problem = "the root body of an agent's model has a free joint, or none"
         yield SceneError(problem, where=where, field="model", value=str(joints[0].name), hint=hint)
+
+
+def _camera_problems(spec: mujoco.MjSpec, camera: str | None, where: str) -> Iterator[InputError]:
+    cameras = [str(each.name) for each in spec.cameras if each.name]
+    if camera is None or camera in (*cameras, UNREADABLE):
+        return
+    if cameras:
+        yield UnknownNameError("camera", camera, cameras, where=f"{where}: eye.camera")
+    else:
+        hint = 'name a link of the robot instead: frame = "...", with optical = true for a ROS optical frame'
+        yield SceneError("the model has no cameras", where=where, field="eye.camera", value=camera, hint=hint)
 
 
 def _bodies(profile: AgentProfile) -> Iterator[tuple[str, str]]:

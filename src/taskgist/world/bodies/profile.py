@@ -2,8 +2,8 @@
 
 A profile is a TOML document beside a model. It makes one reasoning serve every body: nothing outside of this file asks
 whether an agent is a human or a robot. ``profiles/human.toml`` and ``profiles/pr2.toml`` comment every field;
-``profile_file.py`` reads them. What a profile leaves out, ranges of joints and lengths of arms, is derived from the
-model (``derived.py``).
+``eyes.py`` and ``hands.py`` hold what it says of these. What a profile leaves to its model, cameras and hands
+(``from_model.py``), ranges of joints and lengths of arms (``agent.py``), is filled in when that is at hand.
 """
 
 from __future__ import annotations
@@ -16,91 +16,12 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-import mujoco
-import numpy as np
-
 from taskgist.common.toml import UNREADABLE, Attempts, TomlTable
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
-from taskgist.world.bodies.hands import Hand, parse_hand
+from taskgist.world.bodies.eyes import NO_EYE, UNREAD_EYE, Eye, Frame, read_eye, read_frame
+from taskgist.world.bodies.hands import Hand, OpenHand, read_hand
 from taskgist.world.bodies.urdf import SHAPES, Shapes
-from taskgist.world.geometry.transforms import IDENTITY_WXYZ, multiply
-
-# --- Frames of a body that a profile names: eye, shoulders, palms.
-#
-# A frame is a site of the model, or one of its bodies, maybe moved and turned: URDF knows links only, and cameras'
-# links look along z. A frame on a body becomes a site when the agent is assembled.
-
-OPTICAL_WXYZ = (0.5, 0.5, -0.5, 0.5)
-"""The frame that looks along x with z up, in a camera's optical frame: z forward, x to the right, y down (REP 103)."""
-SITE_GROUP, SITE_M = 4, 0.01
-"""Group and radius of the sites that are added: never seen."""
-FRAME_FIELDS = ("offset_m", "rpy_deg", "optical")
-
-
-@dataclass(frozen=True)
-class Frame:
-    """A frame fixed to a body.
-
-    Attributes:
-        name: Site or body of the model.
-        offset_m: Where the frame is, in that body, metres.
-        wxyz: How it is turned there.
-    """
-
-    name: str
-    offset_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    wxyz: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
-
-    @property
-    def is_plain(self) -> bool:
-        """Whether the frame is the named one, neither moved nor turned."""
-        return self == Frame(self.name)
-
-
-def read_frame(table: TomlTable, key: str, attempt: Attempts) -> Frame:
-    """A frame that a field of a profile gives.
-
-    The field is the name of a site or body, or a table ``{ frame = "camera_link", offset_m = [0, 0, 0.1],
-    rpy_deg = [0, 0, 90], optical = true }``: roll, pitch and yaw as in URDF.
-    """
-    if not isinstance(table.values.get(key), dict):
-        return Frame(attempt(lambda: table.text(key), UNREADABLE))
-    inner = table.table(key)
-    attempt(lambda: inner.only({"frame", *FRAME_FIELDS}), inner)
-    return frame_from(inner, "frame", attempt)
-
-
-def frame_from(table: TomlTable, key: str, attempt: Attempts) -> Frame:
-    """A frame whose name stands under ``key``, with its offset and turn beside it in the same table."""
-    zero = (0.0, 0.0, 0.0)
-    name = attempt(lambda: table.text(key), UNREADABLE)
-    offset_m = attempt(lambda: table.triple("offset_m", zero), zero)
-    wxyz = _wxyz_from_rpy(attempt(lambda: table.triple("rpy_deg", zero), zero))
-    if attempt(lambda: table.flag("optical", False), False):
-        wxyz = multiply(wxyz, OPTICAL_WXYZ)
-    w, x, y, z = (float(value) for value in wxyz)
-    return Frame(name, offset_m, (w, x, y, z))
-
-
-def _wxyz_from_rpy(rpy_deg: tuple[float, float, float]) -> np.ndarray:
-    """URDF's fixed-axis roll, pitch, yaw: about x first, z last."""
-    wxyz: np.ndarray = IDENTITY_WXYZ
-    for axis, angle in enumerate(rpy_deg):
-        half = math.radians(angle) / 2
-        turn = np.array([math.cos(half), 0.0, 0.0, 0.0])
-        turn[1 + axis] = math.sin(half)
-        wxyz = multiply(turn, wxyz)
-    return wxyz
-
-
-def add_frame(spec: mujoco.MjSpec, frame: Frame, label: str) -> None:
-    """Make a frame a site of the model, called ``label``; nothing to do where the frame is a site itself."""
-    if spec.site(frame.name) is not None:
-        return
-    size = [SITE_M] * 3
-    spec.body(frame.name).add_site(name=label, pos=frame.offset_m, quat=frame.wxyz, group=SITE_GROUP, size=size)
-
 
 Posture = Literal["standing", "sitting"]
 POSTURES: tuple[Posture, ...] = get_args(Posture)
@@ -109,25 +30,6 @@ AS_THE_JOINT = (-math.inf, math.inf)
 """Range of a joint that is as wide as the model's."""
 DERIVED_M = 0.0
 """Length of an arm that is derived from the model."""
-
-
-@dataclass(frozen=True)
-class Eye:
-    """A pinhole eye: a frame that looks along its x axis, z up.
-
-    Attributes:
-        exclude: The body that the eye sits in, which hides nothing from it.
-        housing: More bodies around the eye, such as a camera's case; nobody sees them.
-        turn_rad: How far the eye turns in the head; None: as people's eyes do (setting ``gaze.range_rad``).
-    """
-
-    frame: Frame
-    exclude: str
-    housing: tuple[str, ...]
-    fov_rad: tuple[float, float]
-    image_px: tuple[int, int]
-    gaze_cone_rad: float
-    turn_rad: float | None = 0.0
 
 
 @dataclass(frozen=True)
@@ -184,6 +86,7 @@ class AgentProfile:
         rest_rad: Angles of joints that turn, where nothing else is said.
         rest_m: Ways of joints that slide, where nothing else is said.
         shapes: Which shapes of a URDF are seen.
+        open_hand: The hand where the model has yet to say what the profile leaves out; ``hand`` is None then.
     """
 
     name: str
@@ -201,6 +104,7 @@ class AgentProfile:
     rest_rad: tuple[tuple[str, float], ...] = ()
     rest_m: tuple[tuple[str, float], ...] = ()
     shapes: Shapes = "visual"
+    open_hand: OpenHand | None = None
 
     @property
     def frames(self) -> tuple[tuple[str, str, Frame], ...]:
@@ -246,72 +150,6 @@ def _range(table: TomlTable, key: str) -> tuple[float, float]:
     if low > high:
         raise table.error("a range is from its low to its high end", key, [low, high], f"as [{high:g}, {low:g}]")
     return _radians((low, high))
-
-
-def read_eye(table: TomlTable, attempt: Attempts, limits: Limits = DEFAULT.limits) -> Eye:
-    """The ``[eye]`` table; the limits are those of its image."""
-    name = "site" if "site" in table else "frame"
-    attempt(
-        lambda: table.only({name, *FRAME_FIELDS, "exclude", "fov_deg", "image_px", "gaze_cone_deg", "turn_deg"}), table
-    )
-    fov_rad = attempt(lambda: _fov_rad(table), (1.0, 1.0))
-    frame = frame_from(table, name, attempt)
-    nothing: tuple[str, ...] = (UNREADABLE,)
-    exclude = attempt(lambda: _excluded(table), nothing)
-    return Eye(
-        frame=frame,
-        exclude=exclude[0],
-        housing=exclude[1:],
-        fov_rad=fov_rad,
-        image_px=attempt(lambda: _image_px(table, limits), (1, 1)),
-        gaze_cone_rad=attempt(lambda: _gaze_cone_rad(table, fov_rad), 1.0),
-        turn_rad=attempt(lambda: _turn_rad(table), None),
-    )
-
-
-def _fov_rad(table: TomlTable) -> tuple[float, float]:
-    fov = table.pair("fov_deg")
-    if not all(0 < angle < 180 for angle in fov):
-        raise table.error("a pinhole sees between 0 and 180 degrees", "fov_deg", fov, "as [120, 105]")
-    return _radians(fov)
-
-
-def _image_px(table: TomlTable, limits: Limits) -> tuple[int, int]:
-    pixels = table.pair("image_px")
-    if not all(value >= 1 and value == int(value) for value in pixels):
-        raise table.error("an image needs at least one pixel each way", "image_px", pixels, "as [320, 240]")
-    if pixels[0] * pixels[1] > limits.image_pixels:
-        hint = f"at most {limits.image_pixels:,} pixels are cast (setting limits.image_pixels): give fewer each way"
-        raise table.error("an image too large", "image_px", pixels, hint)
-    return int(pixels[0]), int(pixels[1])
-
-
-def _excluded(table: TomlTable) -> tuple[str, ...]:
-    """The body that the eye sits in, and more of them around it."""
-    names = table.texts("exclude") if isinstance(table.values.get("exclude"), list) else (table.text("exclude"),)
-    if not names:
-        raise table.error("an eye sits in a body", "exclude", [], 'as "head"')
-    return names
-
-
-def _gaze_cone_rad(table: TomlTable, fov_rad: tuple[float, float]) -> float:
-    """Half-angle of the gaze cone; where none is given, the one that holds the whole image."""
-    if "gaze_cone_deg" not in table:
-        return math.atan(math.hypot(*(math.tan(angle / 2) for angle in fov_rad)))
-    cone = table.number("gaze_cone_deg")
-    if not 0 < cone <= 180:
-        raise table.error("a gaze cone is a half-angle between 0 and 180 degrees", "gaze_cone_deg", cone, "as 30")
-    return math.radians(cone)
-
-
-def _turn_rad(table: TomlTable) -> float | None:
-    """How far the eye turns in the head; unless it is said, who attends to a cone has eyes, and others have cameras."""
-    if "turn_deg" not in table:
-        return None if "gaze_cone_deg" in table else 0.0
-    turn = table.number("turn_deg")
-    if not 0 <= turn < 90:
-        raise table.error("eyes turn by less than 90 degrees", "turn_deg", turn, "as 35, or 0 for a camera")
-    return math.radians(turn)
 
 
 def read_axis(table: TomlTable, key: str, attempt: Attempts) -> Axis | None:
@@ -466,14 +304,17 @@ def examine_profile(
     except InputError as error:
         return None, (error,)
     attempt(lambda: table.only(TABLES | RESTS), table)
-    eye = attempt(lambda: read_eye(table.table("eye"), attempt, limits), NO_EYE)
+    eye = attempt(lambda: read_eye(table.table("eye"), attempt, limits), UNREAD_EYE) if "eye" in table else NO_EYE
     fields = {name: attempt(partial(read, table), otherwise) for name, (read, otherwise) in READERS.items()}
     axes: dict[str, Any] = {key: _axis(table, part, key, attempt) for part, keys in AXES.items() for key in keys}
     no_arms: tuple[TomlTable, ...] = ()
     entries = attempt(lambda: table.tables("arms"), no_arms)
     arms = tuple(read_arm(entry, stature_m, attempt) for entry in entries)
     attempt(lambda: check_sides(table, arms), None)
-    return AgentProfile(eye=eye, arms=arms, **axes, **fields), tuple(attempt.problems)
+    hand = attempt(lambda: read_hand(table.table("hand")) if "hand" in table else None, None)
+    whole, left = (None, hand) if isinstance(hand, OpenHand) else (hand, None)
+    profile = AgentProfile(eye=eye, arms=arms, hand=whole, open_hand=left, **axes, **fields)
+    return profile, tuple(attempt.problems)
 
 
 def _axis(table: TomlTable, part: str, key: str, attempt: Attempts) -> Axis | None:
@@ -489,7 +330,6 @@ def _axis(table: TomlTable, part: str, key: str, attempt: Attempts) -> Axis | No
 
 
 AXES = {"head": ("pan", "tilt"), "torso": ("turn", "lean")}
-NO_EYE = Eye(Frame(UNREADABLE), UNREADABLE, (), (1.0, 1.0), (1, 1), 1.0)
 
 READERS: dict[str, tuple[Callable[[TomlTable], Any], Any]] = {
     "name": (lambda table: table.name("name"), UNREADABLE),
@@ -497,7 +337,6 @@ READERS: dict[str, tuple[Callable[[TomlTable], Any], Any]] = {
     "shapes": (read_shapes, "visual"),
     "legs": (lambda table: read_legs(table.table("posture")), Legs()),
     "moves": (lambda table: table.table("base").only({"moves"}).flag("moves", False), False),
-    "hand": (lambda table: parse_hand(table.table("hand")) if "hand" in table else None, None),
     "parts": (read_parts, ()),
     "rest_rad": (read_rest_rad, ()),
     "rest_m": (read_rest_m, ()),
