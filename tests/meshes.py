@@ -108,12 +108,17 @@ def shelf() -> Mesh:
     return joined(*boards, *sides, board((0.21, 0, 1.01), (0.01, 0.16, 0.23)))
 
 
-def mesh_scene(bodies: str, agents: str = "", files: dict[str, bytes] | None = None, **meshes: Mesh) -> Scene:
-    """A room with bodies that use meshes by name; ``files`` come in addition."""
+def mesh_files(bodies: str, agents: str = "", /, **meshes: Mesh) -> dict[str, bytes]:
+    """The files of a room with bodies that use meshes by name."""
     assets = "".join(f'<mesh name="{name}" file="{name}.obj"/>' for name in meshes)
     room = f"<mujoco><asset>{assets}</asset><worldbody>{FLOOR}{bodies}</worldbody></mujoco>"
     texts = {"scene.toml": f'[scene]\nmodel = "room.xml"\n{agents}'.encode(), "room.xml": room.encode()}
-    return Scene.from_bundle({**texts, **{f"{name}.obj": obj(mesh) for name, mesh in meshes.items()}, **(files or {})})
+    return {**texts, **{f"{name}.obj": obj(mesh) for name, mesh in meshes.items()}}
+
+
+def mesh_scene(bodies: str, agents: str = "", files: dict[str, bytes] | None = None, **meshes: Mesh) -> Scene:
+    """A room with bodies that use meshes by name; ``files`` come in addition."""
+    return Scene.from_bundle({**mesh_files(bodies, agents, **meshes), **(files or {})})
 
 
 def body(name: str, mesh: str, place: tuple[float, float, float], *, free: bool = True) -> str:

@@ -372,6 +372,10 @@ class Limits:
     """Largest mesh, texture or height field in a file: one of 2.5 million triangles in STL."""
     mesh_faces: int = 1_000_000
     """Triangles of a mesh; scans for robots have up to 200,000."""
+    mesh_parts: int = 1_000
+    """Convex parts of a concave mesh; ordinary ones have up to 200. What has more collides as its convex hull."""
+    cutting_s: float = 120.0
+    """Time for cutting the concave meshes of a scene, once; most take 2 to 6 s each. The rest collide as hulls."""
     texture_pixels: int = 150_000_000
     """Pixels of all textures and height fields of a model together: nine of 4,096 × 4,096."""
     array_length: int = 1_000_000

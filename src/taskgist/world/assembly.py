@@ -346,7 +346,7 @@ def _put_together(
         _check_objects(model, file, limits)
         return model
 
-    decompose(room, compiled_room, files, file.where)
+    decompose(room, compiled_room, files, file.where, limits)
     for entry in file.agents:
         body = _agent_spec(profiles[entry.name], files, entry, file.where, limits)
         room.assets = body.assets = _assets(files)  # MuJoCo warns if only one of them has any
