@@ -35,6 +35,20 @@ def stl(mesh: Mesh) -> bytes:
     return bytes(80) + np.array([len(faces)], dtype="<u4").tobytes() + triangles.tobytes()
 
 
+def dae(mesh: Mesh) -> bytes:
+    """COLLADA of one geometry, in metres."""
+    vertices, faces = mesh
+    numbers = " ".join(f"{number:.9g}" for number in vertices.ravel())
+    source = f'<source id="p"><float_array id="a" count="{vertices.size}">{numbers}</float_array></source>'
+    corners = '<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>'
+    indices = f'<input semantic="VERTEX" source="#v" offset="0"/><p>{" ".join(map(str, faces.ravel()))}</p>'
+    shape = f'<mesh>{source}{corners}<triangles count="{len(faces)}">{indices}</triangles></mesh>'
+    geometries = f'<library_geometries><geometry id="g">{shape}</geometry></library_geometries>'
+    node = '<visual_scene id="s"><node><instance_geometry url="#g"/></node></visual_scene>'
+    scenes = f'<library_visual_scenes>{node}</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene>'
+    return f'<COLLADA version="1.4.1"><asset><unit meter="1"/></asset>{geometries}{scenes}</COLLADA>'.encode()
+
+
 def joined(*meshes: Mesh) -> Mesh:
     starts = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
     faces = [faces + start for (_, faces), start in zip(meshes, starts, strict=False)]

@@ -217,7 +217,7 @@ def test_pieces_are_found_whatever_the_order_of_triangles_and_which_way_they_fac
     count = int(rng.integers(2, 6))
     apart = [meshes.board((i, 0, 0), tuple(rng.uniform(0.05, 0.4, 3))) for i in range(count)]
     vertices, faces = meshes.joined(*((v, f[:, ::-1] if rng.integers(2) else f) for v, f in apart))
-    found = pieces(joined(vertices, rng.permutation(faces)))
+    found = pieces(joined(Piece(vertices, rng.permutation(faces))))
     assert len(found) == count
     assert all(piece.is_closed for piece in found)
     volumes = sorted(float(np.linalg.det(piece.corners).sum()) / 6 for piece in found)

@@ -28,6 +28,7 @@ from taskgist.world.bodies.agent import (
 from taskgist.world.bodies.hands import add_ghosts
 from taskgist.world.bodies.human import HumanSize
 from taskgist.world.bodies.markup import asking_mujoco
+from taskgist.world.bodies.mending import compiled, give_least_mass, has_mass
 from taskgist.world.bodies.model_files import (
     BUILDERS,
     PACKAGE,
@@ -490,6 +491,8 @@ def _agent_spec(
     root = spec.worldbody.first_body()
     if not root.joints:
         root.add_freejoint(name="root")
+        if not has_mass(root):
+            give_least_mass(spec)
     for label, _, frame in profile.frames:
         add_frame(spec, frame, label)
     for geom in (geom for name in profile.eye.housing for geom in spec.body(name).geoms):
@@ -500,10 +503,10 @@ def _agent_spec(
     return spec
 
 
-def _compile(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> mujoco.MjModel:
+def _compile(spec: mujoco.MjSpec, files: dict[str, bytes], where: str) -> mujoco.MjModel:
     spec.assets = _assets(files)
     with asking_mujoco("MuJoCo cannot compile this scene:", where):
-        return spec.compile()
+        return compiled(spec, files)
 
 
 def _assets(files: Mapping[str, bytes]) -> dict[str, bytes]:

@@ -21,6 +21,7 @@ from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.human import HumanSize, human_mjcf
 from taskgist.world.bodies.markup import asking_mujoco, parse_markup
+from taskgist.world.bodies.mending import compiled, thicken_flat_meshes
 from taskgist.world.bodies.meshes import flat_name, keep_file
 from taskgist.world.bodies.mjcf import from_files, from_folder, read_mjcf
 from taskgist.world.bodies.profile import AgentProfile, Arm
@@ -312,7 +313,7 @@ def add_model(
         root = parse_markup(text, where=path, limits=limits)
         read = from_folder(path.parent, path, limits=limits)
         spec = read_mjcf(root, read, files, where=str(path), prefix=prefix, limits=limits)
-    files[key] = _xml(spec, str(path))
+    files[key] = _xml(spec, files, str(path))
 
 
 def add_spec(
@@ -358,13 +359,15 @@ def add_spec(
         texture.cubefiles = [keep(name, spec.texturedir) for name in texture.cubefiles]
     spec.assets = kept
     spec.meshdir = spec.texturedir = ""
-    files[key] = _xml(spec, where)
+    files[key] = _xml(spec, files, where)
 
 
-def _xml(spec: mujoco.MjSpec, where: str) -> bytes:
+def _xml(spec: mujoco.MjSpec, files: dict[str, bytes], where: str) -> bytes:
     for problem in size_problems(spec, where):
         raise problem
     with asking_mujoco("MuJoCo cannot read this model:", where):
+        thicken_flat_meshes(spec, files)  # before the library that makes hulls sees them
+        compiled(spec, files)
         return str(spec.to_xml()).encode()
 
 

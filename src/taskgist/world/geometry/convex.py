@@ -34,6 +34,7 @@ from taskgist.world.geometry.pieces import (
     is_flat,
     is_hollow,
     is_sheet,
+    joined,
     mesh_of,
     pieces,
     thickened,
@@ -312,7 +313,7 @@ def decompose(
     if not solid:
         return
     model = compiled(spec)
-    meshes = {name: mesh_of(model, name) for name in dict.fromkeys(geom.meshname for geom in solid)}
+    meshes = {name: joined(mesh_of(model, name)) for name in dict.fromkeys(geom.meshname for geom in solid)}
     hollow = {name: mesh for name, mesh in meshes.items() if is_hollow(mesh, deeper_than_m=tolerance_m(mesh))}
     _find_parts(hollow, files, limits)
     added: dict[str, tuple[str, ...]] = {}

@@ -34,18 +34,17 @@ class Piece:
         return len(np.unique(edges, axis=0)) == len(edges) and set(map(tuple, edges)) == set(map(tuple, edges[:, ::-1]))
 
 
-def joined(vertices: Array, faces: Indices) -> Piece:
+def joined(mesh: Piece) -> Piece:
     """A mesh as it is if it is closed, so that boards that touch stay apart; else with coincident vertices made one."""
-    mesh = Piece(vertices, faces)
-    return mesh if mesh.is_closed else _merged(vertices, faces)
+    return mesh if mesh.is_closed else merged(mesh)
 
 
-def _merged(vertices: Array, faces: Indices) -> Piece:
+def merged(mesh: Piece) -> Piece:
     """A mesh whose coincident vertices are one, without the triangles that thereby vanish."""
-    _, first, new = np.unique(np.round(vertices / SAME_M), axis=0, return_index=True, return_inverse=True)
-    faces = new.reshape(-1)[faces]
+    _, first, new = np.unique(np.round(mesh.vertices / SAME_M), axis=0, return_index=True, return_inverse=True)
+    faces = new.reshape(-1)[mesh.faces]
     whole = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
-    return Piece(vertices[first], faces[whole])
+    return Piece(mesh.vertices[first], faces[whole])
 
 
 def pieces(mesh: Piece) -> list[Piece]:
@@ -198,10 +197,10 @@ def _outward(piece: Piece) -> Piece:
 
 
 def mesh_of(model: mujoco.MjModel, name: str) -> Piece:
-    """A compiled mesh in the frame of its file."""
+    """A compiled mesh in the frame of its file, its vertices and triangles as they are there."""
     mesh = model.mesh(name).id
     vertices: Array = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]].astype(float)
     faces = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]].astype(np.intp)
     turn = np.zeros(9)
     mujoco.mju_quat2Mat(turn, model.mesh_quat[mesh].astype(float))
-    return joined(vertices @ turn.reshape(3, 3).T + model.mesh_pos[mesh], faces)
+    return Piece(vertices @ turn.reshape(3, 3).T + model.mesh_pos[mesh], faces)

@@ -1,0 +1,148 @@
+"""What published models lack, and MuJoCo refuses though geometry does not need it: masses, and the thickness of meshes.
+
+Meshes without thickness (floors, posters, cloth) become sheets. MuJoCo asks a volume of every mesh, and corners in all
+three directions of those that collide; of what is nearly flat the library that makes hulls complains on the terminal.
+Such a mesh gets ``SHEET_M`` of thickness behind its front, as a file of its own, and is a mesh like others from then
+on: seen from both sides, it carries and blocks.
+"""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from taskgist.common.arrays import Array
+from taskgist.world.bodies.meshes import keep_file
+from taskgist.world.geometry.pieces import Piece, is_flat, merged, mesh_of, pieces, thickened
+
+LEAST_MASS_KG, LEAST_INERTIA_KG_M2 = 1e-6, 1e-9
+"""What a body without mass gets: the least that MuJoCo lets move."""
+
+
+def compiled(spec: mujoco.MjSpec, files: dict[str, bytes]) -> mujoco.MjModel:
+    """A model, compiled; what MuJoCo refuses and geometry does not need is mended first, where it does refuse.
+
+    Flat meshes get a thickness, bodies without mass the least that may move, such as a root that is made free, and
+    inertias that no body has those of one.
+
+    Args:
+        spec: The model, with all of its files as ``assets``; changed where it does not compile as it is.
+        files: The bundle, to which new meshes are added.
+
+    Raises:
+        ValueError: MuJoCo refuses it for other reasons.
+    """
+    try:
+        return spec.compile()
+    except ValueError:
+        thicken_flat_meshes(spec, files)
+        spec.compiler.balanceinertia = True
+        give_least_mass(spec)
+        return spec.compile()
+
+
+def give_least_mass(spec: mujoco.MjSpec) -> None:
+    """Give those bodies of a model that have no mass the least."""
+    spec.compiler.boundmass = max(spec.compiler.boundmass, LEAST_MASS_KG)
+    spec.compiler.boundinertia = max(spec.compiler.boundinertia, LEAST_INERTIA_KG_M2)
+
+
+def has_mass(body: mujoco.MjsBody) -> bool:
+    """Whether a body has a mass of its own, by what is said of it or by its shapes."""
+    return bool(body.explicitinertial) or any(geom.mass != 0.0 and geom.density != 0.0 for geom in body.geoms)
+
+
+# --- Meshes without thickness.
+
+SHELL = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+COPIED = ("name", "file", "content_type", "scale", "refpos", "refquat", "uservert", "userface")
+"""What makes the corners and triangles of a mesh."""
+FORGOTTEN = ("uservert", "userface", "usernormal", "userfacenormal", "usertexcoord", "userfacetexcoord")
+
+
+def thicken_flat_meshes(spec: mujoco.MjSpec, files: dict[str, bytes]) -> bool:
+    """Give a thickness to meshes of a model that have none.
+
+    Args:
+        spec: The model, with all of its files as ``assets``; changed.
+        files: The bundle, to which the new meshes are added.
+
+    Returns:
+        Whether there was one.
+    """
+    flat = {mesh.name: piece for mesh, piece in _looked_at(spec) if _has_no_volume(piece)}
+    for mesh in spec.meshes:
+        if mesh.name in flat:
+            _replace(mesh, flat[mesh.name], spec, files)
+    return bool(flat)
+
+
+def _looked_at(spec: mujoco.MjSpec) -> list[tuple[mujoco.MjsMesh, Piece]]:
+    """Meshes of a model as MuJoCo reads them; those that it cannot read are left to whoever compiles the model."""
+    meshes = [mesh for mesh in spec.meshes if mesh.file or len(mesh.uservert)]
+    if not meshes:
+        return []
+    together = _compiled(spec, meshes)
+    found = []
+    for mesh in meshes:
+        model = together or _compiled(spec, [mesh])
+        if model is not None:
+            found.append((mesh, mesh_of(model, mesh.name)))
+    return found
+
+
+def _compiled(spec: mujoco.MjSpec, meshes: list[mujoco.MjsMesh]) -> mujoco.MjModel | None:
+    """A model of nothing but some meshes, as shells, of which no volume is asked."""
+    alone = mujoco.MjSpec()
+    alone.assets = spec.assets
+    for mesh in meshes:
+        added = alone.add_mesh()
+        for key in COPIED:
+            setattr(added, key, getattr(mesh, key))
+        added.inertia = SHELL
+    try:
+        return alone.compile()
+    except ValueError:
+        return None
+
+
+LEAST_SHARE = 1e-6
+"""A mesh without a volume encloses less than this share of its area times its extent."""
+
+
+def _has_no_volume(mesh: Piece) -> bool:
+    """Whether a mesh is flat, or all of its triangles lie in planes through its middle."""
+    if is_flat(mesh):
+        return True
+    corners = mesh.corners
+    doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas_m2 = np.linalg.norm(doubled, axis=1) / 2
+    middle = areas_m2 @ corners.mean(axis=1) / areas_m2.sum()
+    volume_m3 = float(np.abs(np.einsum("ij,ij->i", corners[:, 0] - middle, doubled)).sum()) / 6
+    return volume_m3 < LEAST_SHARE * float(areas_m2.sum() * np.ptp(mesh.vertices, axis=0).max())
+
+
+def _replace(mesh: mujoco.MjsMesh, flat: Piece, spec: mujoco.MjSpec, files: dict[str, bytes]) -> None:
+    """Let a mesh be a closed one, whose flat pieces have a thickness."""
+    flat = merged(flat)
+    sheets = [thickened(each, front_m=0.0) if is_flat(each) else each for each in _apart(flat)]
+    starts = np.cumsum([0, *(len(sheet.vertices) for sheet in sheets)])
+    faces = np.concatenate([sheet.faces + start for sheet, start in zip(sheets, starts, strict=False)])
+    content = _as_obj(np.concatenate([sheet.vertices for sheet in sheets]), faces)
+    mesh.file = keep_file(files, f"{mesh.name.replace('/', '_')}.sheet.obj", content)
+    spec.assets = {**spec.assets, mesh.file: content}
+    mesh.content_type = ""
+    mesh.scale, mesh.refpos, mesh.refquat = (1, 1, 1), (0, 0, 0), (1, 0, 0, 0)
+    for key in FORGOTTEN:
+        setattr(mesh, key, [])
+
+
+def _apart(flat: Piece) -> list[Piece]:
+    return [flat] if is_flat(flat) else pieces(flat)
+
+
+def _as_obj(vertices: Array, faces: Array) -> bytes:
+    lines = ["# a flat mesh with a thickness"]
+    lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
+    lines += [f"f {a} {b} {c}" for a, b, c in faces + 1]
+    return ("\n".join(lines) + "\n").encode()
