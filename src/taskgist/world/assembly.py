@@ -28,7 +28,7 @@ from taskgist.world.bodies.agent import (
 from taskgist.world.bodies.hands import add_ghosts
 from taskgist.world.bodies.human import HumanSize
 from taskgist.world.bodies.markup import asking_mujoco
-from taskgist.world.bodies.mending import compiled, give_least_mass, has_mass
+from taskgist.world.bodies.mending import give_least_mass, has_mass, made_of
 from taskgist.world.bodies.model_files import (
     BUILDERS,
     PACKAGE,
@@ -506,7 +506,7 @@ def _agent_spec(
 def _compile(spec: mujoco.MjSpec, files: dict[str, bytes], where: str) -> mujoco.MjModel:
     spec.assets = _assets(files)
     with asking_mujoco("MuJoCo cannot compile this scene:", where):
-        return compiled(spec, files)
+        return made_of(spec, files, mujoco.MjSpec.compile)
 
 
 def _assets(files: Mapping[str, bytes]) -> dict[str, bytes]:

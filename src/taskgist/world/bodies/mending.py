@@ -8,6 +8,9 @@ on: seen from both sides, it carries and blocks.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
+from typing import TypeVar
+
 import mujoco
 import numpy as np
 
@@ -19,8 +22,11 @@ LEAST_MASS_KG, LEAST_INERTIA_KG_M2 = 1e-6, 1e-9
 """What a body without mass gets: the least that MuJoCo lets move."""
 
 
-def compiled(spec: mujoco.MjSpec, files: dict[str, bytes]) -> mujoco.MjModel:
-    """A model, compiled; what MuJoCo refuses and geometry does not need is mended first, where it does refuse.
+Made = TypeVar("Made")
+
+
+def made_of(spec: mujoco.MjSpec, files: dict[str, bytes], make: Callable[[mujoco.MjSpec], Made]) -> Made:
+    """What MuJoCo makes of a model; what it refuses and geometry does not need is mended first, where it does refuse.
 
     Flat meshes get a thickness, bodies without mass the least that may move, such as a root that is made free, and
     inertias that no body has those of one.
@@ -28,17 +34,18 @@ def compiled(spec: mujoco.MjSpec, files: dict[str, bytes]) -> mujoco.MjModel:
     Args:
         spec: The model, with all of its files as ``assets``; changed where it does not compile as it is.
         files: The bundle, to which new meshes are added.
+        make: Compiles the model, for itself or to write it.
 
     Raises:
         ValueError: MuJoCo refuses it for other reasons.
     """
     try:
-        return spec.compile()
+        return make(spec)
     except ValueError:
-        thicken_flat_meshes(spec, files)
+        thicken_flat_meshes(spec, files, [mesh.name for mesh in spec.meshes])
         spec.compiler.balanceinertia = True
         give_least_mass(spec)
-        return spec.compile()
+        return make(spec)
 
 
 def give_least_mass(spec: mujoco.MjSpec) -> None:
@@ -60,26 +67,27 @@ COPIED = ("name", "file", "content_type", "scale", "refpos", "refquat", "userver
 FORGOTTEN = ("uservert", "userface", "usernormal", "userfacenormal", "usertexcoord", "userfacetexcoord")
 
 
-def thicken_flat_meshes(spec: mujoco.MjSpec, files: dict[str, bytes]) -> bool:
+def thicken_flat_meshes(spec: mujoco.MjSpec, files: dict[str, bytes], names: Collection[str]) -> None:
     """Give a thickness to meshes of a model that have none.
 
     Args:
         spec: The model, with all of its files as ``assets``; changed.
         files: The bundle, to which the new meshes are added.
-
-    Returns:
-        Whether there was one.
+        names: The meshes that are looked at.
     """
-    flat = {mesh.name: piece for mesh, piece in _looked_at(spec) if _has_no_volume(piece)}
-    for mesh in spec.meshes:
-        if mesh.name in flat:
-            _replace(mesh, flat[mesh.name], spec, files)
-    return bool(flat)
+    for mesh, piece in _looked_at(spec, names):
+        if _has_no_volume(piece):
+            _replace(mesh, piece, spec, files)
 
 
-def _looked_at(spec: mujoco.MjSpec) -> list[tuple[mujoco.MjsMesh, Piece]]:
+def solid_meshes(spec: mujoco.MjSpec) -> set[str]:
+    """Names of the meshes that collide, as far as their shapes say so."""
+    return {str(geom.meshname) for geom in spec.geoms if geom.meshname and (geom.contype or geom.conaffinity)}
+
+
+def _looked_at(spec: mujoco.MjSpec, names: Collection[str]) -> list[tuple[mujoco.MjsMesh, Piece]]:
     """Meshes of a model as MuJoCo reads them; those that it cannot read are left to whoever compiles the model."""
-    meshes = [mesh for mesh in spec.meshes if mesh.file or len(mesh.uservert)]
+    meshes = [mesh for mesh in spec.meshes if mesh.name in names and (mesh.file or len(mesh.uservert))]
     if not meshes:
         return []
     together = _compiled(spec, meshes)

@@ -15,13 +15,14 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from taskgist.common.files import is_file, read_whole
+from taskgist.common.files import is_file, read_whole, reading, shown_path
 from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
+from taskgist.world.bodies.foreign import HEAD_BYTES, check_model
 from taskgist.world.bodies.human import HumanSize, human_mjcf
 from taskgist.world.bodies.markup import asking_mujoco, parse_markup
-from taskgist.world.bodies.mending import compiled, thicken_flat_meshes
+from taskgist.world.bodies.mending import made_of, solid_meshes, thicken_flat_meshes
 from taskgist.world.bodies.meshes import flat_name, keep_file
 from taskgist.world.bodies.mjcf import from_files, from_folder, read_mjcf
 from taskgist.world.bodies.profile import AgentProfile, Arm
@@ -291,6 +292,8 @@ def add_model(
     Raises:
         SceneError: A file is missing or is no model.
     """
+    with reading(path, error=SceneError) as stream:
+        check_model(stream.read(HEAD_BYTES), path.name, shown_path(path))
     text = read_file(path, most_bytes=limits.document_bytes)
     if is_urdf(text):
         near = path.parent
@@ -354,9 +357,10 @@ def add_spec(
 
     for asset in (*spec.meshes, *spec.hfields, *spec.skins):
         asset.file = keep(asset.file, spec.meshdir)
-    for texture in spec.textures:
-        texture.file = keep(texture.file, spec.texturedir)
-        texture.cubefiles = [keep(name, spec.texturedir) for name in texture.cubefiles]
+    for material in spec.materials:
+        material.textures = [""] * len(material.textures)
+    for texture in list(spec.textures):  # which nothing here looks at
+        spec.delete(texture)
     spec.assets = kept
     spec.meshdir = spec.texturedir = ""
     files[key] = _xml(spec, files, where)
@@ -366,9 +370,8 @@ def _xml(spec: mujoco.MjSpec, files: dict[str, bytes], where: str) -> bytes:
     for problem in size_problems(spec, where):
         raise problem
     with asking_mujoco("MuJoCo cannot read this model:", where):
-        thicken_flat_meshes(spec, files)  # before the library that makes hulls sees them
-        compiled(spec, files)
-        return str(spec.to_xml()).encode()
+        thicken_flat_meshes(spec, files, solid_meshes(spec))  # before the library that makes hulls sees them
+        return str(made_of(spec, files, mujoco.MjSpec.to_xml)).encode()
 
 
 def read_model(
@@ -389,6 +392,7 @@ def read_model(
     if name not in files:
         raise SceneError("no such file", where=where, field="scene.model", value=name)
     where = f"{where}: {name}"
+    check_model(files[name], name, where)
     read = from_files(files, where)
     if is_urdf(files[name]):
         return read_urdf(
