@@ -224,7 +224,7 @@ def asking_mujoco(problem: str, where: str | Path) -> Iterator[None]:
             warnings.simplefilter("ignore")  # of attributes that will be gone, and of what it discards
             yield
     except Exception as error:  # of several kinds, and whatever its C++ throws on strange models
-        told = " ".join(str(error).split()) or type(error).__name__
+        told = "; ".join(filter(None, map(str.strip, str(error).splitlines()))) or type(error).__name__
         raise SceneError(f"{problem} {told}", where=where) from error
 
 
