@@ -44,6 +44,7 @@ _USD = Foreign(
     f"export it as URDF (USD to URDF Exporter of Isaac Sim), or {BLENDER} and {NAMED}",
     f"{BLENDER}, and name that file",
 )
+_MESHLAB = "open it in MeshLab and export it as OBJ"
 _CAD = "open it in FreeCAD and export each part as STL or OBJ"
 KNOWN: Mapping[str, Foreign] = {
     "sdf": _SDF,
@@ -52,16 +53,16 @@ KNOWN: Mapping[str, Foreign] = {
     **dict.fromkeys(("glb", "gltf"), _shapes("glTF")),
     "fbx": _shapes("FBX"),
     "blend": _shapes("a Blender file", "open it in Blender and export each thing as OBJ"),
-    "3ds": _shapes("3DS (3D Studio)"),
+    "3ds": _shapes("3DS (3D Studio)", _MESHLAB),
     "max": _shapes("a file of 3ds Max", "export it there as OBJ"),
     "skp": _shapes("a SketchUp model", "export it there as COLLADA or OBJ"),
-    **dict.fromkeys(("wrl", "vrml", "x3d"), _shapes("VRML or X3D")),
+    **dict.fromkeys(("wrl", "vrml", "x3d"), _shapes("VRML or X3D", _MESHLAB)),
     **dict.fromkeys(("step", "stp"), _shapes("STEP, solids of CAD", _CAD)),
     **dict.fromkeys(("iges", "igs"), _shapes("IGES, surfaces of CAD", _CAD)),
     "ifc": _shapes("IFC, a building", "open it in Blender (Bonsai) or FreeCAD and export each thing as OBJ"),
-    "off": _shapes("OFF", "open it in MeshLab and export it as OBJ"),
-    "3mf": _shapes("3MF"),
-    "mesh": _shapes("a mesh of Ogre"),
+    "off": _shapes("OFF", _MESHLAB),
+    "3mf": _shapes("3MF", _CAD),
+    "mesh": _shapes("a mesh of Ogre", "export it as OBJ where it was made"),
     "obj": _mesh("OBJ"),
     "stl": _mesh("STL"),
     "dae": _mesh("COLLADA"),

@@ -43,10 +43,12 @@ def searched(
     Returns:
         At least one part; None where CoACD finds none, does not come to an end, or breaks down.
     """
+    most_s = min(CLOCK_S, clock_s)
+    if most_s <= 0:
+        return None
     mesh = io.BytesIO()
     np.savez(mesh, vertices=vertices, faces=faces, limit_m=limit_m)
     program = [sys.executable, "-P", __file__]  # without this file's folder among those that modules are looked for in
-    most_s = min(CLOCK_S, clock_s)
     try:
         done = subprocess.run(program, input=mesh.getvalue(), capture_output=True, timeout=most_s, check=False)
     except (OSError, subprocess.TimeoutExpired):

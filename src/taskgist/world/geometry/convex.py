@@ -85,38 +85,41 @@ def parts_name(mesh: Piece) -> str:
     search = repr((HOLLOW_M, HOLLOW_SHARE, MOST_PIECES, SHEET_M, sorted(coacd_process.SEARCH.items())))
     if not _is_searched(mesh):
         limit_m = tolerance_m(mesh)
-        if any(not _is_searched(each) and is_hollow(each, deeper_than_m=limit_m) for each in _few_pieces(mesh)):
+        if any(
+            not _is_searched(each) and is_hollow(each, deeper_than_m=limit_m) for each in pieces(mesh, most=MOST_PIECES)
+        ):
             search += repr((SEARCHED_FACES, CELLS, PATCHES))
     return f"parts-{hashlib.sha256(b''.join((*content, search.encode()))).hexdigest()[:16]}.obj"
 
 
-def kept_parts(mesh: Piece) -> bytes | None:
-    """The document with the parts of a mesh that was made before on this machine, if it is there."""
+def _kept(key: str) -> bytes | None:
+    """The document with a mesh's parts that was made before on this machine, if it is there."""
     with suppress(OSError):  # else they are found anew
-        kept = cache_folder() / parts_name(mesh)
+        kept = cache_folder() / key
         if kept.is_file():
             return kept.read_bytes()
     return None
 
 
-def parts_text(mesh: Piece, name: str, *, until_s: float = float("inf")) -> bytes:
-    """The convex parts of a mesh as an OBJ document, whose first line tells what is coarse in it.
+def _parts_text(mesh: Piece, key: str, until_s: float, *, is_first: bool) -> bytes:
+    """The convex parts of a mesh with hollows as an OBJ document, whose first line tells what is coarse in it.
 
     Args:
-        mesh: A mesh with hollows.
-        name: Its name, for messages.
+        mesh: The mesh.
+        key: Name of the document in the cache.
         until_s: When no more is searched, on the clock of ``time.monotonic``.
+        is_first: Whether no mesh was cut before it: then another time would not get farther.
     """
-    cutting = _Cutting(mesh, until_s)
+    cutting = _Cutting(mesh, until_s, is_first=is_first)
     text = _as_obj(cutting.parts, cutting.coarse)
     if cutting.is_final:
         try:
-            kept = cache_folder() / parts_name(mesh)
+            kept = cache_folder() / key
             kept.parent.mkdir(parents=True, exist_ok=True)
             with writing(kept, replace=True) as stream:
                 stream.write(text)
         except (OSError, InputError) as error:
-            log.info("convex parts of mesh %r are not kept for the next time: %s", name, error)
+            log.info("convex parts are not kept for the next time: %s", error)
     return text
 
 
@@ -158,11 +161,11 @@ class _Cutting:
         is_final: Whether cutting it again would find the same.
     """
 
-    def __init__(self, mesh: Piece, until_s: float) -> None:
+    def __init__(self, mesh: Piece, until_s: float, *, is_first: bool) -> None:
         self.parts: list[Piece] = []
         self.coarse, self.is_final = "", True
-        self._limit_m, self._until_s = tolerance_m(mesh), until_s
-        for piece in _few_pieces(mesh):
+        self._limit_m, self._until_s, self._is_first = tolerance_m(mesh), until_s, is_first
+        for piece in pieces(mesh, most=MOST_PIECES):
             if is_flat(piece):
                 self.parts.append(thickened(piece))
             elif not is_hollow(piece, deeper_than_m=self._limit_m):
@@ -173,20 +176,21 @@ class _Cutting:
     def _hollow(self, piece: Piece) -> list[Piece]:
         if is_sheet(piece) and len(piece.faces) <= SHEET_FACES:
             return _prisms(piece)
-        left_s = self._until_s - time.monotonic()
-        if left_s <= 0.0:
-            return self._hull_of(piece, NO_TIME, is_final=False)
         if not _is_searched(piece):
-            return self._in_cells(piece)
+            return self._hull_of(piece, NO_TIME, is_final=False) if self._is_late() else self._in_cells(piece)
         if not coacd_process.is_there():
             return self._hull_of(piece, NO_COACD, is_final=False)
+        left_s = self._until_s - time.monotonic()
         found = coacd_process.searched(piece.vertices, piece.faces, self._limit_m, clock_s=left_s)
         if found is not None:
             return [Piece(vertices, faces) for vertices, faces in found]
-        if time.monotonic() >= self._until_s:
+        if self._is_late():
             return self._hull_of(piece, NO_TIME, is_final=False)
         self.coarse = self.coarse or NO_END
         return self._in_cells(piece)
+
+    def _is_late(self) -> bool:
+        return not self._is_first and time.monotonic() >= self._until_s
 
     def _in_cells(self, piece: Piece) -> list[Piece]:
         found = _by_cells(piece)
@@ -205,11 +209,6 @@ def _prisms(sheet: Piece) -> list[Piece]:
     across = across / np.linalg.norm(across)
     fronts = corners[normals @ across > 0.5 * np.linalg.norm(normals, axis=1)]
     return [thickened(Piece(each, np.array([(0, 1, 2)])), front_m=0.0) for each in fronts]
-
-
-def _few_pieces(mesh: Piece) -> list[Piece]:
-    apart = pieces(mesh)
-    return apart if len(apart) <= MOST_PIECES else [mesh]
 
 
 def _is_searched(piece: Piece) -> bool:
@@ -315,11 +314,11 @@ def decompose(
     model = compiled(spec)
     meshes = {name: joined(mesh_of(model, name)) for name in dict.fromkeys(geom.meshname for geom in solid)}
     hollow = {name: mesh for name, mesh in meshes.items() if is_hollow(mesh, deeper_than_m=tolerance_m(mesh))}
-    _find_parts(hollow, files, limits)
+    keys = {name: parts_name(mesh) for name, mesh in hollow.items()}
+    _find_parts(hollow, keys, files, limits)
     added: dict[str, tuple[str, ...]] = {}
     coarse: dict[str, list[str]] = {}
-    for name, mesh in hollow.items():
-        key = parts_name(mesh)
+    for name, key in keys.items():
         parts, reason = _read_whole(files[key], name, f"{where}: {key}", limits)
         added[name] = _add_parts(spec, name, parts)
         coarse.setdefault(reason, []).append(name)
@@ -338,21 +337,26 @@ def _collides(geom: mujoco.MjsGeom) -> bool:
     return geom.type == mujoco.mjtGeom.mjGEOM_MESH and bool(geom.contype or geom.conaffinity)
 
 
-def _find_parts(hollow: Mapping[str, Piece], files: dict[str, bytes], limits: Limits) -> None:
-    """Put the parts of concave meshes into a bundle: those that it lacks are looked for in the cache, then cut."""
-    missing: dict[str, Piece] = {}
-    for name, mesh in hollow.items():
-        key = parts_name(mesh)
-        kept = files[key] if key in files else kept_parts(mesh)
-        if kept is None:
-            missing[name] = mesh
-        else:
+def _find_parts(hollow: Mapping[str, Piece], keys: Mapping[str, str], files: dict[str, bytes], limits: Limits) -> None:
+    """Put the parts of concave meshes into a bundle: those that it lacks are looked for in the cache, then cut.
+
+    Args:
+        hollow: The meshes by name.
+        keys: Names of the documents with their parts, by theirs.
+        files: The bundle.
+        limits: How long they are cut.
+    """
+    missing: dict[str, str] = {}
+    for name, key in keys.items():
+        kept = files[key] if key in files else _kept(key)
+        if kept is not None:
             files[key] = kept
+        elif key not in missing.values():  # the same mesh under another name
+            missing[name] = key
     until_s = time.monotonic() + limits.cutting_s
-    for number, (name, mesh) in enumerate(missing.items(), 1):
-        if parts_name(mesh) not in files:  # else the same mesh under another name
-            log.info("cutting concave meshes, once: %r, %d of %d", name, number, len(missing))
-            files[parts_name(mesh)] = parts_text(mesh, name, until_s=until_s)
+    for number, (name, key) in enumerate(missing.items(), 1):
+        log.info("cutting concave meshes, once: %r, %d of %d", name, number, len(missing))
+        files[key] = _parts_text(hollow[name], key, until_s, is_first=number == 1)
 
 
 def _read_whole(text: bytes, name: str, where: str, limits: Limits) -> tuple[list[Array], str]:

@@ -47,10 +47,17 @@ def merged(mesh: Piece) -> Piece:
     return Piece(mesh.vertices[first], faces[whole])
 
 
-def pieces(mesh: Piece) -> list[Piece]:
-    """The parts of a mesh that hang together by edges of two triangles, largest first; closed ones face outwards."""
+def pieces(mesh: Piece, *, most: int | None = None) -> list[Piece]:
+    """The parts of a mesh that hang together by edges of two triangles, largest first; closed ones face outwards.
+
+    Args:
+        mesh: The mesh.
+        most: A mesh that has more of them is left in one piece.
+    """
     labels = _labels(mesh.faces)
     names, sizes = np.unique(labels, return_counts=True)
+    if most is not None and len(names) > most:
+        return [mesh]
     return [_outward(_used(mesh, labels == name)) for name in names[np.argsort(-sizes, kind="stable")]]
 
 
