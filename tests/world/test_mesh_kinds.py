@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -83,6 +84,17 @@ def test_every_kind_is_the_same_shape(kind: str, model: str, tmp_path: Path) -> 
     points, _ = scene.surface_points(geom, 0.01)
     assert np.abs(points).sum(axis=1) == pytest.approx(0.1, abs=1e-5)
     assert Scene.from_bundle(scene.bundle).bundle == scene.bundle
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_specification_may_have_every_kind_too(kind: str) -> None:
+    spec = mujoco.MjSpec()
+    spec.add_mesh(name="m", file=f"ball.{kind}")
+    spec.assets = {f"ball.{kind}": KINDS[kind](meshes.octahedron(0.1))}
+    spec.worldbody.add_body(name="ball").add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="m")
+    scene = Scene.from_spec(spec)
+    assert scene.model.nmeshface == 8
+    assert scene.model.mesh_vertnum.tolist() == [6]
 
 
 def fine_ball(steps: int) -> Mesh:

@@ -68,7 +68,7 @@ NOWHERE = bytes(80) + struct.pack("<I", 1) + struct.pack("<12f", *[0.0] * 8, np.
         (body('<composite type="cable" count="99999999 1 1" size="1"><geom size=".1"/></composite>'), "model_elements"),
         (body("<body>" * 250 + "</body>" * 250), r"nested too deep; at most 200 .*limits\.model_depth"),
         (body("<site/>" * 30_000), r"too many elements; at most 30,000 .*limits\.model_elements"),
-        ('<asset><hfield name="h" nrow="60000" ncol="60000" size="1 1 1 1"/></asset>', r"limits\.texture_pixels"),
+        ('<asset><hfield name="h" nrow="60000" ncol="60000" size="1 1 1 1"/></asset>', r"limits\.hfield_pixels"),
         ('<asset><hfield name="h" file="big.png" size="1 1 1 1"/></asset>', "900,000,000 pixels"),
         ('<asset><mesh name="m" builtin="plate" params="20000 20000"/></asset>', "params of <mesh> 'm'"),
         ('<size memory="500G"/>', r"memory of <size>: asks for too much .*500G.*limits\.arena_bytes"),

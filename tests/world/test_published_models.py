@@ -90,6 +90,12 @@ def test_the_check_of_a_robot_names_it_too(tmp_path: Path) -> None:
     assert "is xacro that is not expanded; expand it first: xacro arm.xacro > arm.urdf" in str(problem)
 
 
+def test_so_does_a_scene_in_memory() -> None:
+    files = {"scene.toml": b'[scene]\nmodel = "arm.urdf"', "arm.urdf": XACRO.format(BOX + "<xacro:arm/>").encode()}
+    with pytest.raises(SceneError, match=r"expand it first: xacro arm\.urdf > arm_expanded\.urdf, and name that file"):
+        Scene.from_bundle(files)
+
+
 def test_a_description_that_was_expanded_may_still_name_xacro(tmp_path: Path) -> None:
     joint = '<joint name="j" type="fixed"><parent link="r"/><child link="a"/></joint>'
     assert loaded(tmp_path, "arm.urdf", XACRO.format(f'<link name="r"/>{BOX}{joint}').encode()).bodies == ("a",)

@@ -90,8 +90,8 @@ def read_mjcf(
         raise SceneError("not a model", where=where, field=root.tag, hint=MODELS)
     gathered = _Gathered(read, files, where, prefix, limits)
     text = gathered.document(root, "", ())
-    if gathered.pixels > limits.texture_pixels:
-        hint = most_read(limits.texture_pixels, "texture_pixels")
+    if gathered.pixels > limits.hfield_pixels:
+        hint = most_read(limits.hfield_pixels, "hfield_pixels")
         raise SceneError("height fields too large", where=where, value=f"{gathered.pixels:,} pixels", hint=hint)
     with asking_mujoco("MuJoCo cannot read this model:", where):
         assets = {name: files[name] for name in gathered.names.values()}
@@ -225,7 +225,7 @@ class _Gathered:
         bound = self.limits.arena_bytes if key == "memory" else self.limits.array_length
         setting = "arena_bytes" if key == "memory" else "array_length"
         if element.tag == "hfield":
-            bound, setting = self.limits.texture_pixels, "texture_pixels"
+            bound, setting = self.limits.hfield_pixels, "hfield_pixels"
             self.pixels += int(min(asked, bound))
         if not asked <= bound:
             hint = f"at most {bound:,} (setting limits.{setting})"

@@ -23,7 +23,7 @@ from taskgist.world.bodies.foreign import HEAD_BYTES, check_model
 from taskgist.world.bodies.human import HumanSize, human_mjcf
 from taskgist.world.bodies.markup import asking_mujoco, parse_markup
 from taskgist.world.bodies.mending import made_of, solid_meshes, thicken_flat_meshes
-from taskgist.world.bodies.meshes import flat_name, keep_file
+from taskgist.world.bodies.meshes import flat_name, keep_file, readable_mesh
 from taskgist.world.bodies.mjcf import from_files, from_folder, read_mjcf
 from taskgist.world.bodies.profile import AgentProfile, Arm
 from taskgist.world.bodies.urdf import Shapes, read_urdf
@@ -344,19 +344,23 @@ def add_spec(
     given = dict(spec.assets)
     kept: dict[str, bytes] = {}
 
-    def keep(name: str, below: str) -> str:
-        if not name:
-            return name
-        data = given.get(name)
-        if data is None:
-            path = folder / below / name
-            data = read_file(path, named_by=where, most_bytes=limits.mesh_bytes, setting="mesh_bytes")
-        flat = keep_file(files, name.replace("/", "_"), bytes(data))
+    def content(name: str) -> bytes:
+        if name in given:
+            return bytes(given[name])
+        path = folder / spec.meshdir / name
+        return read_file(path, named_by=where, most_bytes=limits.mesh_bytes, setting="mesh_bytes")
+
+    def keep(name: str, data: bytes) -> str:
+        flat = keep_file(files, name.replace("/", "_"), data)
         kept[flat] = files[flat]
         return flat
 
-    for asset in (*spec.meshes, *spec.hfields, *spec.skins):
-        asset.file = keep(asset.file, spec.meshdir)
+    for mesh in (each for each in spec.meshes if each.file):
+        data, ending = readable_mesh(content(mesh.file), mesh.file, where=where, kind=mesh.content_type, limits=limits)
+        mesh.file = keep(mesh.file + ending, data)
+        mesh.content_type = "" if ending else mesh.content_type
+    for asset in (each for each in (*spec.hfields, *spec.skins) if each.file):
+        asset.file = keep(asset.file, content(asset.file))
     for material in spec.materials:
         material.textures = [""] * len(material.textures)
     for texture in list(spec.textures):  # which nothing here looks at

@@ -100,7 +100,7 @@ UNEXPANDED = ("${", "$(")
 
 def _check_complete(robot: Element, where: str | Path) -> None:
     """Refuse what is no description of a robot yet: xacro that is not expanded, SRDF, or a document without links."""
-    name = Path(where).name
+    name = str(where).rpartition(": ")[2]
     for element in robot.iter():
         expressions = [value for value in element.attrib.values() if any(mark in value for mark in UNEXPANDED)]
         if element.tag.startswith("xacro:") or expressions:
