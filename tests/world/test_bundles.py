@@ -64,6 +64,7 @@ def test_images_are_left_out_whether_they_are_there_or_not(tmp_path: Path) -> No
     material = spec.add_material(name="oak", rgba=(0.6, 0.4, 0.2, 0.9))
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "wood"
     spec.worldbody.add_geom(size=(0.1, 0, 0), material="oak")
+    spec.add_skin(name="glove", file="glove.skn")
     spec.modelfiledir = str(tmp_path)
     scene = Scene.from_spec(spec)
     assert set(scene.bundle) == {"scene.toml", "room.xml"}

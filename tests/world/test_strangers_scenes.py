@@ -58,7 +58,6 @@ def hostile(secret: Path) -> Iterator[tuple[str, dict[str, bytes]]]:
         ),
     )
     yield "height field", room(f"<asset><hfield name='h' file='{image}' size='1 1 1 1'/></asset>")
-    yield "skin", room(f"<deformable><skin name='s' file='{mesh}'/></deformable>")
     flex = f"<flexcomp name='f' type='mesh' dim='2' file='{mesh}'/>"
     yield "flexible mesh", room(f"<worldbody><body name='b'>{flex}</body></worldbody>")
     for name in (inner, os.path.relpath(inner, Path.cwd()), f"file://{inner}"):
@@ -85,8 +84,9 @@ def hostile(secret: Path) -> Iterator[tuple[str, dict[str, bytes]]]:
         yield f"model {name}", room("") | files | {"scene.toml": (SCENE + PROFILE_OF.format("human")).encode()}
 
 
-def textured(image: Path) -> Iterator[dict[str, bytes]]:
-    """Scenes whose textures name a file in a folder."""
+def decorated(image: Path) -> Iterator[dict[str, bytes]]:
+    """Scenes whose textures and skins name a file in a folder."""
+    yield room(f"<deformable><skin name='s' file='{image}'/></deformable>")
     yield room(f"<asset><texture name='t' type='2d' file='{image}'/><material name='m' texture='t'/></asset>")
     yield room(f"<asset><texture name='t' type='cube' fileright='{image}'/></asset>")
     asset = f"<asset><texture name='t' type='2d' file='{image.name}'/></asset>"
@@ -143,7 +143,7 @@ def test_nothing_outside_of_a_strangers_scene_is_opened(secret: Path) -> None:
         with pytest.raises(InputError):
             Scene.from_bundle(bundle)
         assert not opened(), what
-    for bundle in textured(secret / "image.png"):
+    for bundle in decorated(secret / "image.png"):
         assert Scene.from_bundle(bundle).model.ntex == 0, "nothing here looks at images"
         assert not opened()
 

@@ -140,7 +140,7 @@ class _Gathered:
             trail: The documents that led to it.
         """
         origins = self._include(root, folder)
-        _drop_textures(root)
+        _drop_looks(root)
         check_values(root, where=self.where)
         for element in root.iter():
             for key, pixels in _asked(element):
@@ -282,12 +282,12 @@ def _directories(root: Element) -> _Directories:
     return _Directories(meshes, said.get("strippath", "").lower() == "true")
 
 
-def _drop_textures(root: Element) -> None:
-    """Take out images, and what shows them: nothing here looks at them, and they may be missing, or large."""
+def _drop_looks(root: Element) -> None:
+    """Take out images, what shows them, and skins: nothing here looks at them, and they may be missing, or large."""
     for parent in list(root.iter()):
         parent.attrib.pop("texture", None)
         for each in list(parent):
-            if each.tag in ("texture", "layer") or each.get("objtype") == "texture":
+            if each.tag in ("texture", "layer", "skin") or each.get("objtype") == "texture":
                 parent.remove(each)
 
 

@@ -359,12 +359,12 @@ def add_spec(
         data, ending = readable_mesh(content(mesh.file), mesh.file, where=where, kind=mesh.content_type, limits=limits)
         mesh.file = keep(mesh.file + ending, data)
         mesh.content_type = "" if ending else mesh.content_type
-    for asset in (each for each in (*spec.hfields, *spec.skins) if each.file):
-        asset.file = keep(asset.file, content(asset.file))
+    for field in (each for each in spec.hfields if each.file):
+        field.file = keep(field.file, content(field.file))
     for material in spec.materials:
         material.textures = [""] * len(material.textures)
-    for texture in list(spec.textures):  # which nothing here looks at
-        spec.delete(texture)
+    for looks in (*spec.textures, *spec.skins):  # which nothing here looks at
+        spec.delete(looks)
     spec.assets = kept
     spec.meshdir = spec.texturedir = ""
     files[key] = _xml(spec, files, where)
