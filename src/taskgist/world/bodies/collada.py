@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.markup import parse_markup
@@ -134,9 +134,7 @@ def _input(element: Element, semantic: str) -> Element:
 def _corners(primitive: Element, points: dict[str, Array], most: int) -> Array:
     vertex = _input(primitive, "VERTEX")
     offsets = [_natural(each.get("offset", "0")) for each in primitive.findall("input")]
-    loops = _loops(primitive, 1 + max(offsets), _natural(vertex.get("offset", "0")), most)
-    fans = [(loop[0], loop[k], loop[k + 1]) for loop in loops for k in range(1, len(loop) - 1)]
-    indices = np.array(fans, dtype=int).reshape(-1, 3)
+    indices = _fans(primitive, 1 + max(offsets), _natural(vertex.get("offset", "0")), most)
     if indices.size and indices.min() < 0:
         raise ValueError("it names a corner before the first")
     return np.asarray(points[vertex.get("source", "")][indices])
@@ -153,17 +151,22 @@ MOST_INPUTS = 64
 """Numbers for each corner of a polygon: position, normal, texture and so on."""
 
 
-def _loops(primitive: Element, width: int, offset: int, most: int) -> list[list[int]]:
-    """Indices of the points around each polygon."""
+def _fans(primitive: Element, width: int, offset: int, most: int) -> Indices:
+    """Indices of the points of each triangle, (n, 3); polygons are cut into fans."""
     runs = [_numbers(p, int, most)[offset::width] for p in primitive.findall("p")]
-    if primitive.tag == "polygons":
-        return [list(run) for run in runs]
     indices = np.concatenate(runs or [np.empty(0, dtype=int)])
-    counts = primitive.find("vcount")
-    if primitive.tag == "triangles" or counts is None:
-        return [list(each) for each in indices.reshape(-1, 3)]
-    ends = np.cumsum(_numbers(counts, int, most))
-    return [list(each) for each in np.split(indices, ends[:-1])]
+    listed = primitive.find("vcount")
+    if primitive.tag == "polygons":
+        counts = np.array([len(run) for run in runs], dtype=int)
+    elif primitive.tag == "triangles" or listed is None:
+        return indices.reshape(-1, 3)
+    else:
+        counts = _numbers(listed, int, most)
+    if (counts == 3).all():
+        return indices.reshape(-1, 3)
+    loops = np.split(indices, np.cumsum(counts)[:-1])
+    fans = [(loop[0], loop[k], loop[k + 1]) for loop in loops for k in range(1, len(loop) - 1)]
+    return np.array(fans, dtype=int).reshape(-1, 3)
 
 
 def _floats(element: Element | None, most: int = 16) -> Array:
