@@ -22,7 +22,7 @@ BOARD = np.array(
 
 def obj(mesh: Mesh) -> bytes:
     vertices, faces = mesh
-    lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in vertices] + [f"f {a} {b} {c}" for a, b, c in faces + 1]
+    lines = [f"v {x:.10g} {y:.10g} {z:.10g}" for x, y, z in vertices] + [f"f {a} {b} {c}" for a, b, c in faces + 1]
     return "\n".join(lines).encode()
 
 

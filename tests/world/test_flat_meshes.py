@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, overlaps, support_of
 from tests import meshes
@@ -109,6 +110,23 @@ def test_a_wall_without_thickness_hides(capfd: pytest.CaptureFixture[str], tmp_p
     hits, _ = Stage(scene).cast((0.0, 0.0, 1.0), [(1.0, 0.0, 0.0)])
     assert scene.owners[hits[0]] == "wall"
     assert Scene.from_bundle(scene.bundle).bundle == scene.bundle
+    assert capfd.readouterr() == ("", "")
+
+
+NEEDLE: Mesh = (np.array([(0, 0, 0), (1, 0, 0), (2, 1e-9, 0), (3, 0, 1e-9)]), np.array([(0, 1, 2), (0, 2, 3)]))
+
+
+@pytest.mark.parametrize(
+    ("mesh", "says"),
+    [(NEEDLE, "a mesh that is a line"), ((SQUARE[0] * 1e9, SQUARE[1]), r"a mesh that is 1e\+09 m long")],
+)
+def test_of_what_no_hull_can_be_made_is_told_once(
+    mesh: Mesh, says: str, capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    for name, content in meshes.mesh_files(meshes.body("it", "it", (0, 0, 1), free=False), it=mesh).items():
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(SceneError, match=rf"room\.xml: mesh 'it': {says}"):
+        Scene.load(tmp_path / "scene.toml")
     assert capfd.readouterr() == ("", "")
 
 

@@ -223,6 +223,9 @@ def asking_mujoco(problem: str, where: str | Path) -> Iterator[None]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of attributes that will be gone, and of what it discards
             yield
+    except SceneError as error:
+        error.where = error.where or str(where)
+        raise
     except Exception as error:  # of several kinds, and whatever its C++ throws on strange models
         told = "; ".join(filter(None, map(str.strip, str(error).splitlines()))) or type(error).__name__
         raise SceneError(f"{problem} {told}", where=where) from error

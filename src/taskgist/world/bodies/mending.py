@@ -15,8 +15,9 @@ import mujoco
 import numpy as np
 
 from taskgist.common.arrays import Array
+from taskgist.errors import SceneError
 from taskgist.world.bodies.meshes import keep_file
-from taskgist.world.geometry.pieces import Piece, is_flat, merged, mesh_of, pieces, thickened
+from taskgist.world.geometry.pieces import Piece, is_flat, is_line, merged, mesh_of, pieces, thickened
 
 LEAST_MASS_KG, LEAST_INERTIA_KG_M2 = 1e-6, 1e-9
 """What a body without mass gets: the least that MuJoCo lets move."""
@@ -61,6 +62,8 @@ def has_mass(body: mujoco.MjsBody) -> bool:
 
 # --- Meshes without thickness.
 
+FARTHEST_M = 1e6
+"""Longest mesh: of longer ones, the library that makes hulls complains on the terminal."""
 SHELL = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
 COPIED = ("name", "file", "content_type", "scale", "refpos", "refquat", "uservert", "userface")
 """What makes the corners and triangles of a mesh."""
@@ -74,8 +77,17 @@ def thicken_flat_meshes(spec: mujoco.MjSpec, files: dict[str, bytes], names: Col
         spec: The model, with all of its files as ``assets``; changed.
         files: The bundle, to which the new meshes are added.
         names: The meshes that are looked at.
+
+    Raises:
+        SceneError: A mesh is a line, or too long for hulls to be made of it.
     """
     for mesh, piece in _looked_at(spec, names):
+        extent_m, field = float(np.ptp(piece.vertices, axis=0).max()), f"mesh {str(mesh.name)!r}"
+        if not extent_m <= FARTHEST_M:
+            hint = "lengths are in metres: check its corners, and its scale"
+            raise SceneError(f"a mesh that is {extent_m:.3g} m long", field=field, hint=hint)
+        if is_line(piece):
+            raise SceneError("a mesh that is a line, without any area", field=field, hint="make it a thin capsule")
         if _has_no_volume(piece):
             _replace(mesh, piece, spec, files)
 

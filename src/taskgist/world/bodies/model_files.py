@@ -373,8 +373,12 @@ def add_spec(
 def _xml(spec: mujoco.MjSpec, files: dict[str, bytes], where: str) -> bytes:
     for problem in size_problems(spec, where):
         raise problem
-    with asking_mujoco("MuJoCo cannot read this model:", where):
+    try:
         thicken_flat_meshes(spec, files, solid_meshes(spec))  # before the library that makes hulls sees them
+    except SceneError as error:
+        error.where = where
+        raise
+    with asking_mujoco("MuJoCo cannot read this model:", where):
         return str(made_of(spec, files, mujoco.MjSpec.to_xml)).encode()
 
 

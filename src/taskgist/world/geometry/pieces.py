@@ -87,22 +87,31 @@ SHEET_M = 0.001
 
 def is_flat(piece: Piece) -> bool:
     """Whether a piece has no inside."""
-    return thickness_m(piece.vertices) < max(FLAT_M, FLAT_SHARE * float(np.ptp(piece.vertices, axis=0).max()))
+    return bool(_extents_m(piece.vertices)[0] < _negligible_m(piece))
+
+
+def is_line(piece: Piece) -> bool:
+    """Whether a piece has no area."""
+    return bool(_extents_m(piece.vertices)[1] < _negligible_m(piece))
+
+
+def _negligible_m(piece: Piece) -> float:
+    return max(FLAT_M, FLAT_SHARE * float(np.ptp(piece.vertices, axis=0).max()))
 
 
 def is_sheet(piece: Piece) -> bool:
     """Whether a piece is no thicker than what was flat and has been thickened."""
-    return thickness_m(piece.vertices) < 1.1 * SHEET_M
+    return bool(_extents_m(piece.vertices)[0] < 1.1 * SHEET_M)
 
 
-def thickness_m(points: Array) -> float:
-    """How far points, (n, 3), extend across the plane that fits them best, metres."""
-    return float(np.ptp(points @ _across(points)))
+def _extents_m(points: Array) -> Array:
+    """How far points, (n, 3), extend along their principal axes, the thinnest first, metres, (3,)."""
+    return np.asarray(np.ptp(points @ _axes(points), axis=0))
 
 
-def _across(points: Array) -> Array:
-    """Unit normal of the plane that fits points best, (3,)."""
-    return np.asarray(np.linalg.eigh(np.cov(points.T, bias=True))[1][:, 0])
+def _axes(points: Array) -> Array:
+    """Principal axes of points as columns, (3, 3): the first is the normal of the plane that fits them best."""
+    return np.asarray(np.linalg.eigh(np.cov(points.T, bias=True))[1])
 
 
 def thickened(piece: Piece, *, front_m: float = SHEET_M / 2) -> Piece:
@@ -113,7 +122,7 @@ def thickened(piece: Piece, *, front_m: float = SHEET_M / 2) -> Piece:
         front_m: How far the front comes forward; the rest of the thickness lies behind.
     """
     normals = np.cross(piece.corners[:, 1] - piece.corners[:, 0], piece.corners[:, 2] - piece.corners[:, 0])
-    across = _across(piece.vertices)
+    across = _axes(piece.vertices)[:, 0]
     ahead = normals @ across
     front = across if ahead.sum() >= 0 else -across
     faces = np.where((normals @ front < 0)[:, None], piece.faces[:, ::-1], piece.faces)[ahead != 0]
