@@ -22,7 +22,7 @@ BOARD = np.array(
 
 def obj(mesh: Mesh) -> bytes:
     vertices, faces = mesh
-    lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in vertices] + [f"f {a} {b} {c}" for a, b, c in faces + 1]
+    lines = [f"v {x:.10g} {y:.10g} {z:.10g}" for x, y, z in vertices] + [f"f {a} {b} {c}" for a, b, c in faces + 1]
     return "\n".join(lines).encode()
 
 
@@ -33,6 +33,20 @@ def stl(mesh: Mesh) -> bytes:
     triangles = np.zeros(len(faces), dtype=record)
     triangles["corners"] = vertices[faces]
     return bytes(80) + np.array([len(faces)], dtype="<u4").tobytes() + triangles.tobytes()
+
+
+def dae(mesh: Mesh) -> bytes:
+    """COLLADA of one geometry, in metres."""
+    vertices, faces = mesh
+    numbers = " ".join(f"{number:.9g}" for number in vertices.ravel())
+    source = f'<source id="p"><float_array id="a" count="{vertices.size}">{numbers}</float_array></source>'
+    corners = '<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>'
+    indices = f'<input semantic="VERTEX" source="#v" offset="0"/><p>{" ".join(map(str, faces.ravel()))}</p>'
+    shape = f'<mesh>{source}{corners}<triangles count="{len(faces)}">{indices}</triangles></mesh>'
+    geometries = f'<library_geometries><geometry id="g">{shape}</geometry></library_geometries>'
+    node = '<visual_scene id="s"><node><instance_geometry url="#g"/></node></visual_scene>'
+    scenes = f'<library_visual_scenes>{node}</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene>'
+    return f'<COLLADA version="1.4.1"><asset><unit meter="1"/></asset>{geometries}{scenes}</COLLADA>'.encode()
 
 
 def joined(*meshes: Mesh) -> Mesh:
@@ -108,12 +122,17 @@ def shelf() -> Mesh:
     return joined(*boards, *sides, board((0.21, 0, 1.01), (0.01, 0.16, 0.23)))
 
 
-def mesh_scene(bodies: str, agents: str = "", files: dict[str, bytes] | None = None, **meshes: Mesh) -> Scene:
-    """A room with bodies that use meshes by name; ``files`` come in addition."""
+def mesh_files(bodies: str, agents: str = "", /, **meshes: Mesh) -> dict[str, bytes]:
+    """The files of a room with bodies that use meshes by name."""
     assets = "".join(f'<mesh name="{name}" file="{name}.obj"/>' for name in meshes)
     room = f"<mujoco><asset>{assets}</asset><worldbody>{FLOOR}{bodies}</worldbody></mujoco>"
     texts = {"scene.toml": f'[scene]\nmodel = "room.xml"\n{agents}'.encode(), "room.xml": room.encode()}
-    return Scene.from_bundle({**texts, **{f"{name}.obj": obj(mesh) for name, mesh in meshes.items()}, **(files or {})})
+    return {**texts, **{f"{name}.obj": obj(mesh) for name, mesh in meshes.items()}}
+
+
+def mesh_scene(bodies: str, agents: str = "", files: dict[str, bytes] | None = None, **meshes: Mesh) -> Scene:
+    """A room with bodies that use meshes by name; ``files`` come in addition."""
+    return Scene.from_bundle({**mesh_files(bodies, agents, **meshes), **(files or {})})
 
 
 def body(name: str, mesh: str, place: tuple[float, float, float], *, free: bool = True) -> str:

@@ -69,8 +69,6 @@ def test_what_cannot_be_taken_apart_is_spoiled_all_the_same() -> None:
         ("many", "many.toml", "shapes/a/m.obj", "shapes/a_m.obj"),
         ("many", "many.toml", "shapes/R_a.obj", "a.obj"),
         ("many", "many.toml", "a.obj", "shapes/R_a.obj"),
-        ("many", "many.toml", "colours/a/m.png", "colours/a_m.png"),
-        ("many", "many.toml", "colours/m.obj", "colours/m.png"),
         ("many", "many.toml", "shapes/hills.png", "colours/m.png"),
         ("composed", "room.toml", "shelf.obj", "wedge.obj"),
         ("composed", "room.toml", "m.stl", "a/m.stl"),

@@ -23,12 +23,13 @@ from numpy.typing import NDArray
 
 from taskgist.world.bodies.model_files import builtin_models, find_file, is_urdf
 from taskgist.world.geometry.convex import PART
+from taskgist.world.geometry.pieces import SHEET_M
 from taskgist.world.scene import Scene
 
 Check = Callable[[tuple[str, ...]], Callable[[], str]]
-Content = NDArray[np.float64] | NDArray[np.uint8]
-TOLERANCE = 1e-4
-"""Numbers of a file are written anew: in a bundle, and by MuJoCo."""
+Content = NDArray[np.float64]
+TOLERANCE = 1.1 * SHEET_M
+"""Numbers of a file are written anew, in a bundle and by MuJoCo, and what is flat gets a thickness."""
 
 
 # --- Scenes: no file takes another's place.
@@ -38,7 +39,7 @@ TOLERANCE = 1e-4
 
 
 def own_files(command: tuple[str, ...]) -> Callable[[], str]:
-    """Whether each mesh, image and height field of a scene is what its own file says."""
+    """Whether each mesh and height field of a scene is what its own file says."""
 
     def wrong() -> str:
         path = Path(next(word for word in command if word.endswith(".toml")))
@@ -117,7 +118,7 @@ def _wrong_asset(whole: mujoco.MjModel, model: ModelFile) -> str:
 
 
 def _assets(model: mujoco.MjModel) -> dict[tuple[str, str], Content]:
-    """What a model has of files, by kind and name: boxes of meshes, heights, pixels."""
+    """What a model has of files, by kind and name: boxes of meshes, heights."""
     found: dict[tuple[str, str], Content] = {}
     for i in range(model.nmesh):
         found["mesh", model.mesh(i).name] = _box(model, i)
@@ -126,10 +127,6 @@ def _assets(model: mujoco.MjModel) -> dict[tuple[str, str], Content]:
         found["hfield", model.hfield(i).name] = model.hfield_data[
             start : start + model.hfield_nrow[i] * model.hfield_ncol[i]
         ]
-    for i in range(model.ntex):
-        start = model.tex_adr[i]
-        size = model.tex_height[i] * model.tex_width[i] * model.tex_nchannel[i]
-        found["texture", model.texture(i).name] = model.tex_data[start : start + size]
     return found
 
 

@@ -372,6 +372,35 @@ MESHED_ROBOT_XML = ROBOT_XML.replace(
 ).replace('<geom type="sphere" size="0.08"/>', '<geom type="mesh" mesh="a"/>')
 
 
+FLAT_TOML = """[scene]
+model = "flat.xml"
+[agents.P1]
+position_m = [-1.0, 0.0]
+[agents.R]
+profile = "robot.toml"
+position_m = [0.0, 1.4]
+"""
+FLAT_XML = """<mujoco>
+  <asset>
+    <mesh name="floor" file="square.obj" scale="8 8 8"/>
+    <mesh name="poster" file="poster.stl"/>
+    <mesh name="ball" file="ball.ply"/>
+    <texture name="missing" type="2d" file="nowhere.png"/>
+    <material name="paper" texture="missing" rgba="1 1 0.9 1"/>
+  </asset>
+  <worldbody>
+    <geom name="floor" type="mesh" mesh="floor"/>
+    <body name="wall" pos="1 0 1" euler="0 90 0"><geom type="mesh" mesh="poster" material="paper"/></body>
+    <body name="cloth" pos="0.4 0.3 0.7"><freejoint/><geom type="mesh" mesh="floor" contype="0" conaffinity="0"/></body>
+    <body name="cup" pos="0.3 0 0.7"><freejoint/><geom type="mesh" mesh="ball"/></body>
+  </worldbody>
+</mujoco>
+"""
+EXPANDED_URDF = ROBOT_URDF.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"').replace(
+    '<visual><geometry><mesh filename="package://robot/a/m.stl"/>', '<visual><geometry><box size="0.2 0.3 0"/>'
+)
+
+
 def rooms() -> dict[str, dict[str, bytes]]:
     """Files of rooms and their robots, by what they are for."""
     robot = {"robot.toml": ROBOT_TOML.encode(), "robot.xml": ROBOT_XML.encode()}
@@ -418,6 +447,17 @@ def rooms() -> dict[str, dict[str, bytes]]:
             "arm.xml": GRIPPER_XML.encode(),
             "arm.urdf": GRIPPER_URDF.encode(),
         },
+        "flat": {
+            "flat.toml": FLAT_TOML.encode(),
+            "flat.xml": FLAT_XML.encode(),
+            "square.obj": obj(square()),
+            "poster.stl": stl_text(square()),
+            "ball.ply": ply(prism()),
+            "robot.toml": ROBOT_URDF_TOML.encode(),
+            "robot.urdf": EXPANDED_URDF.encode(),
+            "a_m.stl": stl(prism()),
+            "a/m.stl": stl(square()),
+        },
         "counted": {"room.toml": COUNTED_TOML.encode(), "room.xml": COUNTED_XML.encode()},
         "many": {
             "many.toml": MANY_TOML.encode(),
@@ -454,6 +494,11 @@ def prism(height_m: float = 0.1) -> Mesh:
     return _walls(ring, height_m, ends)
 
 
+def square() -> Mesh:
+    """A square without thickness."""
+    return [(-0.1, -0.1, 0), (0.1, -0.1, 0), (0.1, 0.1, 0), (-0.1, 0.1, 0)], [(0, 1, 2), (0, 2, 3)]
+
+
 def bracket() -> Mesh:
     """An L upright: concave, so that it is cut into convex parts."""
     ring = [(0.04 * x, 0.04 * y) for x, y in ((0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2))]
@@ -480,6 +525,24 @@ def stl(mesh: Mesh) -> bytes:
     triangles = np.zeros(len(faces), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
     triangles["corners"] = np.array(vertices)[np.array(faces)]
     return bytes(80) + np.array([len(faces)], dtype="<u4").tobytes() + triangles.tobytes()
+
+
+def stl_text(mesh: Mesh) -> bytes:
+    """The mesh as STL that is text."""
+    vertices, faces = mesh
+    loops = ("\n".join("vertex {:g} {:g} {:g}".format(*vertices[corner]) for corner in face) for face in faces)
+    facets = (f"facet normal 0 0 1\nouter loop\n{loop}\nendloop\nendfacet" for loop in loops)
+    return "\n".join(["solid a", *facets, "endsolid a"]).encode()
+
+
+def ply(mesh: Mesh) -> bytes:
+    """The mesh as binary PLY."""
+    vertices, faces = mesh
+    head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]
+    head += [f"property float {axis}" for axis in "xyz"]
+    head += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
+    corners = np.array(vertices, dtype="<f4").tobytes()
+    return "\n".join(head).encode() + corners + b"".join(struct.pack("<B3i", 3, *face) for face in faces)
 
 
 def dae(mesh: Mesh) -> bytes:

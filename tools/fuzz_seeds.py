@@ -93,6 +93,10 @@ IN_COMPOSED: tuple[Command, ...] = (
     ("query", "room.toml", "--agent", "P1", "--object", "stone", "--ability", "reach", "--json"),
     ("query", "room.toml", "--agent", "P1", "--object", "tray", "--ability", "see"),
 )
+IN_FLAT: tuple[Command, ...] = (
+    ("query", "flat.toml", "--agent", "P1", "--object", "cup", "--ability", "see"),
+    ("query", "flat.toml", "--agent", "P1", "--object", "cloth", "--ability", "reach", "--json"),
+)
 CHECK_ROBOT: Command = ("agent", "check", "robot.toml")
 CHECK_ARM: Command = ("agent", "check", "arm.toml")
 DRAFTED: tuple[Command, ...] = (
@@ -124,6 +128,8 @@ def _room_seeds() -> tuple[Seed, ...]:
         Seed("mesh", urdf, ("part.stl", "part.dae"), IN_URDF),
         Seed("mesh", crowded, crowded_meshes, IN_CROWDED, check=own_files),
         Seed("mesh", many, many_files, IN_MANY, check=own_files),
+        Seed("flat", room["flat"], ("square.obj", "poster.stl", "ball.ply"), IN_FLAT),
+        Seed("flat", room["flat"], ("flat.xml", "robot.urdf", "a/m.stl"), (*IN_FLAT, CHECK_ROBOT)),
         Seed("concave", hollow, ("room.xml", "room.toml"), (ASK_MUG,)),
         Seed("concave", room["concave"], ("part.stl", "part.dae", "room.urdf"), IN_URDF),
         Seed("profile", plain, ("robot.toml",), (CHECK_ROBOT, ASK_BOX, ASK_WHY)),

@@ -359,7 +359,7 @@ class Limits:
     document_bytes: int = 64 * 2**20
     """Largest text document that is read: scene, profile, mapping, model, facts."""
     bundle_bytes: int = 512 * 2**20
-    """Scene files of a recording together: models, meshes, textures."""
+    """Scene files of a recording together: models, meshes, height fields."""
     toml_bytes: int = 4 * 2**20
     """Largest TOML document: scene, profile, mapping; a second or two are spent on a mebibyte."""
     model_elements: int = 30_000
@@ -369,11 +369,15 @@ class Limits:
     model_depth: int = 200
     """How deep the elements of a document, or the links of a robot, hang one below the other."""
     mesh_bytes: int = 128 * 2**20
-    """Largest mesh, texture or height field in a file: one of 2.5 million triangles in STL."""
+    """Largest mesh or height field in a file: one of 2.5 million triangles in STL."""
     mesh_faces: int = 1_000_000
     """Triangles of a mesh; scans for robots have up to 200,000."""
-    texture_pixels: int = 150_000_000
-    """Pixels of all textures and height fields of a model together: nine of 4,096 × 4,096."""
+    mesh_parts: int = 1_000
+    """Convex parts of a concave mesh; ordinary ones have up to 200. What has more collides as its convex hull."""
+    cutting_s: float = 120.0
+    """Time for cutting the concave meshes of a scene, once; most take 2 to 6 s each. The rest collide as hulls."""
+    hfield_pixels: int = 150_000_000
+    """Pixels of all height fields of a model together: nine of 4,096 × 4,096."""
     array_length: int = 1_000_000
     """Numbers that a model asks MuJoCo to make room for in one place."""
     arena_bytes: int = 2**30

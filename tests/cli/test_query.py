@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -10,7 +12,8 @@ from taskgist.language.efforts import why
 from taskgist.perspective import ABILITIES, EFFORT_NAMES
 from taskgist.perspective.scene_efforts import SceneEfforts
 from taskgist.world import Scene, Stage
-from tests.cli.running import refusal, run, run_json
+from tests import meshes
+from tests.cli.running import Result, refusal, run, run_json
 from tests.shipped import PATHS
 
 ROOM = """<mujoco><worldbody>
@@ -135,3 +138,18 @@ def test_a_moment_of_a_recording() -> None:
 )
 def test_questions_that_are_refused(room: Path, line: str, message: str) -> None:
     assert message in refusal(f"query room.toml {line}", room)
+
+
+def test_what_is_coarse_in_a_scene_is_told_beside_the_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "coacd", None)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    bodies = meshes.body("bin", "bin", (1, 0, 0), free=False) + meshes.body("cup", "cup", (0.5, 0, 1))
+    cup = meshes.board((0, 0, 0), (0.03, 0.03, 0.05))
+    files = meshes.mesh_files(bodies, "[agents.P1]", bin=meshes.shell_bin(), cup=cup)
+    for name, content in files.items():
+        (tmp_path / name).write_bytes(content)
+    result = Result(f"query {tmp_path / 'scene.toml'} --object cup --ability see --json")
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["efforts"][0]["object"] == "cup"
+    note = "note: mesh 'bin' is concave, but the convex hull is taken: nothing fits into hollows"
+    assert result.stderr == f"{note} (to mend: pip install coacd)\n"

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
-from PIL import Image
 
 from taskgist.world import Scene
 from taskgist.world.bodies.model_files import add_model, read_model
@@ -58,16 +56,52 @@ def test_meshes_of_a_specification_are_as_many_as_it_has() -> None:
     assert radii(Scene.from_spec(spec).model) == pytest.approx(list(meshes.values()))
 
 
-def test_all_faces_of_a_cube_texture_of_a_specification_are_in_the_bundle(tmp_path: Path) -> None:
+def test_images_are_left_out_whether_they_are_there_or_not(tmp_path: Path) -> None:
     spec = mujoco.MjSpec()
     texture = spec.add_texture(name="sky", type=mujoco.mjtTexture.mjTEXTURE_CUBE)
-    image = io.BytesIO()
-    Image.new("RGB", (2, 2)).save(image, "PNG")
     texture.cubefiles = [f"sky/{side}.png" for side in range(6)]
-    written(tmp_path, dict.fromkeys(texture.cubefiles, image.getvalue()))
+    spec.add_texture(name="wood", type=mujoco.mjtTexture.mjTEXTURE_2D, file="wood.png")
+    material = spec.add_material(name="oak", rgba=(0.6, 0.4, 0.2, 0.9))
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "wood"
+    spec.worldbody.add_geom(size=(0.1, 0, 0), material="oak")
+    spec.add_skin(name="glove", file="glove.skn")
     spec.modelfiledir = str(tmp_path)
     scene = Scene.from_spec(spec)
-    assert Scene.from_bundle(dict(scene.bundle)).model.ntex == 1
+    assert set(scene.bundle) == {"scene.toml", "room.xml"}
+    assert scene.model.mat_rgba[scene.model.geom_matid[0]] == pytest.approx((0.6, 0.4, 0.2, 0.9)), "colours stay"
+
+
+TEXTURED = """<mujoco><compiler texturedir="images"/>
+<default><default class="d"><material texture="t"/></default></default>
+<asset><texture name="t" type="2d" file="nowhere.png"/><texture type="skybox" builtin="flat" width="8" height="8"/>
+<material name="m" class="d" texture="t" rgba="1 0 0 1"/>
+<material name="n"><layer role="rgb" texture="t"/></material></asset>
+<custom><tuple name="all"><element objtype="texture" objname="t"/><element objtype="material" objname="m"/></tuple>
+</custom>
+<worldbody><geom size="1" material="m"/><geom size="1" material="n"/></worldbody></mujoco>"""
+
+
+def test_a_missing_texture_stops_no_scene(tmp_path: Path) -> None:
+    written(tmp_path, {"scene.toml": b'[scene]\nmodel = "room.xml"\n', "room.xml": TEXTURED.encode()})
+    model = Scene.load(tmp_path / "scene.toml").model
+    assert model.ntex == 0
+    assert model.mat_rgba[model.geom_matid[0]].tolist() == [1, 0, 0, 1]
+
+
+def test_meshes_of_an_attached_model_are_found_from_where_it_lies(tmp_path: Path) -> None:
+    outer = """<mujoco><asset><model name="shelf" file="sub/shelf.xml"/></asset><worldbody>
+    <frame pos="0 1 0"><attach model="shelf" body="shelf" prefix="a_"/></frame></worldbody></mujoco>"""
+    inner = """<mujoco><asset><mesh name="p" file="parts/p.stl"/></asset><worldbody>
+    <body name="shelf"><geom type="mesh" mesh="p"/></body></worldbody></mujoco>"""
+    texts = {
+        "scene.toml": b'[scene]\nmodel = "room.xml"\n',
+        "room.xml": outer.encode(),
+        "sub/shelf.xml": inner.encode(),
+    }
+    written(tmp_path, {**texts, "sub/parts/p.stl": stl(octahedron(SMALL))})
+    scene = Scene.load(tmp_path / "scene.toml")
+    assert scene.bodies == ("a_shelf",)
+    assert radii(scene.model) == pytest.approx([SMALL])
 
 
 def test_a_robot_and_a_room_and_another_robot_keep_their_own_meshes(tmp_path: Path) -> None:

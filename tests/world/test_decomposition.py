@@ -4,18 +4,20 @@ import logging
 import pickle
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from taskgist.errors import SceneError
-from taskgist.settings import DEFAULT
+from taskgist.settings import DEFAULT, Limits
 from taskgist.world import Scene, Stage, container_of, overlaps, support_of
 from taskgist.world.geometry import coacd_process
-from taskgist.world.geometry.convex import Piece, cache_folder, is_hollow, joined, pieces, read_parts
+from taskgist.world.geometry.convex import cache_folder, read_parts
+from taskgist.world.geometry.pieces import Piece, is_hollow, joined, pieces
 from tests import meshes
-from tests.meshes import Mesh, mesh_scene
+from tests.meshes import Mesh, mesh_files, mesh_scene
 
 BALL = '<body name="ball" pos="0 0 {}"><freejoint/><geom type="sphere" size="0.03"/></body>'
 CONTACT = DEFAULT.contact
@@ -97,8 +99,13 @@ def test_without_coacd_the_hull_collides_and_a_warning_names_mesh_and_remedy(
         scene = with_bin(FLOOR_M + RADIUS_M)
     assert "mesh 'bin' is concave" in caplog.text
     assert "pip install coacd" in caplog.text
-    assert parts_of(scene) == []
+    assert len(only_parts_of(scene)) == 1
     assert ("ball", "bin") in overlaps(Stage(scene), deeper_than_m=0.01)
+    assert not list(tmp_path.rglob("parts-*")), "the next time, CoACD may be there"
+    monkeypatch.undo()
+    again = Scene.from_bundle(scene.bundle)
+    assert again.bundle == scene.bundle, "a scene in a recording is the same everywhere"
+    assert caplog.text.count("mesh 'bin' is concave") == 2
 
 
 def test_damaged_parts_are_refused_by_name() -> None:
@@ -210,7 +217,7 @@ def test_pieces_are_found_whatever_the_order_of_triangles_and_which_way_they_fac
     count = int(rng.integers(2, 6))
     apart = [meshes.board((i, 0, 0), tuple(rng.uniform(0.05, 0.4, 3))) for i in range(count)]
     vertices, faces = meshes.joined(*((v, f[:, ::-1] if rng.integers(2) else f) for v, f in apart))
-    found = pieces(joined(vertices, rng.permutation(faces)))
+    found = pieces(joined(Piece(vertices, rng.permutation(faces))))
     assert len(found) == count
     assert all(piece.is_closed for piece in found)
     volumes = sorted(float(np.linalg.det(piece.corners).sum()) / 6 for piece in found)
@@ -246,7 +253,7 @@ def test_where_coacd_comes_to_no_end_cells_part_the_mesh_and_a_warning_says_so(
         monkeypatch.setattr(coacd_process, "__file__", str(tmp_path / "missing.py"))
     with caplog.at_level(logging.WARNING, "taskgist.world"):
         scene = with_bin(FLOOR_M + RADIUS_M)
-    assert "mesh 'bin' is parted by the cells of a grid" in caplog.text
+    assert "mesh 'bin' is concave, and parted by the cells of a grid" in caplog.text
     assert ("ball", "bin") not in overlaps(Stage(scene), deeper_than_m=0.01)
 
 
@@ -295,6 +302,54 @@ def test_more_large_triangles_than_cells_can_be_given_leave_the_hull(
     monkeypatch.setattr("taskgist.world.geometry.convex.PATCHES", 1_000)
     with caplog.at_level(logging.WARNING, "taskgist.world"):
         scene = mesh_scene(meshes.body("thing", "cup", (0, 0, 0)), cup=meshes.cup(around=999))
-    assert parts_of(scene) == []
-    assert "mesh 'cup' is concave, but taken for its convex hull" in caplog.text
+    assert len(only_parts_of(scene)) == 1
+    assert "mesh 'cup' is concave, but the convex hull is taken" in caplog.text
     assert "simplify it" in caplog.text
+
+
+def bins_in_a_room(count: int, *, limits: Limits) -> Scene:
+    """A scene of bins, each a little wider than the one before."""
+    bins: dict[str, Mesh] = {f"bin{i}": meshes.shell_bin((0.15 + i / 50, 0.1, 0.1)) for i in range(count)}
+    bodies = "".join(meshes.body(name, name, (i, 0, 0), free=False) for i, name in enumerate(bins))
+    return Scene.from_bundle(mesh_files(bodies, "", **bins), limits=limits)
+
+
+def test_meshes_are_cut_for_so_long_and_the_rest_are_hulls_until_the_next_time(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    with caplog.at_level(logging.WARNING, "taskgist.world"):
+        scene = bins_in_a_room(8, limits=replace(DEFAULT.limits, cutting_s=0.0))
+    first, *rest = [len(read_parts(scene.bundle[name])) for name in parts_of(scene)]
+    assert first > 1, "what takes too long even if it is the first is parted by cells, for all times"
+    assert rest == [1] * 7
+    alone, others = caplog.messages
+    assert alone.startswith("mesh 'bin0' is concave, and parted by the cells of a grid")
+    assert others.startswith(
+        "meshes 'bin1', 'bin2', 'bin3', 'bin4', 'bin5' and 2 more are concave, but the convex hull"
+    )
+    assert "limits.cutting_s" in others
+    (kept,) = tmp_path.rglob("parts-*")
+    assert kept.name == parts_of(scene)[0], "the next time, there is time again for the others"
+
+
+def test_a_mesh_of_more_parts_than_allowed_is_a_hull_and_keeps_its_parts_for_who_allows_more(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    bodies = meshes.body("shelf", "shelf", (0, 0, 0), free=False)
+    bundle = mesh_files(bodies, shelf=meshes.shelf())
+    with caplog.at_level(logging.WARNING, "taskgist.world"):
+        scene = Scene.from_bundle(bundle, limits=replace(DEFAULT.limits, mesh_parts=5))
+    assert len(scene.solid_geoms_of("shelf")) == 1
+    assert "mesh 'shelf' is concave, but the convex hull is taken: more than 5 parts" in caplog.text
+    assert len(Scene.from_bundle(scene.bundle).solid_geoms_of("shelf")) == 6
+
+
+def test_it_is_told_which_mesh_is_cut_of_how_many(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    with caplog.at_level(logging.INFO, "taskgist.world"):
+        bins_in_a_room(2, limits=replace(DEFAULT.limits, cutting_s=0.0))
+    cutting = [message for message in caplog.messages if message.startswith("cutting")]
+    assert cutting == [f"cutting concave meshes, once: 'bin{i}', {i + 1} of 2" for i in range(2)]

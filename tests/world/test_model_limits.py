@@ -16,8 +16,8 @@ import pytest
 from taskgist.errors import InputError, SceneError
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene
+from taskgist.world.bodies.collada import triangles_from_dae
 from taskgist.world.bodies.markup import parse_markup, written
-from taskgist.world.bodies.meshes import stl_from_dae
 from tests import meshes
 from tests.world.test_urdf import ROOM as URDF_ROOM
 from tests.world.test_urdf import dae
@@ -68,9 +68,8 @@ NOWHERE = bytes(80) + struct.pack("<I", 1) + struct.pack("<12f", *[0.0] * 8, np.
         (body('<composite type="cable" count="99999999 1 1" size="1"><geom size=".1"/></composite>'), "model_elements"),
         (body("<body>" * 250 + "</body>" * 250), r"nested too deep; at most 200 .*limits\.model_depth"),
         (body("<site/>" * 30_000), r"too many elements; at most 30,000 .*limits\.model_elements"),
-        ('<asset><texture name="t" builtin="flat" width="60000" height="60000"/></asset>', "width of <texture> 't'"),
-        ('<asset><hfield name="h" nrow="60000" ncol="60000" size="1 1 1 1"/></asset>', r"limits\.texture_pixels"),
-        ('<asset><texture name="t" type="2d" file="big.png"/></asset>', "900,000,000 pixels"),
+        ('<asset><hfield name="h" nrow="60000" ncol="60000" size="1 1 1 1"/></asset>', r"limits\.hfield_pixels"),
+        ('<asset><hfield name="h" file="big.png" size="1 1 1 1"/></asset>', "900,000,000 pixels"),
         ('<asset><mesh name="m" builtin="plate" params="20000 20000"/></asset>', "params of <mesh> 'm'"),
         ('<size memory="500G"/>', r"memory of <size>: asks for too much .*500G.*limits\.arena_bytes"),
         ('<size nuser_geom="2000000000"/>', r"limits\.array_length"),
@@ -180,14 +179,14 @@ def test_urdf_is_held_to_the_same(tmp_path: Path, right: str, wrong: str, says: 
 def test_collada_that_lies_is_refused(right: bytes, wrong: bytes, says: str) -> None:
     assert right in dae()
     with pytest.raises(SceneError, match=rf"part\.dae: .*{says}.*save it as STL or OBJ"):
-        stl_from_dae(dae().replace(right, wrong), "part.dae")
+        triangles_from_dae(dae().replace(right, wrong), "part.dae")
 
 
 def test_collada_that_multiplies_is_refused() -> None:
     limits = replace(DEFAULT.limits, mesh_faces=100)
     many = dae().replace(b'<instance_geometry url="#cube"/>', b'<instance_geometry url="#cube"/>' * 9)
     with pytest.raises(SceneError, match=r"more than 100 triangles \(setting limits\.mesh_faces\)"):
-        stl_from_dae(many, "part.dae", limits=limits)
+        triangles_from_dae(many, "part.dae", limits=limits)
 
 
 def test_what_is_no_file_is_refused_by_its_kind(tmp_path: Path) -> None:

@@ -57,14 +57,7 @@ def hostile(secret: Path) -> Iterator[tuple[str, dict[str, bytes]]]:
             **{"o.xml": f"<x><compiler meshdir='{secret}'/></x>".encode()},
         ),
     )
-    yield "texture", room(f"<asset><texture name='t' type='2d' file='{image}'/></asset>")
-    yield "texture of a cube", room(f"<asset><texture name='t' type='cube' fileright='{image}'/></asset>")
-    yield (
-        "texturedir",
-        room(f"<compiler texturedir='{secret}'/><asset><texture name='t' type='2d' file='image.png'/></asset>"),
-    )
     yield "height field", room(f"<asset><hfield name='h' file='{image}' size='1 1 1 1'/></asset>")
-    yield "skin", room(f"<deformable><skin name='s' file='{mesh}'/></deformable>")
     flex = f"<flexcomp name='f' type='mesh' dim='2' file='{mesh}'/>"
     yield "flexible mesh", room(f"<worldbody><body name='b'>{flex}</body></worldbody>")
     for name in (inner, os.path.relpath(inner, Path.cwd()), f"file://{inner}"):
@@ -98,6 +91,15 @@ def hostile(secret: Path) -> Iterator[tuple[str, dict[str, bytes]]]:
         own = f"model = '{name}'\nname = 'x'\n[eye]\nframe='inner'\nexclude='inner'\nfov_deg=[9,9]\nimage_px=[9,9]\n"
         files = {"P1.profile.toml": own.encode()}
         yield f"model {name}", room("") | files | {"scene.toml": (SCENE + PROFILE_OF.format("human")).encode()}
+
+
+def decorated(image: Path) -> Iterator[dict[str, bytes]]:
+    """Scenes whose textures and skins name a file in a folder."""
+    yield room(f"<deformable><skin name='s' file='{image}'/></deformable>")
+    yield room(f"<asset><texture name='t' type='2d' file='{image}'/><material name='m' texture='t'/></asset>")
+    yield room(f"<asset><texture name='t' type='cube' fileright='{image}'/></asset>")
+    asset = f"<asset><texture name='t' type='2d' file='{image.name}'/></asset>"
+    yield room(f"<compiler texturedir='{image.parent}'/>{asset}")
 
 
 @pytest.fixture
@@ -150,6 +152,9 @@ def test_nothing_outside_of_a_strangers_scene_is_opened(secret: Path) -> None:
         with pytest.raises(InputError):
             Scene.from_bundle(bundle)
         assert not opened(), what
+    for bundle in decorated(secret / "image.png"):
+        assert Scene.from_bundle(bundle).model.ntex == 0, "nothing here looks at images"
+        assert not opened()
 
 
 def test_pipes_that_a_strangers_scene_names_hold_nobody_up(secret: Path) -> None:

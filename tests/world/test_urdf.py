@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import struct
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,8 @@ from taskgist.errors import SceneError
 from taskgist.perspective import visibility
 from taskgist.settings import DEFAULT
 from taskgist.world import Scene, Stage, support_of
-from taskgist.world.bodies.meshes import STL_TRIANGLE, flat_name, stl_from_dae
+from taskgist.world.bodies.collada import triangles_from_dae
+from taskgist.world.bodies.meshes import flat_name
 from taskgist.world.bodies.model_files import find_file, is_urdf
 from taskgist.world.bodies.urdf import read_urdf
 from tests.bodies import URDFS, is_there, needs
@@ -67,11 +67,6 @@ def dae(kind: str = "triangles", transform: str = "") -> bytes:
     return DAE.format(points=points, faces=f"{head}{counts}{body}</{kind}>", transform=transform).encode()
 
 
-def triangles_of(stl: bytes) -> np.ndarray:
-    (count,) = struct.unpack("<I", stl[80:84])
-    return np.frombuffer(stl[84:], dtype=STL_TRIANGLE, count=count)["corners"]
-
-
 def volume(triangles: np.ndarray) -> float:
     return float(np.abs(np.linalg.det(triangles).sum()) / 6)
 
@@ -83,8 +78,8 @@ def written(folder: Path, mesh: str, agents: str = "") -> Path:
 
 
 @pytest.mark.parametrize("kind", ["triangles", "polylist", "polygons"])
-def test_collada_becomes_stl_in_metres_whatever_its_faces(kind: str) -> None:
-    triangles = triangles_of(stl_from_dae(dae(kind), "cube.dae"))
+def test_collada_becomes_triangles_in_metres_whatever_its_faces(kind: str) -> None:
+    triangles = triangles_from_dae(dae(kind), "cube.dae")
     assert len(triangles) == 12
     assert volume(triangles) == pytest.approx(1e-3, rel=1e-5)
     assert triangles.reshape(-1, 3).min(axis=0) == pytest.approx((-0.05,) * 3)
@@ -100,7 +95,7 @@ def test_collada_becomes_stl_in_metres_whatever_its_faces(kind: str) -> None:
     ],
 )
 def test_the_nodes_of_collada_place_their_shapes(transform: str, low: tuple[float, float, float]) -> None:
-    points = triangles_of(stl_from_dae(dae(transform=transform), "x")).reshape(-1, 3)
+    points = triangles_from_dae(dae(transform=transform), "x").reshape(-1, 3)
     assert points.min(axis=0) == pytest.approx(low, abs=1e-6)
 
 
@@ -109,7 +104,7 @@ def test_the_nodes_of_collada_place_their_shapes(transform: str, low: tuple[floa
 )
 def test_collada_that_cannot_be_read_says_how_to_save_it(data: bytes) -> None:
     with pytest.raises(SceneError, match=r"x: .*save it as STL or OBJ"):
-        stl_from_dae(data, "x")
+        triangles_from_dae(data, "x")
 
 
 @pytest.mark.parametrize("uri", ["meshes/block.dae", "package://things/meshes/block.dae"])

@@ -188,7 +188,10 @@ def options(
     ] = False,
 ) -> None:
     """Take the options that stand before a command."""
+    from taskgist.cli.notes import show_notes
+
     silence_libraries()
+    show_notes()
     keep_interrupts()
     when_compiling(_say_that_it_compiles)
 

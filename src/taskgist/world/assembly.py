@@ -27,6 +27,7 @@ from taskgist.world.bodies.from_model import completed_by_model
 from taskgist.world.bodies.hands import add_ghosts
 from taskgist.world.bodies.human import HumanSize
 from taskgist.world.bodies.markup import asking_mujoco
+from taskgist.world.bodies.mending import give_least_mass, has_mass
 from taskgist.world.bodies.model_files import BUILDERS, add_body, builtin_models, name_problems
 from taskgist.world.bodies.profile import (
     AgentProfile,
@@ -239,7 +240,7 @@ def _put_together(
         _check_objects(model, file, limits)
         return model
 
-    decompose(room, compiled_room, files, file.where)
+    decompose(room, compiled_room, files, file.where, limits)
     for entry in file.agents:
         body, profiles[entry.name] = _agent_spec(profiles[entry.name], files, entry, file.where, limits)
         room.assets = body.assets = assets(files)  # MuJoCo warns if only one of them has any
@@ -361,6 +362,8 @@ def _agent_spec(
     root = spec.worldbody.first_body()
     if not root.joints:
         root.add_freejoint(name="root")
+        if not has_mass(root):
+            give_least_mass(spec)
     for label, _, frame in profile.frames:
         add_frame(spec, frame, label)
     for geom in (geom for name in profile.eye.housing for geom in spec.body(name).geoms):

@@ -28,6 +28,7 @@ from taskgist.errors import SceneError, UnknownNameError
 from taskgist.settings import Limits
 from taskgist.world.bodies.bases import drop_controls, drop_joints, free, is_free, moves_all_ways
 from taskgist.world.bodies.markup import asking_mujoco
+from taskgist.world.bodies.mending import made_of
 from taskgist.world.bodies.mjcf import check_bodies
 from taskgist.world.bodies.model_files import read_model, size_problems
 from taskgist.world.geometry.transforms import Pose, matrix_from_euler, wxyz_from_matrix
@@ -130,15 +131,15 @@ def _check_flexes(spec: mujoco.MjSpec, where: str) -> None:
         raise SceneError(problem, where=where, field="flex", value=flex.name, hint=hint)
 
 
-def compiled(spec: mujoco.MjSpec, files: Mapping[str, bytes], where: str) -> mujoco.MjModel:
-    """The specification as a model, with the files of a bundle.
+def compiled(spec: mujoco.MjSpec, files: dict[str, bytes], where: str) -> mujoco.MjModel:
+    """The specification as a model, with the files of a bundle, to which flat meshes are added with a thickness.
 
     Raises:
         SceneError: MuJoCo refuses.
     """
     spec.assets = assets(files)
     with asking_mujoco("MuJoCo cannot compile this scene:", where), unwarned():
-        return spec.compile()
+        return made_of(spec, files, mujoco.MjSpec.compile)
 
 
 @contextmanager
@@ -231,7 +232,7 @@ def _check_masses(model: mujoco.MjModel, freed: Collection[mujoco.MjsBody], file
 
 
 def _as_it_stands(
-    room: mujoco.MjSpec, file: SceneFile, files: Mapping[str, bytes]
+    room: mujoco.MjSpec, file: SceneFile, files: dict[str, bytes]
 ) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """The room before anything is done to it, as its keyframe has it, where one is named."""
     key = _key(room, file)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 import math
 import re
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,6 +27,8 @@ COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 """Comments are taken out before the parser meets them: MuJoCo allows ``--`` inside of them, XML does not."""
 HEAD = re.compile(rb"<mujoco\b[^>]*>\s*<!--(.*?)-->", re.DOTALL)
 """A comment at the head of a model: who made it, and under which licence."""
+LATE_DECLARATION = re.compile(rb"\A(\s+)<\?xml\b[^>]*\?>")
+"""A declaration after empty lines, which XML does not allow, and readers of robot descriptions do."""
 ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"})
 NUMBER = re.compile(
     r"[+-]?(?:(?P<none>nan(?:\(\w*\))?|inf(?:inity)?)|0x[0-9a-f.]+(?:p[+-]?\d+)?|(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)",
@@ -75,6 +78,7 @@ def parse_markup(
     most = limits.model_elements if most_elements is None else most_elements
     builder = _Builder(where, most, limits.model_depth)
     text = COMMENT.sub(lambda comment: b"\n" * comment[0].count(b"\n"), data)
+    text = LATE_DECLARATION.sub(rb"\1", text)
     try:
         builder.parser(_encoding(text)).Parse(text, True)
     except (expat.ExpatError, ValueError, LookupError) as error:  # the latter two: an encoding that is none
@@ -215,7 +219,7 @@ mujoco.set_mju_user_warning(_warnings.warning)
 
 @contextmanager
 def asking_mujoco(problem: str, where: str | Path) -> Iterator[None]:
-    """Let what MuJoCo says against a model come inside of ours.
+    """Let what MuJoCo says against a model come inside of ours, and nothing of what it merely mentions.
 
     Args:
         problem: What to say before its own words, such as "MuJoCo cannot read this model:".
@@ -225,9 +229,14 @@ def asking_mujoco(problem: str, where: str | Path) -> Iterator[None]:
         SceneError: MuJoCo refuses.
     """
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of attributes that will be gone, and of what it discards
+            yield
+    except SceneError as error:
+        error.where = error.where or str(where)
+        raise
     except Exception as error:  # of several kinds, and whatever its C++ throws on strange models
-        told = str(error).strip() or type(error).__name__
+        told = "; ".join(filter(None, map(str.strip, str(error).splitlines()))) or type(error).__name__
         raise SceneError(f"{problem} {told}", where=where) from error
 
 

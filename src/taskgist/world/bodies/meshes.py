@@ -1,22 +1,24 @@
-"""Meshes in files: named in a bundle, COLLADA becomes STL, and what is too large, or nowhere, is refused unread."""
+"""Meshes in files: named in a bundle, turned into what MuJoCo reads, and refused unread if too large or nowhere.
+
+Read are OBJ, STL (binary and text), COLLADA, PLY and MuJoCo's own MSH. A bundle holds OBJ, binary STL and MSH: of
+triangles and nothing else, for nothing here has a texture or shades a surface.
+"""
 
 from __future__ import annotations
 
 import itertools
-import math
 import re
 import struct
-from collections.abc import Iterator
 from pathlib import Path
-from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from taskgist.common.arrays import Array
+from taskgist.common.arrays import Array, Indices
 from taskgist.errors import SceneError, most_read
 from taskgist.settings import DEFAULT, Limits
-from taskgist.world.bodies.markup import parse_markup
-from taskgist.world.geometry.transforms import matrix_from_wxyz, normalized, wxyz_from_rotation_vector
+from taskgist.world.bodies.collada import triangles_from_dae
+from taskgist.world.bodies.foreign import MESHES, foreign_in
+from taskgist.world.bodies.ply import triangles_from_ply
 
 # --- Files of a bundle lie side by side, wherever they come from.
 
@@ -41,191 +43,114 @@ def keep_file(files: dict[str, bytes], name: str, content: bytes) -> str:
     return next(each for each in names if files.setdefault(each, content) == content)
 
 
-# --- COLLADA meshes (``.dae``), which robot descriptions use and MuJoCo does not read, as binary STL.
-#
-# Only the shape is taken: triangles and polygons of every geometry that the scene instances, with the transforms of
-# its nodes and the unit of length. Like ROS's viewers, the declared up axis is left alone: descriptions are written
-# for it.
+# --- Meshes as MuJoCo reads them.
 
 STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
-POLYGONS = ("triangles", "polylist", "polygons")
+STL_HEADER = 84
+"""Bytes before the first triangle; the last four of them say how many there are."""
+STL_FACES = 200_000
+"""Triangles that MuJoCo reads from STL; of MSH it reads any number."""
+MSH_HEADER = 16
+OBJ_UNUSED = re.compile(rb"^[ \t]*(?:vt|vn|usemtl|mtllib)[ \t][^\n]*\n?", re.MULTILINE)
+OBJ_CORNER = re.compile(rb"(?<=[0-9])/[0-9/\-]*")
+"""What follows the vertex in a corner of a face: texture and normal."""
+TEXT_CORNER = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)")
+KINDS = ("obj", "stl", "dae", "ply", "msh")
 
 
-def stl_from_dae(data: bytes, where: str | Path, *, limits: Limits = DEFAULT.limits) -> bytes:
-    """Binary STL of a COLLADA document.
+def readable_mesh(
+    data: bytes, name: str, *, where: str | Path, kind: str = "", limits: Limits = DEFAULT.limits
+) -> tuple[bytes, str]:
+    """A mesh as MuJoCo reads it, and what its name ends in, where that is new.
 
     Args:
-        data: The document.
-        where: File for error messages.
+        data: The file's content.
+        name: Its name, whose ending tells the kind where the content does not.
+        where: File that names it, for messages.
+        kind: The kind, where it is said: ``model/stl``.
         limits: The largest mesh.
 
+    Returns:
+        OBJ, binary STL or MSH; and ``""``, ``".stl"`` or ``".msh"``.
+
     Raises:
-        SceneError: It is not COLLADA, holds no triangles, or too many of them.
+        SceneError: It is of a kind that is not read, has too many triangles, or corners that are nowhere.
     """
+    ending = _kind(data, (kind or name).lower().replace("/", ".").rpartition(".")[2])
+    at = f"{where}: {name}"
+    if ending not in KINDS:
+        found = foreign_in(data, name)
+        what, hint = (found.what, found.as_mesh) if found else ("no mesh that is read", MESHES)
+        raise SceneError(f"is {what}", where=at, hint=hint)
+    if ending == "dae":
+        return _from_triangles(triangles_from_dae(data, name, limits=limits))
+    if ending == "ply":
+        return _from_triangles(_checked(triangles_from_ply(data, at, limits=limits), at))
+    if ending == "stl" and _is_text(data):
+        return _from_triangles(_checked(_from_text(data, at, limits), at))
+    check_mesh(data, name, where=where, kind=ending, limits=limits)
+    if ending == "obj":
+        return OBJ_CORNER.sub(b"", OBJ_UNUSED.sub(b"", data)), ""
+    if ending == "stl" and _claimed(data) > STL_FACES:
+        there = min(_claimed(data), (len(data) - STL_HEADER) // STL_TRIANGLE.itemsize)
+        return _from_triangles(np.frombuffer(data, STL_TRIANGLE, there, STL_HEADER)["corners"])
+    return data, ""
+
+
+def _kind(data: bytes, ending: str) -> str:
+    """The kind of a mesh, by its content where that tells."""
+    if data.startswith((b"ply\n", b"ply\r")):
+        return "ply"
+    if b"<COLLADA" in data[:4096]:
+        return "dae"
+    return ending
+
+
+def _is_text(data: bytes) -> bool:
+    """Whether an STL is text: binary ones may begin with its word, and have the length that they claim."""
+    binary = len(data) == STL_HEADER + STL_TRIANGLE.itemsize * _claimed(data)
+    return data.lstrip()[:5].lower() == b"solid" and not binary and b"facet" in data[:4096]
+
+
+def _claimed(data: bytes) -> int:
+    return int.from_bytes(data[STL_HEADER - 4 : STL_HEADER], "little")
+
+
+def _from_text(data: bytes, where: str, limits: Limits) -> Array:
+    """Triangles of an STL that is text, (n, 3, 3)."""
+    check_faces(data.count(b"endfacet"), where, limits)
+    corners = TEXT_CORNER.findall(data)
     try:
-        triangles = _scaled(data, where, limits)
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        raise SceneError(f"not a COLLADA mesh that can be read: {error}", where=where, hint=WAY_OUT) from error
-    except SceneError as error:
-        error.hint = WAY_OUT
-        raise
+        return np.array(corners, dtype=float).reshape(-1, 3, 3)
+    except ValueError as error:
+        raise SceneError(f"not an STL that can be read: {error}", where=where, hint="export it anew") from error
+
+
+def _checked(triangles: Array, where: str) -> Array:
     if not len(triangles):
-        raise SceneError("no triangles in this COLLADA mesh", where=where, hint=WAY_OUT)
-    return _stl(triangles)
-
-
-WAY_OUT = "save it as STL or OBJ and name that file instead"
-
-
-def _scaled(data: bytes, where: str | Path, limits: Limits) -> Array:
-    """All triangles of a document, metres, (n, 3, 3)."""
-    most = limits.mesh_faces
-    root = _without_namespace(parse_markup(data, where=where, limits=limits, most_elements=most))
-    unit = root.find("asset/unit")
-    scale = float(unit.get("meter", "1")) if unit is not None else 1.0
-    if not 0 < scale < math.inf:
-        raise ValueError(f"its unit is {scale:g} metres")
-    geometries = {f"#{each.get('id')}": _triangles(each, most) for each in root.iter("geometry")}
-    parts: list[Array] = [np.empty((0, 3, 3))]
-    for scene in root.iter("visual_scene"):
-        for part in _placed(scene, np.eye(4), geometries):
-            parts.append(part)
-            if sum(map(len, parts)) > most:
-                raise ValueError(f"it has more than {most:,} triangles (setting limits.mesh_faces)")
-    with np.errstate(all="ignore"):  # what overflows is told of
-        triangles = (scale * np.concatenate(parts)).astype(np.float32)
+        raise SceneError("no triangles in this mesh", where=where, hint="export it anew, with its faces")
     if not np.isfinite(triangles).all():
-        raise ValueError("its corners are not finite numbers")
-    return np.asarray(triangles)
+        raise SceneError("a mesh whose corners are not finite numbers", where=where, hint="export it anew")
+    return triangles
 
 
-def _without_namespace(root: Element) -> Element:
-    for element in root.iter():
-        element.tag = element.tag.rpartition(":")[2]
-    return root
-
-
-def _placed(node: Element, matrix: Array, geometries: dict[str, Array]) -> Iterator[Array]:
-    """Triangles (n, 3, 3) of a node and all below it, in the scene's frame."""
-    matrix = matrix @ _transform(node)
-    for instance in node.findall("instance_geometry"):
-        corners = geometries[instance.get("url", "")]
-        yield corners @ matrix[:3, :3].T + matrix[:3, 3]
-    for child in node.findall("node"):
-        yield from _placed(child, matrix, geometries)
-
-
-def _transform(node: Element) -> Array:
-    """A node's own transform, (4, 4): the product of its parts in their order."""
-    result = np.eye(4)
-    for part in node:
-        step = np.eye(4)
-        if part.tag == "matrix":
-            step = _floats(part).reshape(4, 4)
-        elif part.tag == "translate":
-            step[:3, 3] = _floats(part)
-        elif part.tag == "scale":
-            step[:3, :3] = np.diag(_floats(part))
-        elif part.tag == "rotate":
-            *axis, angle_deg = _floats(part)
-            turn = wxyz_from_rotation_vector(np.radians(angle_deg) * normalized(axis))
-            step[:3, :3] = matrix_from_wxyz(turn)
-        result = result @ step
-    return result
-
-
-def _triangles(geometry: Element, most: int) -> Array:
-    """Triangles (n, 3, 3) of a geometry; polygons are cut into fans."""
-    sources = {f"#{each.get('id')}": each for each in geometry.iter("source")}
-    positions = {
-        f"#{each.get('id')}": _floats(sources[_input(each, "POSITION").get("source", "")].find("float_array"), most)
-        for each in geometry.iter("vertices")
-    }
-    points = {key: array.reshape(-1, 3) for key, array in positions.items()}
-    corners = [
-        _corners(primitive, points, most)
-        for kind in POLYGONS
-        for primitive in geometry.iter(kind)
-        if int(primitive.get("count", "0"))
-    ]
-    return np.concatenate(corners or [np.empty((0, 3, 3))])
-
-
-def _input(element: Element, semantic: str) -> Element:
-    for each in element.findall("input"):
-        if each.get("semantic") == semantic:
-            return each
-    raise ValueError(f"<{element.tag}> has no input {semantic}")
-
-
-def _corners(primitive: Element, points: dict[str, Array], most: int) -> Array:
-    vertex = _input(primitive, "VERTEX")
-    offsets = [_natural(each.get("offset", "0")) for each in primitive.findall("input")]
-    loops = _loops(primitive, 1 + max(offsets), _natural(vertex.get("offset", "0")), most)
-    fans = [(loop[0], loop[k], loop[k + 1]) for loop in loops for k in range(1, len(loop) - 1)]
-    indices = np.array(fans, dtype=int).reshape(-1, 3)
-    if indices.size and indices.min() < 0:
-        raise ValueError("it names a corner before the first")
-    return np.asarray(points[vertex.get("source", "")][indices])
-
-
-def _natural(text: str) -> int:
-    number = int(text)
-    if not 0 <= number < MOST_INPUTS:
-        raise ValueError(f"an offset of {number}")
-    return number
-
-
-MOST_INPUTS = 64
-"""Numbers for each corner of a polygon: position, normal, texture and so on."""
-
-
-def _loops(primitive: Element, width: int, offset: int, most: int) -> list[list[int]]:
-    """Indices of the points around each polygon."""
-    runs = [_numbers(p, int, most)[offset::width] for p in primitive.findall("p")]
-    if primitive.tag == "polygons":
-        return [list(run) for run in runs]
-    indices = np.concatenate(runs or [np.empty(0, dtype=int)])
-    counts = primitive.find("vcount")
-    if primitive.tag == "triangles" or counts is None:
-        return [list(each) for each in indices.reshape(-1, 3)]
-    ends = np.cumsum(_numbers(counts, int, most))
-    return [list(each) for each in np.split(indices, ends[:-1])]
-
-
-def _floats(element: Element | None, most: int = 16) -> Array:
-    if element is None:
-        raise ValueError("a source without a <float_array>")
-    return _numbers(element, float, most)
-
-
-NUMBERS_PER_FACE = 12
-"""Numbers of a mesh for each triangle: the indices of three corners, with their normals and texture, and some more."""
-NOT_IN_NUMBERS = re.compile(r"[^0-9eE+.\-\s]", re.ASCII)
-
-
-def _numbers(element: Element, kind: type, most: int) -> Array:
-    """The numbers that an element holds, plain and finite."""
-    text = element.text or ""
-    if NOT_IN_NUMBERS.search(text):
-        raise ValueError(f"<{element.tag}> holds what is no plain number")
-    bytes_ = np.frombuffer(text.encode("ascii"), np.uint8)
-    if np.count_nonzero(np.diff((bytes_ > ord(" ")).astype(np.int8)) > 0) > NUMBERS_PER_FACE * most:
-        raise ValueError(f"<{element.tag}> holds too many numbers for {most:,} triangles (setting limits.mesh_faces)")
-    return np.array(text.split(), dtype=kind)
-
-
-def _stl(triangles: Array) -> bytes:
+def _from_triangles(triangles: Array) -> tuple[bytes, str]:
+    if len(triangles) > STL_FACES:
+        corners, faces = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+        return _msh(corners, faces.reshape(-1, 3)), ".msh"
     records = np.zeros(len(triangles), dtype=STL_TRIANGLE)
     records["corners"] = triangles
-    return bytes(80) + len(triangles).to_bytes(4, "little") + records.tobytes()
+    return bytes(80) + len(triangles).to_bytes(4, "little") + records.tobytes(), ".stl"
+
+
+def _msh(vertices: Array, faces: Indices) -> bytes:
+    whole = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
+    head = struct.pack("<4i", len(vertices), 0, 0, int(whole.sum()))
+    return b"".join((head, vertices.astype("<f4").tobytes(), faces[whole].astype("<i4").tobytes()))
 
 
 # --- What is known of a mesh or an image before it is unpacked.
 
-STL_HEADER = 84
-"""Bytes before the first triangle; the last four of them say how many there are."""
-MSH_HEADER = 16
 PNG = b"\x89PNG\r\n\x1a\n"
 OBJ_FACE = re.compile(rb"^[ \t]*f[ \t]", re.MULTILINE)
 OBJ_NOWHERE = re.compile(rb"^[ \t]*v[ \t][^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
@@ -244,18 +169,27 @@ def check_mesh(data: bytes, name: str, *, where: str | Path, kind: str = "", lim
     Raises:
         SceneError: It is one.
     """
-    faces, finite = _known(data, (kind or name.replace(".", "/")).lower().rpartition("/")[2])
-    if faces > limits.mesh_faces:
-        hint = f"simplify it: {most_read(limits.mesh_faces, 'mesh_faces')}"
-        raise SceneError("too many triangles", where=f"{where}: {name}", value=f"{faces:,}", hint=hint)
+    faces, finite = _known(data, (kind or name).lower().replace("/", ".").rpartition(".")[2])
+    check_faces(faces, f"{where}: {name}", limits)
     if not finite:
         raise SceneError("a mesh whose corners are not finite numbers", where=f"{where}: {name}", hint="export it anew")
+
+
+def check_faces(count: int, where: str, limits: Limits) -> None:
+    """Refuse a mesh of too many triangles.
+
+    Raises:
+        SceneError: It is one.
+    """
+    if count > limits.mesh_faces:
+        hint = f"simplify it: {most_read(limits.mesh_faces, 'mesh_faces')}"
+        raise SceneError("too many triangles", where=where, value=f"{count:,}", hint=hint)
 
 
 def _known(data: bytes, kind: str) -> tuple[int, bool]:
     """How many triangles a mesh claims to have, and whether its corners are finite."""
     if kind == "stl" and len(data) >= STL_HEADER:
-        faces = int.from_bytes(data[STL_HEADER - 4 : STL_HEADER], "little")
+        faces = _claimed(data)
         there = min(faces, (len(data) - STL_HEADER) // STL_TRIANGLE.itemsize)
         corners = np.frombuffer(data, STL_TRIANGLE, there, STL_HEADER)["corners"]
         return faces, bool(np.isfinite(corners).all())

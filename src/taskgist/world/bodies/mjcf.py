@@ -18,8 +18,9 @@ import mujoco
 from taskgist.common.files import is_file, read_whole
 from taskgist.errors import SceneError, most_read
 from taskgist.settings import DEFAULT, Limits
+from taskgist.world.bodies.foreign import MODELS
 from taskgist.world.bodies.markup import Marked, asking_mujoco, check_values, located, parse_markup, written
-from taskgist.world.bodies.meshes import check_mesh, image_pixels, keep_file
+from taskgist.world.bodies.meshes import check_mesh, image_pixels, keep_file, readable_mesh
 
 Read = Callable[[Sequence[str], str], tuple[str, bytes]]
 """Gives the first of several files that is there, by paths relative to the model: its path and content.
@@ -86,12 +87,12 @@ def read_mjcf(
         SceneError: It is no model, names a file that cannot be read, or asks for too much.
     """
     if root.tag != "mujoco":
-        raise SceneError("not a model", where=where, field=root.tag, hint="its root element is <mujoco> or <robot>")
+        raise SceneError("not a model", where=where, field=root.tag, hint=MODELS)
     gathered = _Gathered(read, files, where, prefix, limits)
     text = gathered.document(root, "", ())
-    if gathered.pixels > limits.texture_pixels:
-        hint = most_read(limits.texture_pixels, "texture_pixels")
-        raise SceneError("textures too large", where=where, value=f"{gathered.pixels:,} pixels", hint=hint)
+    if gathered.pixels > limits.hfield_pixels:
+        hint = most_read(limits.hfield_pixels, "hfield_pixels")
+        raise SceneError("height fields too large", where=where, value=f"{gathered.pixels:,} pixels", hint=hint)
     with asking_mujoco("MuJoCo cannot read this model:", where):
         assets = {name: files[name] for name in gathered.names.values()}
         spec = mujoco.MjSpec.from_string(text, include=gathered.models, assets=assets)
@@ -102,7 +103,7 @@ def read_mjcf(
 
 FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 MOST_ATTACHED = 10
-NAMED_BY_FILE = ("mesh", "texture", "hfield")
+NAMED_BY_FILE = ("mesh", "hfield")
 """Elements that are called after their file where nothing else is said."""
 
 
@@ -112,9 +113,10 @@ class _Gathered:
 
     Attributes:
         files: The bundle.
-        names: Meshes, textures and the like of this model: their names in the bundle, by path.
+        names: Meshes, height fields and the like of this model: their names in the bundle, by path.
+        converted: Paths of those that are of another kind there.
         models: Documents of models that are attached, by names without folders.
-        pixels: Of all textures together.
+        pixels: Of all height fields together.
     """
 
     read: Read
@@ -123,6 +125,7 @@ class _Gathered:
     prefix: str
     limits: Limits
     names: dict[str, str] = field(default_factory=dict)
+    converted: set[str] = field(default_factory=set)
     models: dict[str, bytes] = field(default_factory=dict)
     pixels: int = 0
     _attached: dict[str, str] = field(default_factory=dict)
@@ -137,6 +140,7 @@ class _Gathered:
             trail: The documents that led to it.
         """
         origins = self._include(root, folder)
+        _drop_looks(root)
         check_values(root, where=self.where)
         for element in root.iter():
             for key, pixels in _asked(element):
@@ -198,16 +202,21 @@ class _Gathered:
         if not given:
             return
         given = posixpath.basename(given) if dirs.strip else given
-        below = dirs.textures if element.tag == "texture" else dirs.meshes
-        names = [_joined(posixpath.join(at, below), given) for at in dict.fromkeys((folder, origin))]
+        names = [_joined(posixpath.join(at, dirs.meshes), given) for at in dict.fromkeys((folder, origin))]
         name, data = self.read(names, f"{key} of {element!r}")
         if name not in self.names:
-            self.names[name] = keep_file(self.files, self.prefix + given.replace("/", "_"), data)
-            if element.tag in ("mesh", "flexcomp"):
-                kind = element.get("content_type", "")
+            kind, ending = element.get("content_type", ""), ""
+            if element.tag == "mesh":
+                data, ending = readable_mesh(data, name, where=self.where, kind=kind, limits=self.limits)
+            elif element.tag == "flexcomp":
                 check_mesh(data, name, where=self.where, kind=kind, limits=self.limits)
-            elif element.tag in ("texture", "hfield"):
+            elif element.tag == "hfield":
                 self.pixels += image_pixels(data)
+            self.names[name] = keep_file(self.files, self.prefix + given.replace("/", "_") + ending, data)
+            if ending:
+                self.converted.add(name)
+        if name in self.converted:
+            element.attrib.pop("content_type", None)
         element.set(key, self.names[name])
         if element.tag in NAMED_BY_FILE and key == "file" and not element.get("name"):
             element.set("name", posixpath.splitext(posixpath.basename(given))[0])
@@ -215,8 +224,8 @@ class _Gathered:
     def _check_asked(self, element: Element, key: str, asked: float) -> None:
         bound = self.limits.arena_bytes if key == "memory" else self.limits.array_length
         setting = "arena_bytes" if key == "memory" else "array_length"
-        if element.tag in ("texture", "hfield"):
-            bound, setting = self.limits.texture_pixels, "texture_pixels"
+        if element.tag == "hfield":
+            bound, setting = self.limits.hfield_pixels, "hfield_pixels"
             self.pixels += int(min(asked, bound))
         if not asked <= bound:
             hint = f"at most {bound:,} (setting limits.{setting})"
@@ -259,7 +268,6 @@ class _Directories:
     """Where a document looks for its files."""
 
     meshes: str
-    textures: str
     strip: bool
 
 
@@ -270,10 +278,17 @@ def _directories(root: Element) -> _Directories:
         for key in FOLDERS:
             if key in compiler.attrib:
                 said[key] = compiler.attrib.pop(key).replace("\\", "/")
-    both = said.get("assetdir", "")
-    return _Directories(
-        said.get("meshdir", both), said.get("texturedir", both), said.get("strippath", "").lower() == "true"
-    )
+    meshes = said.get("meshdir", said.get("assetdir", ""))
+    return _Directories(meshes, said.get("strippath", "").lower() == "true")
+
+
+def _drop_looks(root: Element) -> None:
+    """Take out images, what shows them, and skins: nothing here looks at them, and they may be missing, or large."""
+    for parent in list(root.iter()):
+        parent.attrib.pop("texture", None)
+        for each in list(parent):
+            if each.tag in ("texture", "layer", "skin") or each.get("objtype") == "texture":
+                parent.remove(each)
 
 
 def _joined(folder: str, name: str) -> str:
@@ -283,7 +298,7 @@ def _joined(folder: str, name: str) -> str:
 
 # --- What a document asks MuJoCo to make room for.
 
-SHAPED = {"texture": ("width", "height"), "hfield": ("nrow", "ncol"), "camera": ("resolution",)}
+SHAPED = {"hfield": ("nrow", "ncol"), "camera": ("resolution",)}
 LENGTHS = frozenset({"nsample", "njmax", "nconmax", "nstack", "nuserdata", "nkey"})
 UNITS = {"K": 2**10, "M": 2**20, "G": 2**30, "T": 2**40, "P": 2**50, "E": 2**60}
 
@@ -292,9 +307,7 @@ def _asked(element: Element) -> Iterator[tuple[str, float]]:
     """Attributes of an element that make MuJoCo allocate, and how much."""
     keys = SHAPED.get(element.tag, ())
     present = [key for key in keys if key in element.attrib]
-    if present and element.tag == "texture" and "builtin" in element.attrib and element.get("type") != "2d":
-        yield present[0], 6 * _product(element.get(present[0], "")) ** 2  # a cube has six square faces
-    elif present:
+    if present:
         yield present[0], math.prod(_product(element.get(key, "")) for key in present)
     for key in element.attrib:
         if key in LENGTHS:

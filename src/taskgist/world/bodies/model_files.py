@@ -15,14 +15,16 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from taskgist.common.files import is_file, read_whole
+from taskgist.common.files import is_file, read_whole, reading, shown_path
 from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
 from taskgist.world.bodies.bases import stand_still
+from taskgist.world.bodies.foreign import HEAD_BYTES, check_model
 from taskgist.world.bodies.human import HumanSize, human_mjcf
 from taskgist.world.bodies.markup import asking_mujoco, parse_markup
-from taskgist.world.bodies.meshes import flat_name, keep_file
+from taskgist.world.bodies.mending import made_of, solid_meshes, thicken_flat_meshes
+from taskgist.world.bodies.meshes import flat_name, keep_file, readable_mesh
 from taskgist.world.bodies.mjcf import from_files, from_folder, read_mjcf
 from taskgist.world.bodies.profile import AgentProfile, Arm
 from taskgist.world.bodies.urdf import Shapes, read_urdf
@@ -306,6 +308,8 @@ def add_model(
     Raises:
         SceneError: A file is missing or is no model.
     """
+    with reading(path, error=SceneError) as stream:
+        check_model(stream.read(HEAD_BYTES), path.name, shown_path(path))
     text = read_file(path, most_bytes=limits.document_bytes)
     if is_urdf(text):
         near = path.parent
@@ -328,7 +332,7 @@ def add_model(
         root = parse_markup(text, where=path, limits=limits)
         read = from_folder(path.parent, path, limits=limits)
         spec = read_mjcf(root, read, files, where=str(path), prefix=prefix, limits=limits)
-    files[key] = _xml(spec, str(path))
+    files[key] = _xml(spec, files, str(path))
     return spec
 
 
@@ -357,32 +361,42 @@ def add_spec(
     given = dict(spec.assets)
     kept: dict[str, bytes] = {}
 
-    def keep(name: str, below: str) -> str:
-        if not name:
-            return name
-        data = given.get(name)
-        if data is None:
-            path = folder / below / name
-            data = read_file(path, named_by=where, most_bytes=limits.mesh_bytes, setting="mesh_bytes")
-        flat = keep_file(files, name.replace("/", "_"), bytes(data))
+    def content(name: str) -> bytes:
+        if name in given:
+            return bytes(given[name])
+        path = folder / spec.meshdir / name
+        return read_file(path, named_by=where, most_bytes=limits.mesh_bytes, setting="mesh_bytes")
+
+    def keep(name: str, data: bytes) -> str:
+        flat = keep_file(files, name.replace("/", "_"), data)
         kept[flat] = files[flat]
         return flat
 
-    for asset in (*spec.meshes, *spec.hfields, *spec.skins):
-        asset.file = keep(asset.file, spec.meshdir)
-    for texture in spec.textures:
-        texture.file = keep(texture.file, spec.texturedir)
-        texture.cubefiles = [keep(name, spec.texturedir) for name in texture.cubefiles]
+    for mesh in (each for each in spec.meshes if each.file):
+        data, ending = readable_mesh(content(mesh.file), mesh.file, where=where, kind=mesh.content_type, limits=limits)
+        mesh.file = keep(mesh.file + ending, data)
+        mesh.content_type = "" if ending else mesh.content_type
+    for field in (each for each in spec.hfields if each.file):
+        field.file = keep(field.file, content(field.file))
+    for material in spec.materials:
+        material.textures = [""] * len(material.textures)
+    for looks in (*spec.textures, *spec.skins):  # which nothing here looks at
+        spec.delete(looks)
     spec.assets = kept
     spec.meshdir = spec.texturedir = ""
-    files[key] = _xml(spec, where)
+    files[key] = _xml(spec, files, where)
 
 
-def _xml(spec: mujoco.MjSpec, where: str) -> bytes:
+def _xml(spec: mujoco.MjSpec, files: dict[str, bytes], where: str) -> bytes:
     for problem in size_problems(spec, where):
         raise problem
+    try:
+        thicken_flat_meshes(spec, files, solid_meshes(spec))  # before the library that makes hulls sees them
+    except SceneError as error:
+        error.where = where
+        raise
     with asking_mujoco("MuJoCo cannot read this model:", where):
-        return str(spec.to_xml()).encode()
+        return str(made_of(spec, files, mujoco.MjSpec.to_xml)).encode()
 
 
 def read_model(
@@ -403,6 +417,7 @@ def read_model(
     if name not in files:
         raise SceneError("no such file", where=where, field="scene.model", value=name)
     where = f"{where}: {name}"
+    check_model(files[name], name, where)
     read = from_files(files, where)
     if is_urdf(files[name]):
         spec = read_urdf(

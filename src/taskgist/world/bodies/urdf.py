@@ -2,7 +2,7 @@
 
 Three things are done before MuJoCo reads a description, and one after:
 
-- meshes are looked up (``package://``) and gathered; COLLADA becomes STL;
+- meshes are looked up (``package://``) and gathered, as MuJoCo reads them;
 - masses that no body can have are left out, for published descriptions hold some, and geometry does not need them;
 - every link stays a body of its own, for profiles name camera and tool frames, which have no shape;
 - what a link shows is seen (geom group 1) and what it collides with blocks (group 3, unseen). A link that only
@@ -24,9 +24,11 @@ import numpy as np
 
 from taskgist.errors import SceneError
 from taskgist.settings import DEFAULT, Limits
+from taskgist.world.bodies.foreign import KNOWN, not_a_model
 from taskgist.world.bodies.markup import TEXTS_IN_URDF, Marked, asking_mujoco, check_values, parse_markup, written
-from taskgist.world.bodies.meshes import check_mesh, flat_name, keep_file, stl_from_dae
+from taskgist.world.bodies.meshes import flat_name, keep_file, readable_mesh
 from taskgist.world.bodies.mjcf import check_bodies
+from taskgist.world.geometry.pieces import SHEET_M
 
 Shapes = Literal["visual", "collision"]
 SHAPES: tuple[Shapes, ...] = get_args(Shapes)
@@ -72,9 +74,12 @@ def read_urdf(
     robot = parse_markup(text, where=where, limits=limits)
     if robot.tag != "robot":
         raise SceneError("not a URDF document", where=where, field=robot.tag, hint="its root element is <robot>")
+    _check_complete(robot, where)
     if shapes == "collision":
         _drop_visuals(robot)
     _drop_textures(robot)
+    _drop_repeated_names(robot)
+    _mend_sizes(robot)
     _drop_impossible_masses(robot)
     check_values(robot, where=where, texts=TEXTS_IN_URDF)
     _check_depth(robot, where, limits)
@@ -89,6 +94,25 @@ def read_urdf(
         spec = mujoco.MjSpec.from_string(written(robot), assets={name: files[name] for name in needed})
     _group(spec)
     return spec
+
+
+UNEXPANDED = ("${", "$(")
+"""What begins an expression of xacro."""
+
+
+def _check_complete(robot: Element, where: str | Path) -> None:
+    """Refuse what is no description of a robot yet: xacro that is not expanded, SRDF, or a document without links."""
+    name = str(where).rpartition(": ")[2]
+    for element in robot.iter():
+        expressions = [value for value in element.attrib.values() if any(mark in value for mark in UNEXPANDED)]
+        if element.tag.startswith("xacro:") or expressions:
+            what = f"{KNOWN['xacro'].what}: {expressions[0] if expressions else f'<{element.tag}>'}"
+            raise not_a_model(KNOWN["xacro"]._replace(what=what), name, str(where))
+    if robot.find("link") is None:
+        if robot.find("group") is not None or robot.find("disable_collisions") is not None:
+            raise not_a_model(KNOWN["srdf"], name, str(where))
+        hint = "xacro leaves such a document of a file that defines a macro: expand the one that calls it"
+        raise SceneError("a URDF without any link", where=where, field="link", hint=hint)
 
 
 def _check_depth(robot: Element, where: str | Path, limits: Limits) -> None:
@@ -131,6 +155,37 @@ def _drop_textures(robot: Element) -> None:
     for material in robot.iter("material"):
         for texture in material.findall("texture"):
             material.remove(texture)
+
+
+def _drop_repeated_names(robot: Element) -> None:
+    """Let the first shape of a name have it: MuJoCo does so, too, and complains on the terminal."""
+    seen: set[str] = set()
+    for kind in ("visual", "collision"):
+        for shape in robot.iter(kind):
+            if shape.get("name") in seen:
+                del shape.attrib["name"]
+            seen.add(shape.get("name", ""))
+
+
+def _mend_sizes(robot: Element) -> None:
+    """Give a thickness to boards and discs that have none; leave out what has no size at all beside other shapes."""
+    for link in robot.iter("link"):
+        shapes = [*link.findall("visual"), *link.findall("collision")]
+        for shape, solid in [(each, solid) for each in shapes for solid in each.findall("geometry/*")]:
+            sizes = {key: solid.get(key, "").split() for key in ("size", "radius", "length") if key in solid.attrib}
+            across = sizes.get("radius", sizes.get("size", []))
+            if not all(map(_is_zero, across)):
+                for key, numbers in sizes.items():
+                    solid.set(key, " ".join(f"{SHEET_M:g}" if _is_zero(each) else each for each in numbers))
+            elif across and len(shapes) > 1:
+                link.remove(shape)
+
+
+def _is_zero(text: str) -> bool:
+    try:
+        return float(text) == 0.0
+    except ValueError:
+        return False
 
 
 def _drop_impossible_masses(robot: Element) -> None:
@@ -195,10 +250,8 @@ def _gather_meshes(
             raise SceneError("a mesh without a file", where=where, field="mesh", hint='write filename="..."')
         if uri not in names:
             data, name = read(uri), prefix + flat_name(uri)
-            if uri.lower().endswith(".dae"):
-                data, name = stl_from_dae(data, uri, limits=limits), f"{name}.stl"
-            check_mesh(data, name, where=where, limits=limits)
-            names[uri] = keep_file(files, name, data)
+            data, ending = readable_mesh(data, name, where=where, limits=limits)
+            names[uri] = keep_file(files, name + ending, data)
         mesh.set("filename", names[uri])
     return names.values()
 

@@ -29,22 +29,28 @@ def is_there() -> bool:
     return importlib.util.find_spec("coacd") is not None
 
 
-def searched(vertices: NDArray[np.float64], faces: NDArray[np.intp], limit_m: float) -> list[Part] | None:
+def searched(
+    vertices: NDArray[np.float64], faces: NDArray[np.intp], limit_m: float, *, clock_s: float = CLOCK_S
+) -> list[Part] | None:
     """The convex parts of a mesh.
 
     Args:
         vertices: Metres, (n, 3).
         faces: Triangles, (m, 3).
         limit_m: Depth of the hollows that parts may fill.
+        clock_s: How long it may take by the clock; never longer than ``CLOCK_S``.
 
     Returns:
         At least one part; None where CoACD finds none, does not come to an end, or breaks down.
     """
+    most_s = min(CLOCK_S, clock_s)
+    if most_s <= 0:
+        return None
     mesh = io.BytesIO()
     np.savez(mesh, vertices=vertices, faces=faces, limit_m=limit_m)
     program = [sys.executable, "-P", __file__]  # without this file's folder among those that modules are looked for in
     try:
-        done = subprocess.run(program, input=mesh.getvalue(), capture_output=True, timeout=CLOCK_S, check=False)
+        done = subprocess.run(program, input=mesh.getvalue(), capture_output=True, timeout=most_s, check=False)
     except (OSError, subprocess.TimeoutExpired):
         return None
     if done.returncode:

@@ -3,6 +3,9 @@
 The pieces of a mesh are looked at one by one: what is convex is a part already, only what has hollows is cut. CoACD is
 asked for closed pieces that are not too fine, since it takes minutes for others. These, and those with which it comes
 to no end, are parted by the cells of a grid instead, at a cost that grows with their size alone.
+
+Time is bounded for all meshes of a scene together, and so are the parts of each. What is left then collides as its
+convex hull. A document of parts says so in its first line, and whoever loads the scene is told.
 """
 
 from __future__ import annotations
@@ -11,162 +14,32 @@ import hashlib
 import logging
 import os
 import sys
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
 import numpy as np
 
-from taskgist.common.arrays import Array, Indices, Mask
-from taskgist.common.compiled import compiled
+from taskgist.common.arrays import Array
 from taskgist.common.files import writing
 from taskgist.errors import InputError, SceneError
+from taskgist.settings import DEFAULT, Limits
 from taskgist.world.geometry import coacd_process
-from taskgist.world.geometry.shapes import hull_planes, hull_triangles
-
-# --- Pieces of a mesh, and whether one has hollows that its convex hull would fill.
-
-SAME_M = 1e-6
-"""Vertices nearer than this are one: STL files repeat them in every triangle."""
-
-
-@dataclass(frozen=True, eq=False)
-class Piece:
-    """A mesh: vertices in metres, (n, 3), and the vertices of each triangle, (m, 3)."""
-
-    vertices: Array
-    faces: Indices
-
-    @property
-    def corners(self) -> Array:
-        """Corners of the triangles, metres, (m, 3, 3)."""
-        return np.asarray(self.vertices[self.faces])
-
-    @property
-    def is_closed(self) -> bool:
-        """Whether every edge joins two triangles that agree on what is outside."""
-        edges = _edges(self.faces)
-        return len(np.unique(edges, axis=0)) == len(edges) and set(map(tuple, edges)) == set(map(tuple, edges[:, ::-1]))
-
-
-def joined(vertices: Array, faces: Indices) -> Piece:
-    """A mesh as it is if it is closed, so that boards that touch stay apart; else with coincident vertices made one."""
-    mesh = Piece(vertices, faces)
-    return mesh if mesh.is_closed else _merged(vertices, faces)
-
-
-def _merged(vertices: Array, faces: Indices) -> Piece:
-    """A mesh whose coincident vertices are one, without the triangles that thereby vanish."""
-    _, first, new = np.unique(np.round(vertices / SAME_M), axis=0, return_index=True, return_inverse=True)
-    faces = new.reshape(-1)[faces]
-    whole = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
-    return Piece(vertices[first], faces[whole])
-
-
-def pieces(mesh: Piece) -> list[Piece]:
-    """The parts of a mesh that hang together by edges of two triangles, largest first; closed ones face outwards."""
-    labels = _labels(mesh.faces)
-    names, sizes = np.unique(labels, return_counts=True)
-    return [_outward(_used(mesh, labels == name)) for name in names[np.argsort(-sizes, kind="stable")]]
-
-
-def is_hollow(piece: Piece, *, deeper_than_m: float) -> bool:
-    """Whether a piece has a deep hollow: a face that lies so far beneath the convex hull, along its normal.
-
-    What is not closed, such as a bowl without thickness, has one; what is flat has none.
-    """
-    planes = _planes(piece.vertices)
-    if planes is None:
-        return False
-    if not piece.is_closed:
-        return True
-    corners = piece.corners
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
-    return bool(_some_beneath(corners.mean(axis=1), normals, *planes, deeper_than_m))
-
-
-def is_flat(piece: Piece) -> bool:
-    """Whether a piece has no inside."""
-    return _planes(piece.vertices) is None
-
-
-@compiled
-def _some_beneath(points: Array, directions: Array, normals: Array, offsets: Array, limit_m: float) -> bool:
-    """Whether the direction of some point leaves a convex hull farther away than the limit.
-
-    The first plane that a direction crosses sooner settles its point: fine meshes are looked through in no time.
-    """
-    for i in range(len(points)):
-        x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        dx, dy, dz = directions[i, 0], directions[i, 1], directions[i, 2]
-        beneath = True
-        for k in range(len(offsets)):
-            nx, ny, nz = normals[k, 0], normals[k, 1], normals[k, 2]
-            rate = dx * nx + dy * ny + dz * nz
-            if rate > 1e-9 and offsets[k] - (x * nx + y * ny + z * nz) <= limit_m * rate:
-                beneath = False
-                break
-        if beneath:
-            return True
-    return False
-
-
-def _planes(vertices: Array) -> tuple[Array, Array] | None:
-    """Normals and offsets of the faces of a convex hull, in the frame of the points; None if they are flat."""
-    try:
-        model, turn = _compiled_hull(vertices)
-    except ValueError:
-        return None
-    normals, offsets = hull_planes(model, 0)
-    normals = normals @ turn.T
-    return normals, offsets + normals @ model.mesh_pos[0]
-
-
-def _compiled_hull(vertices: Array) -> tuple[mujoco.MjModel, Array]:
-    """A model of a mesh that is the hull of some points, and how it is turned, (3, 3); ValueError if they are flat."""
-    spec = mujoco.MjSpec()
-    spec.add_mesh(name="hull", uservert=vertices.ravel())
-    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="hull")
-    model = spec.compile()
-    turn = np.zeros(9)
-    mujoco.mju_quat2Mat(turn, model.mesh_quat[0].astype(float))
-    return model, turn.reshape(3, 3)
-
-
-def _edges(faces: Indices) -> Indices:
-    return np.concatenate((faces[:, (0, 1)], faces[:, (1, 2)], faces[:, (2, 0)]))
-
-
-def _labels(faces: Indices) -> Indices:
-    """A number for each triangle, the same for those that hang together."""
-    edges = np.sort(_edges(faces), axis=1)
-    _, edge, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
-    edge = edge.reshape(-1)
-    shared = np.flatnonzero(count[edge] == 2)
-    a, b = (shared[np.argsort(edge[shared], kind="stable")].reshape(-1, 2) % len(faces)).T
-    labels = np.arange(len(faces))
-    while True:
-        before = labels.copy()
-        least = np.minimum(labels[a], labels[b])
-        np.minimum.at(labels, a, least)
-        np.minimum.at(labels, b, least)
-        labels = labels[labels]
-        if np.array_equal(labels, before):
-            return labels
-
-
-def _used(mesh: Piece, chosen: Mask) -> Piece:
-    used, faces = np.unique(mesh.faces[chosen], return_inverse=True)
-    return Piece(mesh.vertices[used], faces.reshape(-1, 3))
-
-
-def _outward(piece: Piece) -> Piece:
-    inside_out = piece.is_closed and float(np.linalg.det(piece.corners).sum()) < 0
-    return Piece(piece.vertices, piece.faces[:, ::-1]) if inside_out else piece
-
+from taskgist.world.geometry.pieces import (
+    SHEET_M,
+    Piece,
+    compiled_hull,
+    is_flat,
+    is_hollow,
+    is_sheet,
+    joined,
+    mesh_of,
+    pieces,
+    thickened,
+)
+from taskgist.world.geometry.shapes import hull_triangles
 
 log = logging.getLogger("taskgist.world")
 HOLLOW_M = 0.005
@@ -175,8 +48,6 @@ HOLLOW_SHARE = 0.01
 """And up to this share of the mesh's extent (ours: a cupboard's mouldings need no parts of their own)."""
 MOST_PIECES = 64
 """Meshes of more pieces are cut as a whole."""
-SHEET_M = 0.001
-"""Thickness given to what has none."""
 CUBE = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 SEARCHED_FACES = 10_000
 """Pieces of more triangles are not searched, but parted by cells: CoACD takes 88 s for 200,000."""
@@ -184,6 +55,23 @@ CELLS = 6
 """Cells along the longest edge of the box around what is parted by them."""
 PATCHES = 2_000_000
 """Most triangles that are sorted into cells, after the large ones are divided: some seconds."""
+
+
+SHEET_FACES = 256
+"""Sheets of no more triangles are parted by these."""
+HEAD = "# convex parts of a mesh, metres"
+COARSE = ": "
+LONGEST_REASON = 300
+NO_END = "and parted by the cells of a grid: CoACD comes to no end (to mend: simplify it)"
+NO_COACD = "but the convex hull is taken: nothing fits into hollows (to mend: pip install coacd)"
+TOO_LARGE = "but the convex hull is taken: too many large triangles (to mend: simplify it)"
+NO_TIME = (
+    "but the convex hull is taken, as the time for cutting ran out (to mend: simplify meshes, raise limits.cutting_s, "
+    "or load the scene again: what was cut so far is kept)"
+)
+TOO_MANY = "but the convex hull is taken: more than {:,} parts (to mend: simplify it, or raise limits.mesh_parts)"
+NAMED = 5
+"""Meshes that are named in one warning."""
 
 
 def tolerance_m(mesh: Piece) -> float:
@@ -197,33 +85,41 @@ def parts_name(mesh: Piece) -> str:
     search = repr((HOLLOW_M, HOLLOW_SHARE, MOST_PIECES, SHEET_M, sorted(coacd_process.SEARCH.items())))
     if not _is_searched(mesh):
         limit_m = tolerance_m(mesh)
-        if any(not _is_searched(each) and is_hollow(each, deeper_than_m=limit_m) for each in _few_pieces(mesh)):
+        if any(
+            not _is_searched(each) and is_hollow(each, deeper_than_m=limit_m) for each in pieces(mesh, most=MOST_PIECES)
+        ):
             search += repr((SEARCHED_FACES, CELLS, PATCHES))
     return f"parts-{hashlib.sha256(b''.join((*content, search.encode()))).hexdigest()[:16]}.obj"
 
 
-def parts_text(mesh: Piece, name: str) -> bytes | None:
-    """The convex parts of a mesh as an OBJ document; None if they cannot be found, which is logged.
-
-    Args:
-        mesh: A mesh with hollows.
-        name: Its name, for messages.
-    """
-    kept = cache_folder() / parts_name(mesh)
+def _kept(key: str) -> bytes | None:
+    """The document with a mesh's parts that was made before on this machine, if it is there."""
     with suppress(OSError):  # else they are found anew
+        kept = cache_folder() / key
         if kept.is_file():
             return kept.read_bytes()
-    log.info("mesh %r is concave: cutting it into convex parts, once", name)
-    found = _cut(mesh, name)
-    if found is None:
-        return None
-    text = _as_obj(found)
-    try:
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        with writing(kept, replace=True) as stream:
-            stream.write(text)
-    except (OSError, InputError) as error:
-        log.info("convex parts are not kept for the next time: %s", error)
+    return None
+
+
+def _parts_text(mesh: Piece, key: str, until_s: float, *, is_first: bool) -> bytes:
+    """The convex parts of a mesh with hollows as an OBJ document, whose first line tells what is coarse in it.
+
+    Args:
+        mesh: The mesh.
+        key: Name of the document in the cache.
+        until_s: When no more is searched, on the clock of ``time.monotonic``.
+        is_first: Whether no mesh was cut before it: then another time would not get farther.
+    """
+    cutting = _Cutting(mesh, until_s, is_first=is_first)
+    text = _as_obj(cutting.parts, cutting.coarse)
+    if cutting.is_final:
+        try:
+            kept = cache_folder() / key
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            with writing(kept, replace=True) as stream:
+                stream.write(text)
+        except (OSError, InputError) as error:
+            log.info("convex parts are not kept for the next time: %s", error)
     return text
 
 
@@ -256,25 +152,63 @@ def cache_folder() -> Path:
     return root / "taskgist" / "parts"
 
 
-def _cut(mesh: Piece, name: str) -> list[Piece] | None:
-    limit_m = tolerance_m(mesh)
-    parts: list[Piece] = []
-    for piece in _few_pieces(mesh):
-        if is_flat(piece):
-            parts.append(_thickened(piece))
-        elif not is_hollow(piece, deeper_than_m=limit_m):
-            parts.append(piece)
-        else:
-            cut = _coacd(piece, limit_m, name) if _is_searched(piece) else _by_cells(piece, name)
-            if cut is None:
-                return None
-            parts += cut
-    return parts
+class _Cutting:
+    """How a mesh is cut.
+
+    Attributes:
+        parts: What was found.
+        coarse: What is coarser than asked for in it, and the way out; empty if nothing is.
+        is_final: Whether cutting it again would find the same.
+    """
+
+    def __init__(self, mesh: Piece, until_s: float, *, is_first: bool) -> None:
+        self.parts: list[Piece] = []
+        self.coarse, self.is_final = "", True
+        self._limit_m, self._until_s, self._is_first = tolerance_m(mesh), until_s, is_first
+        for piece in pieces(mesh, most=MOST_PIECES):
+            if is_flat(piece):
+                self.parts.append(thickened(piece))
+            elif not is_hollow(piece, deeper_than_m=self._limit_m):
+                self.parts.append(piece)
+            else:
+                self.parts += self._hollow(piece)
+
+    def _hollow(self, piece: Piece) -> list[Piece]:
+        if is_sheet(piece) and len(piece.faces) <= SHEET_FACES:
+            return _prisms(piece)
+        if not _is_searched(piece):
+            return self._hull_of(piece, NO_TIME, is_final=False) if self._is_late() else self._in_cells(piece)
+        if not coacd_process.is_there():
+            return self._hull_of(piece, NO_COACD, is_final=False)
+        left_s = self._until_s - time.monotonic()
+        found = coacd_process.searched(piece.vertices, piece.faces, self._limit_m, clock_s=left_s)
+        if found is not None:
+            return [Piece(vertices, faces) for vertices, faces in found]
+        if self._is_late():
+            return self._hull_of(piece, NO_TIME, is_final=False)
+        self.coarse = self.coarse or NO_END
+        return self._in_cells(piece)
+
+    def _is_late(self) -> bool:
+        return not self._is_first and time.monotonic() >= self._until_s
+
+    def _in_cells(self, piece: Piece) -> list[Piece]:
+        found = _by_cells(piece)
+        return self._hull_of(piece, TOO_LARGE, is_final=True) if found is None else found
+
+    def _hull_of(self, piece: Piece, reason: str, *, is_final: bool) -> list[Piece]:
+        self.coarse, self.is_final = reason, self.is_final and is_final
+        return [piece]  # which MuJoCo takes for its hull
 
 
-def _few_pieces(mesh: Piece) -> list[Piece]:
-    apart = pieces(mesh)
-    return apart if len(apart) <= MOST_PIECES else [mesh]
+def _prisms(sheet: Piece) -> list[Piece]:
+    """A sheet as what lies behind each triangle of its front."""
+    corners = sheet.corners
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    across = normals[np.linalg.norm(normals, axis=1).argmax()]
+    across = across / np.linalg.norm(across)
+    fronts = corners[normals @ across > 0.5 * np.linalg.norm(normals, axis=1)]
+    return [thickened(Piece(each, np.array([(0, 1, 2)])), front_m=0.0) for each in fronts]
 
 
 def _is_searched(piece: Piece) -> bool:
@@ -282,35 +216,14 @@ def _is_searched(piece: Piece) -> bool:
     return piece.is_closed and len(piece.faces) <= SEARCHED_FACES
 
 
-def _thickened(piece: Piece) -> Piece:
-    normal = np.linalg.svd(piece.vertices - piece.vertices.mean(axis=0))[2][-1]
-    both = [piece.vertices + sign * SHEET_M / 2 * normal for sign in (-1, 1)]
-    return Piece(np.concatenate(both), np.concatenate((piece.faces, piece.faces[:, ::-1] + len(piece.vertices))))
+def _by_cells(piece: Piece) -> list[Piece] | None:
+    """A surface by the cells of a grid, each with the hull of what lies in it; None if it has too many large triangles.
 
-
-def _coacd(piece: Piece, limit_m: float, name: str) -> list[Piece] | None:
-    if not coacd_process.is_there():
-        log.warning(
-            "mesh %r is concave, but taken for its convex hull: nothing fits into it (to mend: pip install coacd)", name
-        )
-        return None
-    found = coacd_process.searched(piece.vertices, piece.faces, limit_m)
-    if found is None:
-        problem = "mesh %r is parted by the cells of a grid: CoACD comes to no end with it (to mend: simplify it)"
-        log.warning(problem, name)
-        return _by_cells(piece, name)
-    return [Piece(vertices, faces) for vertices, faces in found]
-
-
-def _by_cells(piece: Piece, name: str) -> list[Piece] | None:
-    """A surface by the cells of a grid, each with the hull of what lies in it; what is flat becomes a sheet."""
+    What is flat becomes a sheet.
+    """
     side_m = float(np.ptp(piece.vertices, axis=0).max()) / CELLS
     corners = _divided(piece.corners, side_m / 2)
     if corners is None:
-        log.warning(
-            "mesh %r is concave, but taken for its convex hull: it has too many large triangles (to mend: simplify it)",
-            name,
-        )
         return None
     cells = np.floor((corners.mean(axis=1) - piece.vertices.min(axis=0)) / side_m).astype(np.intp)
     _, cell = np.unique(cells, axis=0, return_inverse=True)
@@ -341,21 +254,26 @@ def _hull(points: Array) -> Piece:
     thinnest = np.linalg.eigh(np.cov(points.T, bias=True))[1][:, 0]
     if np.ptp(points @ thinnest) < SHEET_M:
         points = (points[:, None] + SHEET_M / 2 * CUBE).reshape(-1, 3)
-    model, turn = _compiled_hull(points)
+    model, turn = compiled_hull(points)
     corners = hull_triangles(model, 0) @ turn.T + model.mesh_pos[0]
     vertices, faces = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
     return Piece(vertices, faces.reshape(-1, 3))
 
 
-def _as_obj(parts: Sequence[Piece]) -> bytes:
+def _as_obj(parts: Sequence[Piece], coarse: str) -> bytes:
     """Rounded to micrometres; any program that opens OBJ shows them."""
-    lines, start = ["# convex parts of a mesh, metres"], 1
+    lines, start = [HEAD + (f"{COARSE}{coarse}" if coarse else "")], 1
     for number, part in enumerate(parts):
         lines.append(f"o part{number}")
         lines += [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in part.vertices]
         lines += [f"f {a + start} {b + start} {c + start}" for a, b, c in part.faces]
         start += len(part.vertices)
     return ("\n".join(lines) + "\n").encode()
+
+
+def coarse_in(text: bytes) -> str:
+    """What a document of parts says that is coarse in it; empty if nothing is."""
+    return text.partition(b"\n")[0].decode("utf-8", "replace").partition(COARSE)[2][:LONGEST_REASON]
 
 
 # --- Concave meshes become what they are: a bin can be reached into, a handle grasped.
@@ -372,7 +290,11 @@ PART = "/part"
 
 
 def decompose(
-    spec: mujoco.MjSpec, compiled: Callable[[mujoco.MjSpec], mujoco.MjModel], files: dict[str, bytes], where: str
+    spec: mujoco.MjSpec,
+    compiled: Callable[[mujoco.MjSpec], mujoco.MjModel],
+    files: dict[str, bytes],
+    where: str,
+    limits: Limits = DEFAULT.limits,
 ) -> None:
     """Let convex parts collide in the place of a model's concave meshes.
 
@@ -381,6 +303,7 @@ def decompose(
         compiled: Compiles it; only asked if there is a mesh that collides.
         files: The bundle of the scene; files with the parts are added where they are missing.
         where: File name for error messages.
+        limits: How long meshes are cut, and into how many parts each.
 
     Raises:
         SceneError: A file with parts is damaged.
@@ -389,10 +312,20 @@ def decompose(
     if not solid:
         return
     model = compiled(spec)
-    parts = {name: _parts(spec, model, name, files, where) for name in dict.fromkeys(g.meshname for g in solid)}
+    meshes = {name: joined(mesh_of(model, name)) for name in dict.fromkeys(geom.meshname for geom in solid)}
+    hollow = {name: mesh for name, mesh in meshes.items() if is_hollow(mesh, deeper_than_m=tolerance_m(mesh))}
+    keys = {name: parts_name(mesh) for name, mesh in hollow.items()}
+    _find_parts(hollow, keys, files, limits)
+    added: dict[str, tuple[str, ...]] = {}
+    coarse: dict[str, list[str]] = {}
+    for name, key in keys.items():
+        parts, reason = _read_whole(files[key], name, f"{where}: {key}", limits)
+        added[name] = _add_parts(spec, name, parts)
+        coarse.setdefault(reason, []).append(name)
+    _warn_of_coarse(coarse)
     for geom in solid:
-        if parts[geom.meshname]:
-            _replace(geom, parts[geom.meshname])
+        if geom.meshname in added:
+            _replace(geom, added[geom.meshname])
 
 
 def whole(name: str) -> str:
@@ -404,38 +337,55 @@ def _collides(geom: mujoco.MjsGeom) -> bool:
     return geom.type == mujoco.mjtGeom.mjGEOM_MESH and bool(geom.contype or geom.conaffinity)
 
 
-def _parts(
-    spec: mujoco.MjSpec, model: mujoco.MjModel, name: str, files: dict[str, bytes], where: str
-) -> tuple[str, ...]:
-    """Names of the meshes of a concave mesh's parts; none for a convex one."""
-    mesh = _mesh(model, name)
-    if not is_hollow(mesh, deeper_than_m=tolerance_m(mesh)):
-        return ()
-    key = parts_name(mesh)
-    text = files[key] if key in files else parts_text(mesh, name)
-    if text is None:
-        return ()
-    files[key] = text
+def _find_parts(hollow: Mapping[str, Piece], keys: Mapping[str, str], files: dict[str, bytes], limits: Limits) -> None:
+    """Put the parts of concave meshes into a bundle: those that it lacks are looked for in the cache, then cut.
+
+    Args:
+        hollow: The meshes by name.
+        keys: Names of the documents with their parts, by theirs.
+        files: The bundle.
+        limits: How long they are cut.
+    """
+    missing: dict[str, str] = {}
+    for name, key in keys.items():
+        kept = files[key] if key in files else _kept(key)
+        if kept is not None:
+            files[key] = kept
+        elif key not in missing.values():  # the same mesh under another name
+            missing[name] = key
+    until_s = time.monotonic() + limits.cutting_s
+    for number, (name, key) in enumerate(missing.items(), 1):
+        log.info("cutting concave meshes, once: %r, %d of %d", name, number, len(missing))
+        files[key] = _parts_text(hollow[name], key, until_s, is_first=number == 1)
+
+
+def _read_whole(text: bytes, name: str, where: str, limits: Limits) -> tuple[list[Array], str]:
+    """The parts of a mesh, or its hull where they are too many; and what is coarse in that."""
     try:
         found = read_parts(text)
     except (ValueError, IndexError) as error:
         hint = "delete it, and it is made anew"
-        raise SceneError(
-            f"damaged convex parts of mesh {name!r}: {error}", where=f"{where}: {key}", hint=hint
-        ) from error
-    for number, vertices in enumerate(found):
-        spec.add_mesh(name=f"{name}{PART}{number}", uservert=vertices.ravel())
-    return tuple(f"{name}{PART}{number}" for number in range(len(found)))
+        raise SceneError(f"damaged convex parts of mesh {name!r}: {error}", where=where, hint=hint) from error
+    if len(found) > limits.mesh_parts:
+        return [np.concatenate(found)], TOO_MANY.format(limits.mesh_parts)
+    return found, coarse_in(text)
 
 
-def _mesh(model: mujoco.MjModel, name: str) -> Piece:
-    """A compiled mesh in the frame of its file."""
-    mesh = model.mesh(name).id
-    vertices: Array = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]].astype(float)
-    faces = model.mesh_face[model.mesh_faceadr[mesh] :][: model.mesh_facenum[mesh]].astype(np.intp)
-    turn = np.zeros(9)
-    mujoco.mju_quat2Mat(turn, model.mesh_quat[mesh].astype(float))
-    return joined(vertices @ turn.reshape(3, 3).T + model.mesh_pos[mesh], faces)
+def _add_parts(spec: mujoco.MjSpec, name: str, parts: Sequence[Array]) -> tuple[str, ...]:
+    """Add the parts of a mesh to a model; their names."""
+    names = tuple(f"{name}{PART}{number}" for number in range(len(parts)))
+    for part, vertices in zip(names, parts, strict=True):
+        spec.add_mesh(name=part, uservert=vertices.ravel())
+    return names
+
+
+def _warn_of_coarse(coarse: Mapping[str, Sequence[str]]) -> None:
+    """Warn of meshes whose parts are coarser than asked for, once for each reason; nothing if that is empty."""
+    for reason, names in coarse.items():
+        if reason:
+            few = ", ".join(map(repr, names[:NAMED])) + (f" and {len(names) - NAMED} more" if names[NAMED:] else "")
+            whose = f"mesh {few} is" if len(names) == 1 else f"meshes {few} are"
+            log.warning("%s concave, %s", whose, reason)
 
 
 def _replace(geom: mujoco.MjsGeom, parts: tuple[str, ...]) -> None:
