@@ -162,6 +162,7 @@ def _tell_over_time(
             every_s=every_s,
             predicates=known_predicates(),
             progress=progress,
+            processes=None,
         )
     if not quiet:
         _print_timeline(line)

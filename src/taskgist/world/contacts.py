@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -88,10 +89,14 @@ class Drop:
         """Seen shapes that the points may meet, but those of the object's own body, (n,)."""
         if not len(self.starts):
             return np.empty(0, dtype=np.intp)
+        (middle, radius_m), body = self._ball, stage.scene.object_body(self.name)
+        return stage.between(middle, middle[None], np.array([radius_m + settings.support_m]), but_body=body)
+
+    @cached_property
+    def _ball(self) -> tuple[Array, float]:
+        """Middle and radius of a ball around the points where they are and where they were lifted from, metres."""
         middle = self.starts.mean(axis=0)
-        radius_m = float(np.linalg.norm(self.starts - middle, axis=1).max() + self.lifts_m.max()) + settings.support_m
-        body = stage.scene.object_body(self.name)
-        return stage.between(middle, middle[None], np.array([radius_m]), but_body=body)
+        return middle, float(np.linalg.norm(self.starts - middle, axis=1).max() + self.lifts_m.max())
 
     def meets(self, stage: Stage, around: Indices, settings: Contact) -> str | None:
         """The owner of the surface on which the lowest point lands that meets a nearly level one, or None."""
@@ -313,7 +318,7 @@ class RestingMemory:
         alone = not self._of_agents[around].any()
         if not (alone and found.alone):
             found = replace(found, support=found.drop.meets(stage, around, self._settings), alone=alone)
-        self._found[name] = replace(found, things=things)
+        self._found[name] = found if found.things is things else replace(found, things=things)
         return Rest(found.support, found.container)
 
     def _as_before(self, name: str, before: Array, now: Array) -> bool:
