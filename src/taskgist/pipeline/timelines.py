@@ -10,6 +10,7 @@ import math
 from bisect import bisect_left
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -103,7 +104,7 @@ def timeline(
         start_s, end_s = bounds_s[part : part + 2]
         exact, samples, turns = _Symbols(whole, settings), _Symbols(whole, settings), list[EyeTurn | None]()
         for time_s in frames_s[bisect_left(frames_s, start_s) : bisect_left(frames_s, end_s)]:
-            exact.add(time_s, status_observations(observer, agent, name, time_s))
+            exact.add(time_s, status_observations(observer, agent, name, time_s, explained=False))
         for time_s in times[bisect_left(times, start_s) : bisect_left(times, end_s)]:
             stage.show(recording.at(time_s))
             observed = snapshot(stage, observer, agent=agent, name=name, settings=settings, predicates=predicates)
@@ -114,7 +115,9 @@ def timeline(
     exact, samples, turns = _Rows(), _Rows(), list[EyeTurn | None]()
     if processes is None and parts < LONG_PARTS:
         processes = 1
-    for number, found in enumerate(in_order(watched, parts, processes), start=1):
+    # The first part is watched here: what is compiled, or loaded, for it need not be for each worker.
+    later = in_order(lambda number: watched(number + 1), parts - 1, processes)
+    for number, found in enumerate(chain([watched(0)], later), start=1):
         _join(exact, found.exact)
         _join(samples, found.samples)
         turns += found.turns

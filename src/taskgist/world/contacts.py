@@ -6,7 +6,7 @@ It rests on something, lies in it, is held by hands, touches somebody's body, or
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -264,9 +264,9 @@ NEARBY_M = 0.1
 """Things farther apart than this, and their sizes, neither carry each other nor stand in each other's way."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _Found:
-    """What was found for an object while the things of the room were somewhere.
+    """What was found for an object while the things of the room were somewhere; kept up to date while all stays so.
 
     Attributes:
         things: Where they were, by their part of ``qpos``.
@@ -313,12 +313,12 @@ class RestingMemory:
         found = self._found.get(name)
         if found is None or found.untracked != untracked or not self._as_before(name, found.things, things):
             container = container_of(stage, name, self._settings)
-            found = _Found(things, untracked, container, Drop.of(stage, name, self._settings))
+            found = self._found[name] = _Found(things, untracked, container, Drop.of(stage, name, self._settings))
         around = found.drop.around(stage, self._settings)
         alone = not self._of_agents[around].any()
         if not (alone and found.alone):
-            found = replace(found, support=found.drop.meets(stage, around, self._settings), alone=alone)
-        self._found[name] = found if found.things is things else replace(found, things=things)
+            found.support, found.alone = found.drop.meets(stage, around, self._settings), alone
+        found.things = things
         return Rest(found.support, found.container)
 
     def _as_before(self, name: str, before: Array, now: Array) -> bool:
