@@ -114,34 +114,51 @@ def descend(
     bounds, step = np.empty((count, 2)), np.empty(count)
     base_before, values_before = np.empty(7), np.empty(len(values))
     dofs = _dofs(len(joints), free, count)
-    _put_frames(joints, parents, base, values, root, frames)
-    apart = _errors(features, carriers, targets, known, root, frames, errors)
-    cost = apart + _posture_cost(free, posture, rest, values)
-    for _ in range(iterations):
-        _put_normal(joints, parents, dofs, features, carriers, known, root, frames, errors, normal, right)
-        _add_posture(free, posture, rest, values, limits, damping + LM_DAMPING * apart, normal, right, bounds)
-        _bounded(normal, right, bounds, active, step)
-        longest = np.abs(step).max() if count else 0.0
-        if longest > LONGEST_STEP:
-            step *= LONGEST_STEP / longest
-            longest = LONGEST_STEP
-        base_before[:], values_before[:] = base, values
-        change, gained = 0.0, False
+    cost, apart, longest = np.inf, 0.0, np.inf
+    for number in range(iterations + 1):  # the first time all stays where it is: each function is compiled in once
+        if number > 0:
+            _put_normal(joints, parents, dofs, features, carriers, known, root, frames, errors, normal, right)
+            _add_posture(free, posture, rest, values, limits, damping + LM_DAMPING * apart, normal, right, bounds)
+            _bounded(normal, right, bounds, active, step)
+            longest = _shortened(step)
+        _copy(base, base_before)
+        _copy(values, values_before)
+        change = 0.0
         for _ in range(HALVINGS):
-            _go(free, step, base, values)
+            if number > 0:
+                _go(free, step, base, values)
             _put_frames(joints, parents, base, values, root, frames)
             apart = _errors(features, carriers, targets, known, root, frames, errors)
             now = apart + _posture_cost(free, posture, rest, values)
             if now < cost:
                 change = longest if now < (1.0 - NEGLIGIBLE_GAIN) * cost else 0.0
-                cost, gained = now, True
+                cost = now
                 break
-            base[:], values[:] = base_before, values_before
+            _copy(base_before, base)
+            _copy(values_before, values)
             step *= 0.5
             longest *= 0.5
-        if not gained or change < CONVERGED_RAD:
+        if change < CONVERGED_RAD:
             break
     return cost
+
+
+@compiled_part
+def _copy(source: Array, target: Array) -> None:
+    """Copy numbers, (n,); numba takes seconds to compile ``target[:] = source``, which checks shapes."""
+    for row in range(len(source)):
+        target[row] = source[row]
+
+
+@compiled_part
+def _shortened(step: Array) -> float:
+    """Shorten a step that is too long; the largest change that it makes then, radians or metres."""
+    longest = 0.0
+    for change in step:
+        longest = max(longest, abs(change))
+    if longest > LONGEST_STEP:
+        step *= LONGEST_STEP / longest
+    return min(longest, LONGEST_STEP)
 
 
 @compiled_part
@@ -388,7 +405,13 @@ def _bounded(normal: Array, right: Array, bounds: Array, active: NDArray[np.int8
             step[inner[row]] = found[row]
         if not _mended(normal, right, bounds, active, step):
             return
-    step[:] = np.minimum(np.maximum(step, bounds[:, 0]), bounds[:, 1])  # in circles: the line search sees to the rest
+    _clip(step, bounds)  # a guess that goes round in circles: the line search sees to what is left
+
+
+@compiled_part
+def _clip(step: Array, bounds: Array) -> None:
+    for dof in range(len(step)):
+        step[dof] = min(max(step[dof], bounds[dof, 0]), bounds[dof, 1])
 
 
 @compiled_part
