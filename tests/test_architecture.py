@@ -66,7 +66,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "facts": set(),
     "learning": set(),
     "store": {"sqlalchemy", "alembic"},
-    "world": {"numpy", "numba", "mujoco", "mink", "coacd", "tomli_w"},
+    "world": {"numpy", "numba", "mujoco", "coacd", "tomli_w"},
     "moving": {"numpy", "scipy"},
     "perspective": {"numpy"},
     "maps": {"numpy"},

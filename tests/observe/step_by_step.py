@@ -379,7 +379,7 @@ class Watching:
             if status and status.thing and status.symbol == v.HOLDING_OBJECT
         )
 
-    def as_confirmed(self, state: State) -> State:
+    def as_confirmed(self, state: State, gaze_of: str | None = None) -> State:  # noqa: ARG002 - of all, the slow way
         eyes = dict(state.eyes)
         for name in self.scene.agents:
             if name in eyes or not self._settings.gaze.inferred or not state.known([f"{name}/head"]):

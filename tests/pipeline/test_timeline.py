@@ -10,7 +10,7 @@ import pytest
 from taskgist.errors import UnknownNameError
 from taskgist.facts import STANDARD_TREE, Predicate, predicate_subtree
 from taskgist.observe import Observer, snapshot
-from taskgist.pipeline import Timeline, attribute_nodes, timeline
+from taskgist.pipeline import Timeline, attribute_nodes, timeline, timelines
 from taskgist.settings import DEFAULT
 from taskgist.world import Stage
 from tests.pipeline.small import FRAMES, small
@@ -91,6 +91,21 @@ def test_unknown_agents() -> None:
     still = small()
     with pytest.raises(UnknownNameError, match="no agent 'P3'; did you mean 'P2'"):
         timeline(still, Observer(still.scene, still), agent="P3", name="cup")
+
+
+def test_parts_that_are_watched_at_once_join_to_the_same_timeline(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Parts begin and end anywhere: in the middle of intervals, between samples, right when something changes."""
+    short = excerpt(NAME, 1.2, 4.2)
+    lines = []
+    for part_s, processes in ((100.0, 1), (0.3, 1), (0.35, 2)):
+        monkeypatch.setattr(timelines, "PART_S", part_s)
+        observer = Observer(short.scene, short)
+        lines.append(
+            timeline(short, observer, agent="P2", name="baton", every_s=0.2, processes=processes),
+        )
+    assert len(lines[0].rows["hands"]) > 1
+    assert list(lines[0].rows) == list(lines[1].rows) == list(lines[2].rows)
+    assert lines[0] == lines[1] == lines[2]
 
 
 def test_what_was_assumed_of_eyes_is_in_it(line: Timeline) -> None:

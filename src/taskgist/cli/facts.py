@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -13,9 +15,9 @@ from rich.text import Text
 
 from taskgist.cli.common import JsonOption, RecordingArgument, about, command, console, print_json, progress_bar
 from taskgist.cli.relations import intervals_document, print_intervals, tell_relations
-from taskgist.common.frozen import thaw
+from taskgist.common.frozen import Json, thaw
 from taskgist.errors import LabelError
-from taskgist.facts.predicates import known_predicates, with_predicates
+from taskgist.facts.predicates import Predicate, known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import TreeOf, tree_of
 from taskgist.facts.values import UNKNOWN
@@ -24,6 +26,7 @@ from taskgist.learning.explanation import Explanation
 from taskgist.observe.attributes import snapshot
 from taskgist.observe.observer import Observer
 from taskgist.pipeline.explain import explain_recording
+from taskgist.pipeline.kept_facts import FactsOverTime, remembered
 from taskgist.pipeline.timelines import Timeline, timeline
 from taskgist.recording.mcap import read
 from taskgist.recording.recording import Recording
@@ -64,27 +67,24 @@ def facts(
 
     Example: taskgist facts handover.mcap --relations
     """
-    opened, whose = read(recording), tree_of(of)
+    whose = tree_of(of)
+    if not relations and at is None:
+        asked: dict[str, Json] = {"agent": agent, "of": of, "object": object, "every_s": every}
+        _tell_over_time(recording, asked, whose, as_json=as_json)
+        return
+    opened = read(recording)
     with about(recording, {"time_s": "--at"}):
         agents, objects = _subjects(opened, agent, object, whose)
         state = None if at is None else opened.at(at)
     observer = Observer(opened.scene, opened)
-    over_time = not relations and state is None
-    effect = _effect(opened, agents, objects, observer) if over_time else None
     documents: list[dict[str, Any]] = []
     for who, what in product(agents, objects):
         if relations:
-            document = tell_relations(opened, observer, who, what, state, quiet=as_json)
+            documents.append(tell_relations(opened, observer, who, what, state, quiet=as_json))
         elif state is not None:
-            document = _tell_instant(opened, observer, who, what, state, quiet=as_json)
-        else:
-            own = effect.part(who, what) if effect else None
-            document = _tell_over_time(opened, observer, who, what, every, own, quiet=as_json)
-        documents.append(document)
+            documents.append(_tell_instant(opened, observer, who, what, state, quiet=as_json))
     if as_json:
-        print_json(documents[0] if len(documents) == 1 else _of_all(agents, objects, documents, effect))
-    elif effect is not None and len(documents) > 1:
-        _print_effect(effect)
+        print_json(documents[0] if len(documents) == 1 else _of_all(documents, None))
 
 
 def _subjects(
@@ -116,11 +116,10 @@ def _effect(
     return explain_recording(recording, label=label, observer=observer)
 
 
-def _of_all(
-    agents: tuple[str, ...], objects: tuple[str, ...], each: list[dict[str, Any]], effect: Explanation | None
-) -> dict[str, Any]:
+def _of_all(each: list[dict[str, Any]], effect: Explanation | None) -> dict[str, Any]:
     """The document of several agents or objects: that of each pair, and the effect that is the same for all."""
-    return {"agents": list(agents), "objects": list(objects), "each": each, "effect": _effect_document(effect)}
+    agents, objects = (list(dict.fromkeys(document[key] for document in each)) for key in ("agent", "object"))
+    return {"agents": agents, "objects": objects, "each": each, "effect": _effect_document(effect)}
 
 
 def _effect_document(effect: Explanation | None) -> dict[str, Any] | None:
@@ -142,33 +141,57 @@ def _tell_instant(
     return {"agent": agent, "object": name, "time_s": state.time_s, "attributes": attributes}
 
 
-def _tell_over_time(
-    recording: Recording,
-    observer: Observer,
-    agent: str,
-    name: str,
-    every_s: float,
-    effect: Explanation | None,
-    *,
-    quiet: bool,
-) -> dict[str, Any]:
-    """Print the attributes over time and the effect, unless quiet; their document."""
-    with progress_bar(quiet=quiet) as progress:
-        line = timeline(
-            recording,
-            observer,
-            agent=agent,
-            name=name,
-            every_s=every_s,
-            predicates=known_predicates(),
-            progress=progress,
-        )
-    if not quiet:
+def _tell_over_time(path: Path, asked: Mapping[str, Json], of: TreeOf, *, as_json: bool) -> None:
+    """Print the attributes over time and the effect of each agent and object, or their documents."""
+    predicates = known_predicates()
+
+    def watch() -> FactsOverTime:
+        return _watched(path, asked, of, predicates, quiet=as_json)
+
+    # What a predicate of the user's own observes may hang on anything: it is asked each time.
+    facts = watch() if predicates else remembered(path, asked, watch)
+    own = [facts.effect.part(line.agent, line.name) if facts.effect else None for line in facts.timelines]
+    if as_json:
+        documents = [_timeline_document(line, effect) for line, effect in zip(facts.timelines, own, strict=True)]
+        print_json(documents[0] if len(documents) == 1 else _of_all(documents, facts.effect))
+        return
+    for line, effect in zip(facts.timelines, own, strict=True):
         _print_timeline(line)
         _print_effect(effect)
+    if facts.effect is not None and len(facts.timelines) > 1:
+        _print_effect(facts.effect)
+
+
+def _watched(
+    path: Path, asked: Mapping[str, Any], of: TreeOf, predicates: tuple[Predicate, ...], *, quiet: bool
+) -> FactsOverTime:
+    """Watch a recording; with progress, unless quiet."""
+    recording = read(path)
+    with about(path):
+        agents, objects = _subjects(recording, asked["agent"], asked["object"], of)
+    observer = Observer(recording.scene, recording)
+    effect = _effect(recording, agents, objects, observer)
+    with progress_bar(quiet=quiet) as progress:
+        lines = [
+            timeline(
+                recording,
+                observer,
+                agent=who,
+                name=what,
+                every_s=asked["every_s"],
+                predicates=predicates,
+                progress=progress,
+                processes=None,
+            )
+            for who, what in product(agents, objects)
+        ]
+    return FactsOverTime(tuple(lines), effect)
+
+
+def _timeline_document(line: Timeline, effect: Explanation | None) -> dict[str, Any]:
     rows = {attribute: intervals_document(intervals) for attribute, intervals in line.rows.items()}
     gaze = [dataclasses.asdict(each) for each in line.gaze]
-    document = {"agent": agent, "object": name, "every_s": every_s, "timeline": rows, "gaze": gaze}
+    document = {"agent": line.agent, "object": line.name, "every_s": line.every_s, "timeline": rows, "gaze": gaze}
     return {**document, "effect": _effect_document(effect)}
 
 

@@ -171,7 +171,7 @@ class Subtree:
         relation = self._relation(start, end, settings)
         nodes = {f"{self.name}.class": relation}
         if self.nature:
-            final = _symbol(self.attribute, end, settings).value
+            final = symbol_of(self.attribute, end, settings).value
             nodes[f"{self.name}.nature"] = _nature(self.nature, relation.value, final)
         if self.leaf:
             nodes.update(self._leaf_values(self.leaf, 1, start, settings))
@@ -194,7 +194,7 @@ class Subtree:
     def _leaf_values(
         self, leaf: Leaf, instant: Instant, snapshot: Snapshot, settings: Settings
     ) -> Iterator[tuple[str, Observation[Value]]]:
-        yield f"{self.name}.{leaf.part}.{instant}", _symbol(leaf.attribute, snapshot, settings)
+        yield f"{self.name}.{leaf.part}.{instant}", symbol_of(leaf.attribute, snapshot, settings)
         for child in leaf.children:
             yield from self._leaf_values(child, instant, snapshot, settings)
 
@@ -206,8 +206,8 @@ def _read(attribute: Attribute, snapshot: Snapshot) -> Observation[Raw]:
     return Observation(attribute.read(observation.value, field=attribute.name), observation.evidence)
 
 
-def _symbol(attribute: Attribute, snapshot: Snapshot, settings: Settings) -> Observation[Value]:
-    """Symbol of an attribute; a raw value that says more than its symbol joins the evidence."""
+def symbol_of(attribute: Attribute, snapshot: Snapshot, settings: Settings) -> Observation[Value]:
+    """Symbol of an attribute in a snapshot; a raw value that says more than its symbol joins the evidence."""
     observation = _read(attribute, snapshot)
     if observation.value is UNKNOWN:
         return Observation(UNKNOWN, observation.evidence)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -82,6 +82,7 @@ def fit_person(name: str, size: HumanSize, person: PersonTrack, progress: Callab
         progress: Told the share of frames that are done.
     """
     scene = _alone(name, size)
+    agent = scene.agent(name)
     tracked = tracked_parts(person)
     count = len(tracked["torso"])
     legs_tracked = bool(tracked["legs"].any())
@@ -96,28 +97,20 @@ def fit_person(name: str, size: HumanSize, person: PersonTrack, progress: Callab
         markers=markers,
         axes=_axes_of(scene, name, {**person.lines, **{key: TRUNK_LINES[key] for key in trunk}}, markers),
     )
-    rest = state = _start(scene, name, person)
-    up: Array | None = None
+    features = fitter.features(person.points, (*person.directions, *trunk, *((HELD,) if trunk else ())))
+    targets = _targets(person, trunk, count)
+    rest = qpos = _start(scene, name, person).qpos
+    lost = _lost_arms(agent, tracked)
     states = np.empty((count, scene.nq))
-    errors_m: dict[str, list[float]] = {}
-    errors_rad: dict[str, list[float]] = {}
     for frame in range(count):
-        points = {key: track[frame] for key, track in person.points.items()}
-        directions = {key: track[frame] for key, track in person.directions.items()}
-        directions |= _held_up({key: track[frame] for key, track in trunk.items()}, up)
-        fit = fitter.fit(
-            state,
-            points=points,
-            directions=directions,
-            rest=_leaning(scene.agent(name), rest, state, lost=_lost_sides(tracked, frame)),
-            iterations=FIRST_ITERATIONS if frame == 0 else ITERATIONS,
-        )
-        state = fit.state
-        up = rotate(state.qpos[scene.base_slice(name)][3:], (0.0, 0.0, 1.0))
-        _collect(errors_m, fit.errors_m)
-        _collect(errors_rad, {key: error for key, error in fit.errors_rad.items() if key in person.directions})
-        states[frame] = state.qpos
+        if trunk and frame and not np.isfinite(targets[frame, -1 - len(trunk) :]).all(axis=1).any():
+            targets[frame, -1] = rotate(qpos[agent.base][3:], (0.0, 0.0, 1.0))  # held as it was fitted last
+        leaning = np.where(lost[frame], qpos, rest) if lost[frame].any() else rest
+        iterations = FIRST_ITERATIONS if frame == 0 else ITERATIONS
+        qpos = fitter.settle(features, qpos, targets[frame], rest=leaning, iterations=iterations)
+        states[frame] = qpos
         progress((frame + 1) / count)
+    errors = fitter.errors(features, states, targets)[:, : len(person.points) + len(person.directions)]
     notes: tuple[str, ...] = ()
     low = np.zeros(count, dtype=bool)
     if not legs_tracked and tracked["torso"].any():
@@ -126,7 +119,32 @@ def fit_person(name: str, size: HumanSize, person: PersonTrack, progress: Callab
             tracked = {**tracked, "legs": tracked["torso"]}
             notes = (f"{name}'s legs are estimated from the height of the hips",)
     base, joints = states[:, scene.base_slice(name)], states[:, scene.joint_indices(name)]
-    return BodyTrack(base, joints, tracked, low, _report(errors_m, errors_rad), notes)
+    return BodyTrack(base, joints, tracked, low, _report(person, errors), notes)
+
+
+def _targets(person: PersonTrack, trunk: Mapping[str, Array], count: int) -> Array:
+    """Where points are to be, and directions to point, in each frame, (N, f, 3); NaN where that is unknown.
+
+    Where trunks have directions, the last one is that in which the pelvis is held where none of them is known.
+    """
+    directions = [_of_length_1(track) for track in (*person.directions.values(), *trunk.values())]
+    held = [np.full((count, 3), np.nan)] if trunk else []
+    return np.stack([*person.points.values(), *directions, *held], axis=1)
+
+
+def _of_length_1(directions: Array) -> Array:
+    length = np.linalg.norm(directions, axis=1, keepdims=True)
+    return np.asarray(directions / np.where(length > 0.0, length, np.nan))
+
+
+def _lost_arms(agent: Agent, tracked: Mapping[str, Mask]) -> Mask:
+    """Positions of arms that are lost in a frame: they lean to where they were last, (N, nq)."""
+    lost = np.zeros((len(tracked["torso"]), agent.base.stop + len(agent.joints)), dtype=bool)
+    for joint, column in agent.joints.items():
+        for side in SIDES:
+            if joint.startswith(f"{side}_") and any(word in joint for word in ARMS):
+                lost[:, column] = ~tracked[f"{side}_arm"]
+    return lost
 
 
 # --- Upright pelvis, leaning trunk: what holds the pelvis where no direction of it is tracked.
@@ -203,12 +221,6 @@ def _flexed(trunk: Array, thigh: Array) -> Array:
     return np.where((along > np.cos(nearest)) & np.isfinite(turned), turned, trunk)
 
 
-def _held_up(trunk: Mapping[str, Array], last: Array | None) -> dict[str, Array]:
-    """The direction that the pelvis is drawn to in one frame; as it was fitted last, if that is unknown."""
-    known = {name: up for name, up in trunk.items() if np.isfinite(up).all()}
-    return {HELD: last} if trunk and not known and last is not None else known
-
-
 def _of_stature(marker: Marker, stature_m: float) -> Marker:
     x, y, z = (share * stature_m for share in marker.offset_m)
     return Marker(marker.landmark, (x, y, z), marker.axes)
@@ -234,17 +246,6 @@ def _axes_of(scene: Scene, name: str, lines: Mapping[str, Between], markers: Map
         x, y, z = (float(value) for value in line / np.linalg.norm(line))
         axes[key] = (AXES[HELD if key in TRUNK_LINES else key][0], (x, y, z))
     return axes
-
-
-def _lost_sides(tracked: Mapping[str, Mask], frame: int) -> list[str]:
-    return [side for side in SIDES if not tracked[f"{side}_arm"][frame]]
-
-
-def _leaning(agent: Agent, rest: State, last: State, *, lost: Collection[str]) -> State:
-    """The posture of rest, but for arms that are lost: they stay as they were seen last."""
-    arms = [joint for joint in agent.joints if any(word in joint for word in ARMS)]
-    columns = [agent.joints[joint] for joint in arms for side in lost if joint.startswith(f"{side}_")]
-    return rest.replace({column: float(last.qpos[column]) for column in columns})
 
 
 def _alone(name: str, size: HumanSize) -> Scene:
@@ -359,15 +360,14 @@ def _estimate_legs(scene: Scene, name: str, states: Array) -> Mask:
     return low
 
 
-def _collect(collected: dict[str, list[float]], errors: Mapping[str, float]) -> None:
-    for name, error in errors.items():
-        collected.setdefault(name, []).append(error)
-
-
-def _report(errors_m: Mapping[str, list[float]], errors_rad: Mapping[str, list[float]]) -> dict[str, Any]:
+def _report(person: PersonTrack, errors: Array) -> dict[str, Any]:
+    """The errors of landmarks, centimetres, and directions, degrees, from (N, f) in metres and radians."""
+    known = [column[np.isfinite(column)] for column in errors.T]
+    points = zip(person.points, known[: len(person.points)], strict=True)
+    directions = zip(person.directions, known[len(person.points) :], strict=True)
     return {
-        "points_cm": {name: _summary(100 * np.array(errors)) for name, errors in errors_m.items()},
-        "directions_deg": {name: _summary(np.degrees(errors)) for name, errors in errors_rad.items()},
+        "points_cm": {name: _summary(100 * each) for name, each in points if len(each)},
+        "directions_deg": {name: _summary(np.degrees(each)) for name, each in directions if len(each)},
     }
 
 

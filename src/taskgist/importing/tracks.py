@@ -158,16 +158,19 @@ def _template(frames: Array) -> Array:
     """How the points lie to each other: the mean of all frames, laid over the first one and then over that mean."""
     template = frames[0]
     for _ in range(2):
-        template = np.mean([_moved(frame, frame, template) for frame in frames], axis=0)
+        template = np.mean(_moved(frames, frames, template), axis=0)
     return np.asarray(template)
 
 
 def _moved(points: Array, start: Array, end: Array) -> Array:
-    """Points (m, 3) moved as the rigid motion that takes ``start`` (k, 3) closest to ``end`` [Kabsch 1976]."""
-    start_middle, end_middle = start.mean(axis=0), end.mean(axis=0)
-    left, _, right = np.linalg.svd((start - start_middle).T @ (end - end_middle))
-    mirror = np.array([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
-    return np.asarray((points - start_middle) @ (left * mirror) @ right + end_middle)
+    """Points (m, 3) moved as the rigid motion that takes ``start`` (k, 3) closest to ``end`` [Kabsch 1976].
+
+    Of n motions at once, where they are (n, m, 3) and (n, k, 3).
+    """
+    start_middle, end_middle = start.mean(axis=-2, keepdims=True), end.mean(axis=-2, keepdims=True)
+    left, _, right = np.linalg.svd(np.swapaxes(start - start_middle, -2, -1) @ (end - end_middle))
+    left[..., 2] *= np.sign(np.linalg.det(left @ right))[..., None]  # a turn, no mirror
+    return np.asarray((points - start_middle) @ left @ right + end_middle)
 
 
 def _width_m(points: Array) -> float:

@@ -103,22 +103,30 @@ def snapshot(
     """Every attribute from one agent's perspective of one object, in the state that the stage shows.
 
     Args:
-        stage: The scene in a state; afterwards it shows the same one with holding and gazes decided.
+        stage: The scene in a state; afterwards it shows the same one with holding decided, and gazes: that of the
+            agent, or those of all, if predicates are to be observed.
         observer: What is confirmed over time: in a whole recording, or in the states up to this one.
         agent: From whose perspective.
         name: The object.
         settings: All settings.
         predicates: A user's own predicates to observe too.
     """
-    stage.show(observer.as_confirmed(stage.state))
+    predicates = tuple(predicates)
+    stage.show(observer.as_confirmed(stage.state, gaze_of=None if predicates else agent))
     observations = ability_observations(stage, agent, name, settings)
     observations |= status_observations(observer, agent, name, stage.state.time_s)
     return observations | _predicate_observations(predicates, stage, agent, name)
 
 
-def status_observations(observer: Observer, agent: str, name: str, time_s: float) -> Snapshot:
-    """The attributes that need time but no perspective: posture, hands, placement, motion."""
-    hands = [f"{hold.agent}'s {hold.side} hand" for hold in observer.holds(time_s) if hold.object == name]
+def status_observations(
+    observer: Observer, agent: str, name: str, time_s: float, *, explained: bool = True
+) -> Snapshot:
+    """The attributes that need time but no perspective: posture, hands, placement, motion.
+
+    Unless it is to be explained, placement is told without whose hands those are, and nobody else's are looked at.
+    """
+    holds = observer.holds(time_s) if explained else ()
+    hands = [f"{hold.agent}'s {hold.side} hand" for hold in holds if hold.object == name]
     placement = observer.placement(name).at(time_s) or Placement(None)
     statuses = {side: observer.hand(agent, side).at(time_s) for side in observer.scene.agent(agent).sides}
     return {

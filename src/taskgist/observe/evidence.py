@@ -6,6 +6,7 @@ frame; what needs kinematics is looked at once for each frame, and only where th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -53,9 +54,15 @@ class Tracked:
     def __init__(self, stage: Stage, frames: FrameSequence, settings: Settings) -> None:
         self.stage, self.frames, self.settings = stage, frames, settings
         self.resting = RestingMemory(stage.scene, settings.contact)
+        scene = stage.scene
+        self._rows = {name: row for row, name in enumerate(scene.objects)}
+        columns = [np.arange(scene.nq)[scene.object_slice(name)] for name in scene.objects]
+        self._columns = np.array(columns, dtype=np.intp).reshape(-1, 7)
         self.pose, self.palms = lru_cache(KEPT_FRAMES)(self._pose), lru_cache(KEPT_FRAMES)(self._palms)
-        self._middle = lru_cache(KEPT_FRAMES)(self._middle_in)
-        self.velocity = lru_cache(KEPT_FRAMES)(self._velocity)
+        self._places, self._velocities = (
+            lru_cache(KEPT_FRAMES)(self._places_in),
+            lru_cache(KEPT_FRAMES)(self._moving_in),
+        )
 
     @cached_property
     def arms(self) -> dict[Hand, tuple[Agent, ArmIndices]]:
@@ -64,23 +71,26 @@ class Tracked:
         return {(agent.name, arm.profile.side): (agent, arm) for agent in agents for arm in agent.arms}
 
     @cached_property
-    def middles(self) -> dict[str, Array]:
-        """The middle of each object in its own frame, metres, (3,): wherever that frame lies, it says the same."""
+    def middles(self) -> Array:
+        """The middle of each object in its own frame, metres, (n, 3): wherever that frame lies, it says the same."""
         scene, stage = self.stage.scene, self.stage.show(self.stage.scene.initial)
-        found = {}
-        for name in scene.objects:
+        found = np.zeros((len(scene.objects), 3))
+        for row, name in enumerate(scene.objects):
             points = object_points(stage, name, POINT_SPACING_M)
-            local = stage.body(scene.object_body(name)).to_local(points)
-            found[name] = local.mean(axis=0) if len(local) else np.zeros(3)
+            if len(points):
+                found[row] = stage.body(scene.object_body(name)).to_local(points).mean(axis=0)
         return found
+
+    def known(self, name: str, index: int) -> bool:
+        """Whether an object was tracked in a frame."""
+        return not math.isnan(self._places(index)[self._rows[name], 0])
 
     def _pose(self, name: str, index: int) -> Pose | None:
         """Where an object is in a frame; None where it was not tracked."""
-        state = self.frames.state(index)
-        if not state.known([name]) or name in self.stage.scene.shapeless:
+        if not self.known(name, index):
             return None
-        pose = state.qpos[self.stage.scene.object_slice(name)]
-        return Pose(np.array(pose[:3]), matrix_from_wxyz(pose[3:]))
+        pose = self.frames.state(index).qpos[self._columns[self._rows[name]]]
+        return Pose(pose[:3], matrix_from_wxyz(pose[3:]))
 
     def _palms(self, index: int) -> dict[Hand, Array]:
         """Where the palms of the tracked hands are in a frame, metres, (3,) each."""
@@ -94,21 +104,34 @@ class Tracked:
     def around(self, name: str, index: int) -> tuple[list[float], Array]:
         """Times in seconds, (n,), and places of an object's middle, metres, (n, 3), while it was tracked."""
         window = self.frames.window(index, self.settings.carrying.window_s)
-        first, last = index, index
-        while first > window.start and self._middle(name, first - 1) is not None:
+        first, last, row = index, index, self._rows[name]
+        while first > window.start and self.known(name, first - 1):
             first -= 1
-        while last < window.stop - 1 and self._middle(name, last + 1) is not None:
+        while last < window.stop - 1 and self.known(name, last + 1):
             last += 1
-        places = [self._middle(name, each) for each in range(first, last + 1)]
+        places = [self._places(each)[row] for each in range(first, last + 1)]
         return self.frames.times_s[first : last + 1], np.array(places)
 
-    def _middle_in(self, name: str, index: int) -> Array | None:
-        pose = self.pose(name, index)
-        return None if pose is None else pose.to_world(self.middles[name])
-
-    def _velocity(self, name: str, index: int) -> Array | None:
+    def velocity(self, name: str, index: int) -> Array | None:
         """Velocity of an object's middle in a frame in which it was tracked, metres per second, (3,)."""
-        return velocity(*self.around(name, index))
+        found: Array = self._velocities(index)[self._rows[name]]
+        return velocity(*self.around(name, index)) if math.isnan(found[0]) else found
+
+    def _places_in(self, index: int) -> Array:
+        """Where the middles of all objects are in a frame, metres, (n, 3); NaN where they were not tracked."""
+        state = self.frames.state(index)
+        poses = state.qpos[self._columns]
+        places = (matrix_from_wxyz(poses[:, 3:]) @ self.middles[:, :, None])[:, :, 0] + poses[:, :3]
+        for name in (*state.untracked, *self.stage.scene.shapeless):
+            if name in self._rows:
+                places[self._rows[name]] = np.nan
+        return np.asarray(places)
+
+    def _moving_in(self, index: int) -> Array:
+        """Velocities of those objects that were tracked all around a frame, (n, 3); NaN of the others."""
+        window = self.frames.window(index, self.settings.carrying.window_s)
+        moving = velocity(self.frames.times_s[window.start : window.stop], [self._places(each) for each in window])
+        return np.full(self.middles.shape, np.nan) if moving is None else moving
 
 
 class EvidenceOf:
@@ -127,7 +150,7 @@ class EvidenceOf:
 
     def known(self, index: int) -> bool:
         """Whether the thing was tracked in a frame."""
-        return self._tracked.pose(self._name, index) is not None
+        return self._tracked.known(self._name, index)
 
     def rests(self, index: int) -> bool:
         """Whether it rests in a frame."""

@@ -114,15 +114,15 @@ class Eyes:
         self._thing = lru_cache(4 * KEPT_FRAMES)(handled)
         self._starts: dict[tuple[Hand, int], int] = {}
 
-    def turns(self, state: State) -> Mapping[str, EyeTurn]:
-        """How eyes are turned in a state, by agent: as recorded where they were, else as inferred.
+    def turns(self, state: State, agents: Iterable[str]) -> Mapping[str, EyeTurn]:
+        """How eyes are turned in a state, by agent: as recorded where they were, else as inferred for some agents.
 
         Agents of which nothing is known or assumed are left out, and those whose head, or thing, was not tracked.
         """
         if not self._settings.inferred:
             return state.eyes
         found = dict(state.eyes)
-        for name in self._stage.scene.agents:
+        for name in agents:
             if name not in found and (turn := self._turn(self._stage.scene.agent(name), state)) is not None:
                 found[name] = turn
         return found

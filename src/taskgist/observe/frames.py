@@ -201,6 +201,7 @@ class Confirmed(Generic[V]):
         # Onsets of the confirmed values, in the frames that were followed so far, and where their last run began:
         self._onsets: list[tuple[int, V]] = []
         self._followed = self._run = 0
+        self._lasting = (0, -2)  # first and last frame known of the run that lasted and was asked for last
         self._together = [] if together is None else together
         self._together.append(self)
 
@@ -210,6 +211,8 @@ class Confirmed(Generic[V]):
         deciding = self._deciding(here)
         if deciding is None:
             return None
+        if deciding == here:
+            return self._raw(here)
         return next(self._raw(index) for index in range(here, -1, -1) if self._key(index) == self._key(deciding))
 
     @property
@@ -247,8 +250,15 @@ class Confirmed(Generic[V]):
         """A frame of the run that is confirmed as of one frame: its own run, or the last before that lasted."""
         last = here
         while last >= 0:
+            first, known = self._lasting
+            if first <= last <= known:
+                return last
+            if last == known + 1 and self._key(last) == self._key(known):
+                self._lasting = first, last  # frames asked for one after the other: the run goes on
+                return last
             first = self._beginning(last)
             if self._lasts(first, self._ending(first, last)):
+                self._lasting = first, last
                 return last
             last = first - 1
         return None

@@ -288,9 +288,15 @@ class Observer:
             if status and status.thing and status.symbol == v.HOLDING_OBJECT
         )
 
-    def as_confirmed(self, state: State) -> State:
-        """A state with who holds what in it and where eyes look, at its time: what perspective should start from."""
-        return state.with_holding(self.holds(state.time_s)).with_eyes(self._eyes.turns(state))
+    def as_confirmed(self, state: State, gaze_of: str | None = None) -> State:
+        """A state with who holds what in it and where eyes look, at its time: what perspective should start from.
+
+        Args:
+            state: The state.
+            gaze_of: The only agent whose gaze matters; None: those of all are inferred, where they were not recorded.
+        """
+        agents = self.scene.agents if gaze_of is None else (gaze_of,)
+        return state.with_holding(self.holds(state.time_s)).with_eyes(self._eyes.turns(state, agents))
 
     def _handled(self, hand: tuple[str, str], index: int) -> str | None:
         """What a hand holds in a frame, as confirmed, or else moves by touching it; None: nothing that is known."""

@@ -6,16 +6,19 @@ visibility are sampled.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from bisect import bisect_left
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
-from taskgist.common.workers import Progress, silent
+from taskgist.common.workers import Progress, in_order, silent
 from taskgist.facts.predicates import Predicate, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.tree import HypothesisTree
-from taskgist.facts.values import Unknown, Value
+from taskgist.facts.tree import HypothesisTree, symbol_of
+from taskgist.facts.values import Raw, Unknown, Value
 from taskgist.observe.attributes import Snapshot, snapshot, status_observations
 from taskgist.observe.frames import Interval
 from taskgist.observe.observer import Observer
@@ -23,9 +26,6 @@ from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT, Settings
 from taskgist.world.stage import Stage
 from taskgist.world.state import EyeTurn
-
-Samples = dict[str, list[tuple[float, str | None]]]
-"""By attribute: when it became what; equal samples behind each other are one."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,7 @@ def timeline(
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] = (),
     progress: Progress = silent,
+    processes: int | None = 1,
 ) -> Timeline:
     """Sample every attribute through a recording.
 
@@ -88,25 +89,90 @@ def timeline(
         settings: All settings.
         predicates: A user's own predicates.
         progress: Told how far it is.
+        processes: How many watch parts of the recording at the same time; None: one for each core, if it is long.
     """
     predicates = tuple(predicates)
-    whole = with_predicates(tree, predicates)
-    stage = Stage(recording.scene)
-    first, last = float(recording.times_s[0]), float(recording.times_s[-1])
+    whole, stage = with_predicates(tree, predicates), Stage(recording.scene)
+    frames_s = recording.times_s.tolist()
+    first, last = frames_s[0], frames_s[-1]
     times = [*np.arange(first, last, every_s).tolist(), last]
-    exact: Samples = {}
-    for number, time_s in enumerate(recording.times_s.tolist(), start=1):
-        _collect(exact, time_s, symbols(whole, status_observations(observer, agent, name, time_s), settings))
-        progress("watching", number / len(recording))
-    samples, turns = Samples(), list[EyeTurn | None]()
-    for number, time_s in enumerate(times, start=1):
-        stage.show(recording.at(time_s))
-        observed = snapshot(stage, observer, agent=agent, name=name, settings=settings, predicates=predicates)
-        _collect(samples, time_s, symbols(whole, observed, settings))
-        turns.append(stage.state.eyes.get(agent))
-        progress("taking perspective", number / len(times))
+    parts = int((last - first) / PART_S) + 1
+    bounds_s = [*(first + part * PART_S for part in range(parts)), math.inf]
+
+    def watched(part: int) -> _Watched:
+        """What is seen in one part: all frames, and all samples, from its beginning until the next one begins."""
+        start_s, end_s = bounds_s[part : part + 2]
+        exact, samples, turns = _Symbols(whole, settings), _Symbols(whole, settings), list[EyeTurn | None]()
+        for time_s in frames_s[bisect_left(frames_s, start_s) : bisect_left(frames_s, end_s)]:
+            exact.add(time_s, status_observations(observer, agent, name, time_s, explained=False))
+        for time_s in times[bisect_left(times, start_s) : bisect_left(times, end_s)]:
+            stage.show(recording.at(time_s))
+            observed = snapshot(stage, observer, agent=agent, name=name, settings=settings, predicates=predicates)
+            samples.add(time_s, observed)
+            turns.append(stage.state.eyes.get(agent))
+        return _Watched(exact.changes, samples.changes, turns)
+
+    exact, samples, turns = _Rows(), _Rows(), list[EyeTurn | None]()
+    if processes is None and parts < LONG_PARTS:
+        processes = 1
+    # The first part is watched here: what is compiled, or loaded, for it need not be for each worker.
+    later = in_order(lambda number: watched(number + 1), parts - 1, processes)
+    for number, found in enumerate(chain([watched(0)], later), start=1):
+        _join(exact, found.exact)
+        _join(samples, found.samples)
+        turns += found.turns
+        progress("watching and taking perspective", number / parts)
     rows = {key: _intervals(row, last) for key, row in (samples | exact).items()}
     return Timeline(agent, name, every_s, rows, _assumed(times, turns))
+
+
+# --- Parts: what is seen in some seconds of a recording hangs on no other part, so that several are watched at once.
+
+PART_S = 10.0
+"""Duration of a part, seconds: as long as what is carried is inferred at once (``observe/carrying.py``)."""
+LONG_PARTS = 3
+"""Of fewer parts, workers take longer to begin than they save."""
+
+_Rows = dict[str, list[tuple[float, str | None]]]
+"""By attribute: when it became what; equal symbols behind each other are one."""
+
+
+@dataclass(frozen=True)
+class _Watched:
+    """What was seen in a part: changes of what is exact, and of samples; and how eyes were turned in each of these."""
+
+    exact: _Rows
+    samples: _Rows
+    turns: list[EyeTurn | None]
+
+
+class _Symbols:
+    """Changes of symbols from one snapshot to the next; most are as the one before, and the tree is not asked."""
+
+    def __init__(self, tree: HypothesisTree, settings: Settings) -> None:
+        self._tree, self._settings = tree, settings
+        self._last: dict[str, Raw] = {}
+        self.changes: _Rows = {}
+
+    def add(self, time_s: float, observed: Snapshot) -> None:
+        """Take the next snapshot."""
+        values = {attribute: observation.value for attribute, observation in observed.items()}
+        if values != self._last:
+            self._last = values
+            for attribute, symbol in symbols(self._tree, observed, self._settings).items():
+                _change(self.changes, attribute, time_s, symbol)
+
+
+def _join(rows: _Rows, later: _Rows) -> None:
+    for attribute, changes in later.items():
+        for time_s, symbol in changes:
+            _change(rows, attribute, time_s, symbol)
+
+
+def _change(rows: _Rows, attribute: str, time_s: float, symbol: str | None) -> None:
+    row = rows.setdefault(attribute, [])
+    if not row or row[-1][1] != symbol:
+        row.append((time_s, symbol))
 
 
 def _assumed(times_s: Sequence[float], turns: Sequence[EyeTurn | None]) -> tuple[AssumedGaze, ...]:
@@ -125,19 +191,11 @@ def _assumed(times_s: Sequence[float], turns: Sequence[EyeTurn | None]) -> tuple
     return tuple(found)
 
 
-def _collect(samples: Samples, time_s: float, found: Mapping[str, str | None]) -> None:
-    for attribute, symbol in found.items():
-        row = samples.setdefault(attribute, [])
-        if not row or row[-1][1] != symbol:
-            row.append((time_s, symbol))
-
-
 def symbols(tree: HypothesisTree, observed: Snapshot, settings: Settings) -> dict[str, str | None]:
     """The symbol of each attribute of a snapshot, in the tree's order; None is unknown."""
-    nodes = tree.instantiate(observed, observed, settings)
     return {
-        attribute: _text(nodes[node].value)
-        for attribute, node in attribute_nodes(tree).items()
+        attribute: _text(symbol_of(tree.attributes[attribute], observed, settings).value)
+        for attribute in attribute_nodes(tree)
         if attribute in observed
     }
 

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.compiled import compiled, compiled_part
 from taskgist.world.bodies.arm_chain import ALONG, LOW, SLIDES, SPAN, STEPS, put, turn_on
+from taskgist.world.fit_steps import solve_positive
 
 POSE_COLUMNS = 12
 LEVER_M = 0.15
@@ -247,7 +248,7 @@ def _put_step(joints: Array, jacobian: Array, off: Array, values: Array, moving:
         if not moving[joint]:
             _fix(normal, right, joint, 0.0)
     for _ in range(count):
-        _solve(normal, right, step)
+        solve_positive(normal, right, step, count)
         worst, beyond, stop = -1, TINY, 0.0
         for joint in range(count):
             low = joints[joint, LOW] - values[joint]
@@ -275,24 +276,3 @@ def _fix(normal: Array, right: Array, joint: int, step: float) -> None:
         right[other] -= normal[other, joint] * step
         normal[other, joint] = normal[joint, other] = 0.0
     normal[joint, joint], right[joint] = 1.0, step
-
-
-@compiled_part
-def _solve(normal: Array, right: Array, step: Array) -> None:
-    """Solve normal equations by Cholesky's factors; ``step``, (k,), is written to."""
-    count = len(right)
-    factor = np.empty((count, count))
-    for i in range(count):
-        step[i] = right[i]
-        for j in range(i + 1):
-            total = normal[i, j]
-            for k in range(j):
-                total -= factor[i, k] * factor[j, k]
-            factor[i, j] = math.sqrt(total) if i == j else total / factor[j, j]
-            if j < i:
-                step[i] -= factor[i, j] * step[j]
-        step[i] /= factor[i, i]
-    for i in range(count - 1, -1, -1):
-        for k in range(i + 1, count):
-            step[i] -= factor[k, i] * step[k]
-        step[i] /= factor[i, i]

@@ -269,19 +269,26 @@ class Viewer:
     def transforms(self, first: int, last: int) -> Iterator[Message]:
         """Where the bodies that ever move are in each frame of a range: foxglove.FrameTransforms messages."""
         poses = self._poses(first, last)
-        in_world = _rounded(poses)
-        in_parent = _rounded(_relative(poses, poses[:, self._scene.model.body_parentid]))
-        for frame in range(first, last):
+        moving = sorted(self._moving)
+        parents = self._scene.model.body_parentid[moving]
+        chained = np.isin(parents, moving)  # joints alone change within a chain, which compresses well
+        relative = _rounded(
+            np.where(chained[:, None], _relative(poses[:, moving], poses[:, parents]), poses[:, moving])
+        )
+        names = [
+            (self._names[parent] if inside else WORLD, self._names[body])
+            for body, parent, inside in zip(moving, parents.tolist(), chained.tolist(), strict=True)
+        ]
+        for frame, rows in enumerate(relative.tolist(), start=first):
             stamp = timestamp(self._times_ns[frame])
-            here = (in_world[frame - first], in_parent[frame - first])
-            yield {"transforms": [self._transform(*here, body, stamp) for body in sorted(self._moving)]}
+            yield {"transforms": [_transform(*each, row, stamp) for each, row in zip(names, rows, strict=True)]}
 
     def shapes(self) -> Message:
         """The shapes of all bodies, one entity each: a foxglove.SceneUpdate message.
 
         Those of a body that moves are locked to its frame; the others stand in the world, and need no frame.
         """
-        self._stage.show(self._state(0))
+        self._poses(0, 1)
         entities = [self._entity(body) for body in range(len(self._names))]
         return {"deletions": [], "entities": [entity for entity in entities if any(entity[key] for key in LISTS)]}
 
@@ -296,25 +303,8 @@ class Viewer:
 
     def _poses(self, first: int, last: int) -> Array:
         """Position and wxyz of every body in each frame of a range, (frames, bodies, 7)."""
-        return np.array([self._stage.show(self._state(frame)).bodies() for frame in range(first, last)])
-
-    def _state(self, frame: int) -> State:
-        return self._recording.state(frame).replace(
-            at=slice(None), to=rounded(self._recording.qpos[frame], self._scene)
-        )
-
-    def _transform(self, in_world: Array, in_parent: Array, body: int, stamp: Message) -> Message:
-        parent = int(self._scene.model.body_parentid[body])
-        chained = parent in self._moving  # joints alone change within a chain, which compresses well
-        pose = (in_parent if chained else in_world)[body]
-        x, y, z, qw, qx, qy, qz = pose.tolist()
-        return {
-            "timestamp": stamp,
-            "parent_frame_id": self._names[parent] if chained else WORLD,
-            "child_frame_id": self._names[body],
-            "translation": {"x": x, "y": y, "z": z},
-            "rotation": {"x": qx, "y": qy, "z": qz, "w": qw},
-        }
+        rows = rounded(self._recording.qpos[first:last], self._scene)
+        return np.array([self._stage.show(State(row)).bodies() for row in rows])
 
     def _entity(self, body: int) -> Message:
         moves = body in self._moving
@@ -337,6 +327,18 @@ class Viewer:
     def _local_pose(self, geom: int) -> Pose:
         model = self._scene.model
         return Pose(np.array(model.geom_pos[geom]), matrix_from_wxyz(model.geom_quat[geom]))
+
+
+def _transform(parent: str, child: str, pose: list[float], stamp: Message) -> Message:
+    """A foxglove.FrameTransform message of a pose, position in metres and wxyz."""
+    x, y, z, qw, qx, qy, qz = pose
+    return {
+        "timestamp": stamp,
+        "parent_frame_id": parent,
+        "child_frame_id": child,
+        "translation": {"x": x, "y": y, "z": z},
+        "rotation": {"x": qx, "y": qy, "z": qz, "w": qw},
+    }
 
 
 def timestamp(time_ns: int) -> Message:

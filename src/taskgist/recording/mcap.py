@@ -46,6 +46,7 @@ FORMAT = 1
 """Version of the format; files of a newer one are refused."""
 TF_TOPIC, SCENE_TOPIC = "/tf", "/scene"
 
+_ENCODER = json.JSONEncoder(separators=(",", ":"))
 _CHUNK_BYTES = 16 * 2**20  # one chunk for most recordings: the larger, the better it compresses
 
 
@@ -247,8 +248,7 @@ def _schema(writer: Writer, schema: dict[str, Any]) -> int:
 
 
 def _add(writer: Writer, channel: int, time_ns: int, message: dict[str, Any]) -> None:
-    data = json.dumps(message, separators=(",", ":")).encode()
-    writer.add_message(channel, log_time=time_ns, publish_time=time_ns, data=data)
+    writer.add_message(channel, log_time=time_ns, publish_time=time_ns, data=_ENCODER.encode(message).encode())
 
 
 def _media_type(name: str) -> str:

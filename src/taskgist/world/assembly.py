@@ -36,7 +36,7 @@ from taskgist.world.bodies.profile import (
     parse_profile,
 )
 from taskgist.world.bodies.urdf import COLLISION_GROUP
-from taskgist.world.composing import Composed, assets, check_free_name, compiled, compose, read_spec, unwarned
+from taskgist.world.composing import Composed, assets, check_free_name, compiled, compose, read_spec
 from taskgist.world.gathering import STATURE
 from taskgist.world.geometry.convex import decompose
 from taskgist.world.geometry.distances import bound_all_shapes
@@ -213,7 +213,7 @@ def as_mjcf(
     """
     composed, files, _ = _put_together(file, bundle, limits)
     compiled(composed.room, files, file.where)
-    with unwarned():
+    with asking_mujoco("MuJoCo cannot write this scene:", file.where):
         text = str(composed.room.to_xml())
     named = {name: re.search(rf'"((?:[^"]*/)?{re.escape(name)})"', text) for name in files}
     return text, {found[1]: files[name] for name, found in named.items() if found}

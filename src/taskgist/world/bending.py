@@ -81,7 +81,7 @@ def bent(
         root = hip + _pitched(from_root, pitch_rad)
         place = base[:3] + (root[0] - base[:3] @ ahead) * ahead
         place[2] = root[1]
-        state = start.replace(angles).replace(at=agent.base, to=np.concatenate((place, multiply(turn, base[3:]))))
+        state = start.replace(angles, at=agent.base, to=np.concatenate((place, multiply(turn, base[3:]))))
         off_m = _center_m(stage.show(state), agent, ahead) - balanced
         if abs(off_m) <= BALANCED_M:
             return state if _within(state, legs) else None

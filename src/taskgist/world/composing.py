@@ -15,9 +15,7 @@ asks for them.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import mujoco
@@ -138,16 +136,8 @@ def compiled(spec: mujoco.MjSpec, files: dict[str, bytes], where: str) -> mujoco
         SceneError: MuJoCo refuses.
     """
     spec.assets = assets(files)
-    with asking_mujoco("MuJoCo cannot compile this scene:", where), unwarned():
+    with asking_mujoco("MuJoCo cannot compile this scene:", where):
         return made_of(spec, files, mujoco.MjSpec.compile)
-
-
-@contextmanager
-def unwarned() -> Iterator[None]:
-    """Without MuJoCo's warnings about models that are joined: names without prefix, options of which one counts."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)
-        yield
 
 
 def assets(files: Mapping[str, bytes]) -> dict[str, bytes]:
@@ -290,7 +280,7 @@ def _take_out(room: mujoco.MjSpec, entry: AgentEntry, file: SceneFile, files: di
     if entry.model_key not in files:
         alone, copy = mujoco.MjSpec(), room.copy()
         alone.assets = copy.assets = assets(files)
-        with asking_mujoco(f"MuJoCo cannot take {entry.room_body!r} out of the room:", file.where), unwarned():
+        with asking_mujoco(f"MuJoCo cannot take {entry.room_body!r} out of the room:", file.where):
             alone.worldbody.add_frame().attach_body(copy.body(entry.room_body), "", "")
             root = alone.worldbody.first_body()
             root.pos, root.quat = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)

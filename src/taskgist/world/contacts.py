@@ -6,7 +6,8 @@ It rests on something, lies in it, is held by hands, touches somebody's body, or
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -88,10 +89,14 @@ class Drop:
         """Seen shapes that the points may meet, but those of the object's own body, (n,)."""
         if not len(self.starts):
             return np.empty(0, dtype=np.intp)
+        (middle, radius_m), body = self._ball, stage.scene.object_body(self.name)
+        return stage.between(middle, middle[None], np.array([radius_m + settings.support_m]), but_body=body)
+
+    @cached_property
+    def _ball(self) -> tuple[Array, float]:
+        """Middle and radius of a ball around the points where they are and where they were lifted from, metres."""
         middle = self.starts.mean(axis=0)
-        radius_m = float(np.linalg.norm(self.starts - middle, axis=1).max() + self.lifts_m.max()) + settings.support_m
-        body = stage.scene.object_body(self.name)
-        return stage.between(middle, middle[None], np.array([radius_m]), but_body=body)
+        return middle, float(np.linalg.norm(self.starts - middle, axis=1).max() + self.lifts_m.max())
 
     def meets(self, stage: Stage, around: Indices, settings: Contact) -> str | None:
         """The owner of the surface on which the lowest point lands that meets a nearly level one, or None."""
@@ -259,9 +264,9 @@ NEARBY_M = 0.1
 """Things farther apart than this, and their sizes, neither carry each other nor stand in each other's way."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _Found:
-    """What was found for an object while the things of the room were somewhere.
+    """What was found for an object while the things of the room were somewhere; kept up to date while all stays so.
 
     Attributes:
         things: Where they were, by their part of ``qpos``.
@@ -308,12 +313,12 @@ class RestingMemory:
         found = self._found.get(name)
         if found is None or found.untracked != untracked or not self._as_before(name, found.things, things):
             container = container_of(stage, name, self._settings)
-            found = _Found(things, untracked, container, Drop.of(stage, name, self._settings))
+            found = self._found[name] = _Found(things, untracked, container, Drop.of(stage, name, self._settings))
         around = found.drop.around(stage, self._settings)
         alone = not self._of_agents[around].any()
         if not (alone and found.alone):
-            found = replace(found, support=found.drop.meets(stage, around, self._settings), alone=alone)
-        self._found[name] = replace(found, things=things)
+            found.support, found.alone = found.drop.meets(stage, around, self._settings), alone
+        found.things = things
         return Rest(found.support, found.container)
 
     def _as_before(self, name: str, before: Array, now: Array) -> bool:

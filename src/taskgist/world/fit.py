@@ -1,12 +1,14 @@
-"""Fitting a body to tracked points: inverse kinematics over landmarks, by mink.
+"""Fitting a body to tracked points: inverse kinematics over landmarks.
 
 Trackers deliver points (and sometimes directions) of body parts; a body wants joint angles. Each landmark is a site
-of the agent's model with the tracker's own name for it (``left_elbow``, ``nose``), so a fit is a sum of named tasks,
-solved by Newton steps under joint limits::
+of the agent's model with the tracker's own name for it (``left_elbow``, ``nose``), so a fit is a sum of named targets,
+met by Gauss-Newton steps under joint limits (``fit_steps``)::
 
     fitter = Fitter(scene, "P1")
     fit = fitter.fit(state, points={"head": (0.1, 0, 1.6)}, directions={"face": (1, 0, 0)})
     fit.state, fit.errors_m["head"]
+
+A whole track is fitted by arrays, its names looked up once: ``features`` and ``settle``.
 """
 
 from __future__ import annotations
@@ -14,15 +16,16 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import mink
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
 from taskgist.common.arrays import Array, Indices
-from taskgist.errors import UnknownNameError
+from taskgist.errors import SceneError, UnknownNameError
 from taskgist.world.assembly import assemble
 from taskgist.world.bodies.agent import Agent
+from taskgist.world.bodies.arm_chain import ALONG, JOINT_COLUMNS, SLIDES
+from taskgist.world.fit_steps import FEATURE_COLUMNS, LEVER, NOWHERE, PLACE, ROOT, ROOT_DOFS, WEIGHT, descend, places_of
 from taskgist.world.gathering import SCENE_FILE
 from taskgist.world.scene import Scene
 from taskgist.world.scene_file import AgentEntry, SceneFile, parse_scene_file
@@ -97,17 +100,15 @@ def _seated(entry: AgentEntry) -> AgentEntry:
     return replace(entry, seat_height_m=entry.seat_height_m or SOME_SEAT_M, room_body=None)
 
 
-# --- What a fit asks for, as tasks of mink's: many points, or many directions, at once.
+# --- What a fit asks for: features of the body at targets.
 #
-# Errors are differences of positions in the world. (A frame's own task measures them in the frame, by the logarithm
-# of a whole pose: then the same distance weighs up to half as much again for a body that faces the other way.)
+# Errors are differences of positions in the world. (The logarithm of a whole pose, in the frame of what is fitted,
+# would weigh the same distance up to half as much again for a body that faces the other way.)
 
 POSTURE_COST = 1e-3
 """Pull towards the posture of rest for joints that nothing else decides."""
 STIFF: Mapping[str, float] = {"girdle": 20.0, "torso": 10.0, "torso_side": 40.0, "head_roll": 40.0, "wrist": 3.0}
 """How much more reluctantly joints move than others, by words in their names: people bend sideways last (ours)."""
-DAMPING = 1e-3
-"""Share of the squared error that is added to the diagonal: steps stay short while the targets are far."""
 
 
 @dataclass(frozen=True)
@@ -126,110 +127,89 @@ class Marker:
 
 
 @dataclass(frozen=True, eq=False)
-class FixedPoints:
-    """Points that are fixed to bodies, n of them.
+class Features:
+    """Points and directions of a body that targets are given for, in this order.
 
     Attributes:
-        sites: The site beside which each lies.
-        frames: The site with whose axes its offset turns.
-        offsets_m: From the one to the point, in the axes of the other, metres, (n, 3).
+        points: Names of the points.
+        directions: Names of the directions, which come after them.
+        rows: What ``fit_steps`` knows of each, (f, 7).
+        carriers: Index of the joint that carries the place of each, and of that which turns its lever, (f, 2).
     """
 
-    sites: tuple[int, ...]
-    frames: tuple[int, ...]
-    offsets_m: Array
-
-    def places(self, data: mujoco.MjData) -> Array:
-        """Where they are in the world, metres, (n, 3)."""
-        return np.asarray(data.site_xpos[list(self.sites)] + self.levers(data))
-
-    def levers(self, data: mujoco.MjData) -> Array:
-        """The offsets in the world, metres, (n, 3)."""
-        matrices = data.site_xmat[list(self.frames)].reshape(-1, 3, 3)
-        return np.asarray((matrices @ self.offsets_m[:, :, None])[:, :, 0])
+    points: tuple[str, ...]
+    directions: tuple[str, ...]
+    rows: Array
+    carriers: Indices
 
 
-class PointsTask(mink.Task):
-    """Points of bodies at places.
+@dataclass(frozen=True, eq=False)
+class JointTree:
+    """The joints of an agent that is alone in a model, as numbers: all at zero, in the axes of its root.
 
-    Args:
-        points: The points, n of them.
-        targets_m: Where they should be in the world, metres, (n, 3).
-        costs: Weight of each, (n,).
+    Attributes:
+        joints: A point of the axis (3), the axis (3), whether it slides, and nothing, parents first, (j, 9).
+        parents: The joint that carries each; −1 for the root, (j,).
+        columns: Index of each into the model's qpos, (j,).
+        zero: Its value there while it is at zero, (j,).
+        limits: Its least and greatest value, counted from zero; infinite where it has none, (j, 2).
+        names: Its name, without the agent's.
+        carrier: The joint that carries each of the model's bodies; −1 for the root and what is beside the agent.
+        data: Where bodies and sites are while all joints are at zero and the root is at the origin.
     """
 
-    def __init__(self, points: FixedPoints, targets_m: Array, costs: Array) -> None:
-        super().__init__(cost=np.repeat(costs, 3), lm_damping=DAMPING)
-        self._points = points
-        self._targets_m = targets_m
+    joints: Array
+    parents: Indices
+    columns: Indices
+    zero: Array
+    limits: Array
+    names: tuple[str, ...]
+    carrier: Indices
+    data: mujoco.MjData
 
-    def compute_error(self, configuration: mink.Configuration) -> Array:
-        """Point minus target, metres, (3 n,)."""
-        return np.asarray((self._points.places(configuration.data) - self._targets_m).ravel())
-
-    def compute_jacobian(self, configuration: mink.Configuration) -> Array:
-        """How it changes with the configuration, (3 n, nv): that of the site, and that of the lever, turn × lever."""
-        model, data, points = configuration.model, configuration.data, self._points
-        jacobian = np.zeros((3 * len(points.sites), model.nv))
-        turn = np.zeros((3, model.nv))
-        for row, (site, frame, lever) in enumerate(zip(points.sites, points.frames, points.levers(data), strict=True)):
-            rows = jacobian[3 * row : 3 * row + 3]
-            mujoco.mj_jacSite(model, data, rows, None, site)
-            if lever.any():
-                mujoco.mj_jacSite(model, data, None, turn, frame)
-                rows -= _cross_matrix(lever) @ turn
-        return jacobian
+    def values(self, qpos: Array) -> Array:
+        """Values of the joints, counted from zero, (j,), or those of many configurations (n, nq), (n, j)."""
+        return np.asarray(qpos[..., self.columns] - self.zero)
 
 
-class DirectionsTask(mink.Task):
-    """Axes of sites along directions.
+def joint_tree(model: mujoco.MjModel, agent: Agent) -> JointTree:
+    """The joints of an agent that is alone in a model.
 
-    Args:
-        sites: Indices of the sites, n of them.
-        axes: The axis of each in its own frame, (n, 3), of length 1.
-        targets: Where they should point in the world, (n, 3), of length 1.
-        costs: Weight of each, (n,).
+    Raises:
+        SceneError: One of them neither turns about an axis nor slides.
     """
-
-    def __init__(self, sites: Sequence[int], axes: Array, targets: Array, costs: Array) -> None:
-        super().__init__(cost=np.repeat(costs, 3), lm_damping=DAMPING)
-        self._sites = list(sites)
-        self._axes = axes
-        self._targets = targets
-
-    def compute_error(self, configuration: mink.Configuration) -> Array:
-        """Axis minus target, (3 n,): the chord between them, nearly the angle in radians while it is small."""
-        return np.asarray((self.pointing(configuration) - self._targets).ravel())
-
-    def compute_jacobian(self, configuration: mink.Configuration) -> Array:
-        """How it changes with the configuration, (3 n, nv): an axis changes by turn × axis."""
-        model, data = configuration.model, configuration.data
-        jacobian = np.zeros((3 * len(self._sites), model.nv))
-        turn = np.zeros((3, model.nv))
-        for row, (site, axis) in enumerate(zip(self._sites, self.pointing(configuration), strict=True)):
-            mujoco.mj_jacSite(model, data, None, turn, site)
-            jacobian[3 * row : 3 * row + 3] = -_cross_matrix(axis) @ turn
-        return jacobian
-
-    def pointing(self, configuration: mink.Configuration) -> Array:
-        """Where the axes point in the world, (n, 3)."""
-        matrices = configuration.data.site_xmat[self._sites].reshape(-1, 3, 3)
-        return np.asarray((matrices @ self._axes[:, :, None])[:, :, 0])
-
-
-def _cross_matrix(vector: Array) -> Array:
-    """The matrix that multiplies as the cross product with a vector does."""
-    x, y, z = vector
-    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+    data = mujoco.MjData(model)
+    data.qpos[:] = model.qpos0
+    data.qpos[agent.base] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    mujoco.mj_kinematics(model, data)
+    carrier, found, parents = np.full(model.nbody, ROOT), list[int](), list[int]()
+    for body in agent.bodies.tolist():
+        carrier[body] = carrier[model.body_parentid[body]]
+        for joint in range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body]):
+            kind = int(model.jnt_type[joint])
+            if kind == int(mujoco.mjtJoint.mjJNT_BALL):
+                hint = "make it of hinges"
+                name = str(model.joint(joint).name)
+                raise SceneError("a fit does not turn balls", where=agent.name, field="joint", value=name, hint=hint)
+            if kind != int(mujoco.mjtJoint.mjJNT_FREE):
+                parents.append(int(carrier[body]))
+                carrier[body] = len(found)
+                found.append(joint)
+    joints = np.zeros((len(found), JOINT_COLUMNS))
+    joints[:, :ALONG], joints[:, ALONG:SLIDES] = data.xanchor[found], data.xaxis[found]
+    joints[:, SLIDES] = model.jnt_type[found] == int(mujoco.mjtJoint.mjJNT_SLIDE)
+    columns = model.jnt_qposadr[found].astype(np.intp)
+    zero = model.qpos0[columns]
+    limited = (model.jnt_limited[found] != 0)[:, None]
+    limits = np.where(limited, model.jnt_range[found] - zero[:, None], (-np.inf, np.inf))
+    names = tuple(str(model.joint(joint).name).removeprefix(f"{agent.name}/") for joint in found)
+    return JointTree(joints, np.array(parents, dtype=np.intp), columns, zero, limits, names, carrier, data)
 
 
-def posture_costs(model: mujoco.MjModel, agent: Agent) -> Array:
-    """Pull of each degree of freedom towards the posture of rest, (nv,)."""
-    cost = np.full(model.nv, POSTURE_COST)
-    for joint in agent.joints:
-        stiffness = max((factor for word, factor in STIFF.items() if word in joint), default=1.0)
-        cost[int(model.joint(f"{agent.name}/{joint}").dofadr[0])] *= stiffness
-    return cost
+def posture_costs(joints: Iterable[str]) -> Array:
+    """Pull of each joint towards the posture of rest, (j,)."""
+    stiffness = (max((factor for word, factor in STIFF.items() if word in joint), default=1.0) for joint in joints)
+    return POSTURE_COST * np.array(list(stiffness))
 
 
 # --- The words of a fit: which joints may move, which points and directions of a body can be asked for.
@@ -296,26 +276,11 @@ def chosen_joints(agent: Agent, moving: str | Collection[str]) -> Iterable[str]:
     return [joint for joint in agent.joints if any(word in joint for word in MOVING[moving])]
 
 
-def free_dofs(model: mujoco.MjModel, agent: Agent, moving: Iterable[str], *, root: bool) -> set[int]:
-    """Degrees of freedom of some of an agent's joints, and of its root if that moves, too."""
-    starts = [int(model.joint(f"{agent.name}/{joint}").dofadr[0]) for joint in moving]
-    base = int(model.body_dofadr[agent.root_body])
-    return {*starts, *(range(base, base + 6) if root else ())}
-
-
-IkTask = PointsTask | DirectionsTask | mink.PostureTask
-
 DIRECTION_COST_M = 0.15
 """Lever with which an error of direction (radians) counts like an error of place (metres)."""
 STEP_DAMPING = 3e-4
 """Pull of a step towards none: joints that the targets hardly decide would else swing to and fro. With 3e-4 a frame of
 noisy keypoints needs 6 steps, with 1e-6 it needs 14 and ends no better."""
-CONVERGED_RAD = 2e-4
-LONGEST_STEP = 0.5
-"""Radians or metres that one step may change a joint by."""
-HALVINGS = 8
-NEGLIGIBLE_GAIN = 1e-4
-"""Share of the error below which a step is the last one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -339,7 +304,7 @@ class Fitter:
     Args:
         scene: The scene.
         agent: Name of the agent to fit.
-        moving: A name of ``fit_words.MOVING``, ``"body"``, or the names of the joints that may move.
+        moving: A name of ``MOVING``, ``"body"``, or the names of the joints that may move.
         root: Whether the root moves too; by default with ``"body"`` only.
         weights: Relative cost of a landmark or direction; 1 where none is given.
         markers: Points that are no landmarks of the body but lie beside one, by the names that ``fit`` gets them under.
@@ -363,23 +328,17 @@ class Fitter:
         self._damping = damping
         self._markers = dict(markers or {})
         self._axes = {**AXES, **(axes or {})}
+        self._weights = dict(weights or {})
         self._alone = alone(scene, agent)
         self._agent = self._alone.agent
-        self._weights = dict(weights or {})
-        self._configuration = mink.Configuration(self._model)
-        self._limits = [mink.ConfigurationLimit(self._model)]
-        self._frozen = self._freeze(moving, root=moving == "body" if root is None else root)
-        self._posture = mink.PostureTask(self._model, cost=posture_costs(self._model, self._agent))
-
-    @property
-    def _model(self) -> mujoco.MjModel:
-        return self._alone.model
-
-    def _freeze(self, moving: str | Collection[str], *, root: bool) -> list[mink.DofFreezingTask]:
-        """Hold every degree of freedom that must not move."""
-        free = free_dofs(self._model, self._agent, chosen_joints(self._agent, moving), root=root)
-        frozen = [dof for dof in range(self._model.nv) if dof not in free]
-        return [mink.DofFreezingTask(self._model, dof_indices=frozen)] if frozen else []
+        self._tree = joint_tree(self._alone.model, self._agent)
+        chosen = set(chosen_joints(self._agent, moving))
+        self._free = np.array([j for j, name in enumerate(self._tree.names) if name in chosen], dtype=np.intp)
+        self._limits = self._tree.limits[self._free]
+        self._posture = posture_costs([self._tree.names[joint] for joint in self._free])
+        moves = moving == "body" if root is None else root
+        self._active = np.zeros((ROOT_DOFS if moves else 0) + len(self._free), dtype=np.int8)
+        self._known: dict[tuple[tuple[str, ...], tuple[str, ...]], Features] = {}
 
     def fit(
         self,
@@ -395,88 +354,116 @@ class Fitter:
         Args:
             state: Where to start from; everything but the agent's moving joints stays.
             points: Targets of landmarks in the world, metres, (3,) each; those that are not finite are left out.
-            directions: Targets of directions (``fit_words.AXES``) in the world, (3,) each.
+            directions: Targets of directions (``AXES``) in the world, (3,) each.
             rest: The posture that joints lean to where nothing else decides; by default the one to start from.
-            iterations: Most Newton steps.
+            iterations: Most Gauss-Newton steps.
 
         Raises:
             UnknownNameError: The model has no such landmark or direction.
         """
         wanted = {name: np.asarray(p, dtype=float) for name, p in (points or {}).items() if np.all(np.isfinite(p))}
         aimed = {name: np.asarray(d, dtype=float) for name, d in (directions or {}).items() if np.all(np.isfinite(d))}
-        tasks: list[IkTask] = [*self._point_tasks(wanted), *self._direction_tasks(aimed)]
-        self._configuration.update(self._alone.qpos(state.qpos))
-        self._posture.set_target(self._alone.qpos((rest or state).qpos))
-        self._descend([*tasks, self._posture], iterations)
-        fitted = State(self._alone.within(state.qpos, self._configuration.q), state.time_s, state.untracked)
-        return Fit(fitted, self._point_errors(wanted), self._direction_errors(aimed))
+        features = self.features(wanted, aimed)
+        targets = self.targets(features, [*wanted.values(), *aimed.values()])
+        self._active[:] = 0  # the answer hangs on nothing that was fitted before
+        qpos = self.settle(features, state.qpos, targets, rest=(rest or state).qpos, iterations=iterations)
+        errors = self.errors(features, qpos[None], targets[None])[0].tolist()
+        count = len(wanted)
+        return Fit(
+            State(qpos, state.time_s, state.untracked),
+            dict(zip(wanted, errors[:count], strict=True)),
+            dict(zip(aimed, errors[count:], strict=True)),
+        )
 
-    def _descend(self, tasks: list[IkTask], iterations: int) -> None:
-        """Newton steps until none changes much, or there were enough."""
-        cost = _cost(tasks, self._configuration)
-        for _ in range(iterations):
-            cost, change = self._improve(tasks, cost)
-            if change < CONVERGED_RAD:
-                return
+    # --- By arrays: names are looked up once for many frames.
 
-    def _improve(self, tasks: list[IkTask], cost: float) -> tuple[float, float]:
-        """One Newton step, shortened until it helps.
+    def features(self, points: Iterable[str], directions: Iterable[str] = ()) -> Features:
+        """The points and directions of some names, to give targets for.
 
-        Returns:
-            The cost after it, and the largest change in radians or metres: 0 if no step helps.
+        Raises:
+            UnknownNameError: The model has no such landmark or direction.
         """
-        configuration, before = self._configuration, np.array(self._configuration.q)
-        step = mink.solve_ik(
-            configuration, tasks, 1.0, "daqp", damping=self._damping, limits=self._limits, constraints=self._frozen
+        key = tuple(points), tuple(directions)
+        if key not in self._known:
+            self._known[key] = self._looked_up(*key)
+        return self._known[key]
+
+    def targets(self, features: Features, places: ArrayLike) -> Array:
+        """Targets of features, points first: metres, and directions of any length, (f, 3) or (n, f, 3), all finite."""
+        targets = np.array(places, dtype=float).reshape(-1, 3)
+        aimed = targets[len(features.points) :]
+        aimed /= np.linalg.norm(aimed, axis=1, keepdims=True)
+        return targets
+
+    def settle(self, features: Features, qpos: Array, targets: Array, *, rest: Array, iterations: int) -> Array:
+        """Fit the agent: the scene's positions, (nq,).
+
+        Args:
+            features: What targets are given for.
+            qpos: Where to start from, (nq,).
+            targets: Where each is to be in the world, metres, or point, of length 1, (f, 3); NaN leaves it out.
+            rest: The posture that joints lean to where nothing else decides, (nq,).
+            iterations: Most Gauss-Newton steps.
+        """
+        tree, own = self._tree, self._alone.qpos(qpos)
+        base, values = own[self._agent.base], tree.values(own)
+        descend(
+            tree.joints,
+            tree.parents,
+            self._free,
+            self._limits,
+            features.rows,
+            features.carriers,
+            targets,
+            self._posture,
+            tree.values(self._alone.qpos(rest))[self._free],
+            base,
+            values,
+            self._active,
+            self._damping,
+            iterations,
         )
-        step = step * min(1.0, LONGEST_STEP / max(float(np.abs(step).max()), 1e-12))
-        for _ in range(HALVINGS):
-            configuration.integrate_inplace(step, 1.0)
-            if (now := _cost(tasks, configuration)) < cost:
-                return now, float(np.abs(step).max()) if now < (1 - NEGLIGIBLE_GAIN) * cost else 0.0
-            configuration.update(before)
-            step = step / 2
-        return cost, 0.0
+        own[tree.columns] = values + tree.zero
+        return self._alone.within(qpos, own)
 
-    def _point_tasks(self, points: Mapping[str, Array]) -> list[PointsTask]:
-        if not points:
-            return []
-        costs = np.array([self._weights.get(name, 1.0) for name in points])
-        return [PointsTask(self._fixed(points), np.array(list(points.values())), costs)]
+    def places(self, features: Features, qpos: Array) -> Array:
+        """Where points are, metres, and directions point, of length 1, in positions of the scene (n, nq), (n, f, 3)."""
+        tree, own = self._tree, np.ascontiguousarray(qpos[:, self._alone.columns])
+        roots = np.ascontiguousarray(own[:, self._agent.base])
+        return places_of(tree.joints, tree.parents, features.rows, features.carriers, roots, tree.values(own))
 
-    def _fixed(self, names: Iterable[str]) -> FixedPoints:
-        markers = [self._markers.get(name, Marker(name, (0.0, 0.0, 0.0))) for name in names]
-        return FixedPoints(
-            sites=tuple(self._site(marker.landmark) for marker in markers),
-            frames=tuple(self._site(marker.axes or marker.landmark) for marker in markers),
-            offsets_m=np.array([marker.offset_m for marker in markers]),
-        )
+    def errors(self, features: Features, qpos: Array, targets: Array) -> Array:
+        """How far features are from their targets: metres, and for directions radians; NaN where there is none, (n, f).
 
-    def _direction_tasks(self, directions: Mapping[str, Array]) -> list[DirectionsTask]:
-        if not directions:
-            return []
-        targets = np.array(list(directions.values()))
-        targets /= np.linalg.norm(targets, axis=1, keepdims=True)
-        costs = DIRECTION_COST_M * np.array([self._weights.get(name, 1.0) for name in directions])
-        sites, axes = zip(*map(self._axis, directions), strict=True)
-        return [DirectionsTask([self._site(site) for site in sites], np.array(axes), targets, costs)]
+        Args:
+            features: What targets are given for.
+            qpos: Positions of the scene, (n, nq).
+            targets: Where each is to be in the world, metres, or point, of length 1, (n, f, 3).
+        """
+        places = self.places(features, qpos)
+        away, first = np.linalg.norm(places - targets, axis=2), len(features.points)
+        cosines = np.sum(places[:, first:] * targets[:, first:], axis=2)
+        away[:, first:] = np.arccos(np.clip(cosines, -1.0, 1.0))
+        return np.asarray(away)
 
-    def _point_errors(self, points: Mapping[str, Array]) -> dict[str, float]:
-        if not points:
-            return {}
-        places = self._fixed(points).places(self._configuration.data)
-        return {
-            name: float(np.linalg.norm(at - target)) for at, (name, target) in zip(places, points.items(), strict=True)
-        }
-
-    def _direction_errors(self, directions: Mapping[str, Array]) -> dict[str, float]:
-        errors = {}
-        for name, direction in directions.items():
-            site, axis = self._axis(name)
-            matrix = self._configuration.data.site_xmat[self._site(site)].reshape(3, 3)
-            cosine = float(matrix @ np.array(axis) @ direction / np.linalg.norm(direction))
-            errors[name] = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
-        return errors
+    def _looked_up(self, points: Sequence[str], directions: Sequence[str]) -> Features:
+        data, carrier = self._tree.data, self._tree.carrier
+        rows = np.zeros((len(points) + len(directions), FEATURE_COLUMNS))
+        carriers = np.full((len(rows), 2), NOWHERE)
+        for row, name in enumerate(points):
+            marker = self._markers.get(name, Marker(name, (0.0, 0.0, 0.0)))
+            site, frame = self._site(marker.landmark), self._site(marker.axes or marker.landmark)
+            rows[row, WEIGHT] = self._weights.get(name, 1.0)
+            rows[row, PLACE:LEVER] = data.site_xpos[site]
+            rows[row, LEVER:] = data.site_xmat[frame].reshape(3, 3) @ np.array(marker.offset_m)
+            carriers[row] = [carrier[self._alone.model.site_bodyid[each]] for each in (site, frame)]
+        for row, name in enumerate(directions, start=len(points)):
+            landmark, axis = self._axis(name)
+            site = self._site(landmark)
+            rows[row, WEIGHT] = DIRECTION_COST_M * self._weights.get(name, 1.0)
+            rows[row, LEVER:] = data.site_xmat[site].reshape(3, 3) @ np.array(axis)
+            carriers[row, 1] = carrier[self._alone.model.site_bodyid[site]]
+        return Features(tuple(points), tuple(directions), rows, carriers)
 
     def _axis(self, name: str) -> Axis:
         if name not in self._axes:
@@ -484,12 +471,8 @@ class Fitter:
         return self._axes[name]
 
     def _site(self, landmark: str) -> int:
-        site = int(mujoco.mj_name2id(self._model, mujoco.mjtObj.mjOBJ_SITE, f"{self._agent.name}/{landmark}"))
+        model, name = self._alone.model, self._agent.name
+        site = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, f"{name}/{landmark}"))
         if site < 0:
-            raise UnknownNameError("landmark", landmark, landmarks_in(self._model, self._agent.name))
+            raise UnknownNameError("landmark", landmark, landmarks_in(model, name))
         return site
-
-
-def _cost(tasks: Iterable[IkTask], at: mink.Configuration) -> float:
-    """Weighted sum of squared errors."""
-    return float(sum(np.sum((task.cost * task.compute_error(at)) ** 2) for task in tasks))
