@@ -1,7 +1,7 @@
-"""Robots as they are published: which of them load, what ``agent draft`` leaves open, and whether the draft is fit.
+"""Robots, rooms and things as they are published: which load, and of robots what ``agent draft`` makes of them.
 
 ``python -m tools.robots_page example-robot-data=DIR robosuite=DIR ...`` puts the tables into ``docs/howto/robots.md``.
-Each package is named with the folder into which its wheel was unpacked; none of them needs to be installed. Every robot
+Each package is named with the folder into which its wheel was unpacked; none of them needs to be installed. Every model
 is looked at in a process of its own, which is ended when it takes too long.
 """
 
@@ -35,6 +35,19 @@ PATTERNS: Mapping[str, tuple[str, ...]] = {
     "pybullet_data": ("pybullet_data/**/*.urdf", "pybullet_data/mjcf/*.xml"),
 }
 """Files of each package that are robots."""
+ROOMS: Mapping[str, tuple[str, ...]] = {
+    "robosuite": ("robosuite/models/assets/arenas/*.xml", "robosuite/models/assets/objects/*.xml"),
+    "gymnasium-robotics": (
+        "**/assets/fetch/*.xml",
+        "**/assets/hand/*.xml",
+        "**/assets/adroit_hand/adroit_*.xml",
+        "**/assets/kitchen_franka/kitchen_assets/kitchen_env_model.xml",
+    ),
+    "pybullet_data": ("pybullet_data/**/*.urdf", "pybullet_data/**/*.sdf", "pybullet_data/mjcf/*.xml"),
+}
+"""Files of each package that are rooms, or things; those that are robots by themselves are not asked again."""
+ONE_OF_MANY = re.compile(r"random_urdfs/\d*[1-9]\d{0,1}/")
+"""Of a thousand things alike, each hundredth is asked."""
 NO_ROBOT = re.compile(
     r"random_urdfs|plane|objects/|toys|lego|domino|jenga|tray|table|cube|sphere|/[a-z_]*_assets\.xml|adroit_assets"
     r"|pendulum|cartpole|ground|capsule|cylinder|hello|reacher|swimmer|block|xarm/(link|base)"
@@ -55,6 +68,28 @@ def robots(package: str, folder: Path) -> list[Path]:
         if not NO_ROBOT.search(path.relative_to(folder).as_posix())
         and (len(MOVING.findall(path.read_bytes())) >= LEAST_JOINTS or b"<include" in path.read_bytes())
     )
+
+
+def rooms(package: str, folder: Path) -> list[Path]:
+    """The rooms and things of a package."""
+    found = {path for pattern in ROOMS.get(package, ()) for path in folder.glob(pattern)}
+    alone = {*robots(package, folder)} if package == "pybullet_data" else set()
+    return sorted(path for path in found - alone if not ONE_OF_MANY.search(path.relative_to(folder).as_posix()))
+
+
+def loaded(model: str) -> dict[str, Any]:
+    """What becomes of a room, or a thing."""
+    from taskgist.errors import InputError
+    from taskgist.world.scene import Scene
+
+    with tempfile.TemporaryDirectory() as folder:
+        scene_file = Path(folder) / "room.toml"
+        scene_file.write_text(f"[scene]\nmodel = {json.dumps(model)}\n", encoding="utf-8")
+        try:
+            scene = Scene.load(scene_file)
+        except InputError as error:
+            return {"loads": False, "why": _without(str(error).replace(f"{scene_file}: ", ""), model)}
+    return {"loads": True, "objects": list(scene.objects)}
 
 
 def looked_at(model: str) -> dict[str, Any]:
@@ -86,9 +121,9 @@ def _without(text: str, model: str) -> str:
     return text.replace(f"{Path(model).parent}/", "").partition(";")[0]
 
 
-def in_a_process(path: Path) -> dict[str, Any]:
-    """The same, by a process of its own."""
-    command = [sys.executable, "-m", "tools.robots_page", "--one", str(path)]
+def in_a_process(path: Path, how: str) -> dict[str, Any]:
+    """The same, by a process of its own: ``--robot`` or ``--room``."""
+    command = [sys.executable, "-m", "tools.robots_page", how, str(path)]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST_S, check=False)
     except subprocess.TimeoutExpired:
@@ -143,6 +178,18 @@ def table(folder: Path, results: Mapping[Path, Mapping[str, Any]]) -> Iterator[s
         yield row(f"`{_model(path.relative_to(folder))}`", *verdict(found))
 
 
+def rooms_table(folder: Path, results: Mapping[Path, Mapping[str, Any]]) -> Iterator[str]:
+    """What loads, in a sentence, and a row for each that does not."""
+    good = [path for path, found in results.items() if found["loads"]]
+    things = sum(bool(results[path]["objects"]) for path in good)
+    yield f"Of {len(results)} files {len(good)} load, {things} of them with things that move. The others:"
+    yield ""
+    yield from header("file", "why not")
+    for path, found in results.items():
+        if not found["loads"]:
+            yield row(f"`{'/'.join(path.relative_to(folder).parts[-2:])}`", _cell(found["why"]))
+
+
 def _model(path: Path) -> str:
     """A model by the end of its path that tells it."""
     return "/".join(path.parts[-2:]) if path.stem in ("robot", "model", "reach") else path.name
@@ -152,21 +199,25 @@ def main() -> None:
     """Write the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("packages", nargs="*", help="NAME=FOLDER of packages")
-    parser.add_argument("--one", help="look at one model, and print what was found")
+    parser.add_argument("--robot", help="look at one robot, and print what was found")
+    parser.add_argument("--room", help="load one room, or thing, and print what was found")
     parser.add_argument("--json", type=Path, help="keep what was found")
     given = parser.parse_args()
-    if given.one:
-        print(json.dumps(looked_at(given.one)))
+    if given.robot or given.room:
+        print(json.dumps(looked_at(given.robot) if given.robot else loaded(given.room)))
         return
     parts, kept = {}, {}
     for each in given.packages:
         package, _, where = each.partition("=")
         folder = Path(where).resolve()
         found = robots(package, folder)
-        results = {path: in_a_process(path) for path in found}
+        results = {path: in_a_process(path, "--robot") for path in found}
         parts[package] = list(table(folder, results))
+        others = {path: in_a_process(path, "--room") for path in rooms(package, folder)}
+        if others:
+            parts[f"rooms of {package}"] = list(rooms_table(folder, others))
         kept[package] = {str(path.relative_to(folder)): result for path, result in results.items()}
-        print(f"{package}: {len(results)} models")
+        print(f"{package}: {len(results)} robots, {len(others)} rooms and things")
     if given.json:
         given.json.write_text(json.dumps(kept, indent=1), encoding="utf-8")
     PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), parts), encoding="utf-8")
