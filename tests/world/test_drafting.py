@@ -118,6 +118,17 @@ def test_a_bench_arm_without_a_camera_has_no_eye_and_stays(tmp_path: Path) -> No
     assert "no eye: what it sees is unknown" in check.lacks
 
 
+@pytest.mark.parametrize(("axis", "sector"), [("0 0 1", [-60, 89]), ("0 0 -1", [-89, 60])])
+def test_an_only_arm_reaches_about_as_its_first_joint_turns(axis: str, sector: list[int], tmp_path: Path) -> None:
+    """It points ahead at zero, and turns from 1.57 to its right to 1.05 to its left; it is a right arm."""
+    arm = ARM.format("only", 0.0, 0.0, FINGERS.format("only"))
+    first = '<joint name="only_1" axis="0 0 1" range="-2 2"/>'
+    assert first in arm
+    arm = arm.replace(first, f'<joint name="only_1" axis="{axis}" range="-1.57 1.05"/>')
+    (only,) = drafted(tmp_path, robot(arm))[1]["arms"]
+    assert (only["side"], only["azimuth_deg"]) == ("right", sector)
+
+
 def test_a_camera_on_a_hand_and_one_outside_are_no_eye(tmp_path: Path) -> None:
     outside = '<camera name="view" pos="2 0 1" xyaxes="0 1 0 0 0 1"/>'
     held = both().replace(

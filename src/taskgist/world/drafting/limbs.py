@@ -19,6 +19,8 @@ SAME_AXES = 0.98
 """Cosine within which axes are the same."""
 SAME_PLACE_M = 0.005
 """How far points may be apart that are one (ours)."""
+LEVEL_M = 0.05
+"""How far a hand is beside an upright axis, at least, to point some way (ours)."""
 PALM_BEHIND_M = 0.01
 """How far behind the tips things are held (ours)."""
 NEAR_PALM_M = 0.03
@@ -126,7 +128,7 @@ def arm_lines(lines: Lines, found: Anatomy) -> tuple[FoundArm, ...]:
         palm, palm_why = _palm(tree, arm)
         lines.say("palm", palm, palm_why)
         _carrier_lines(lines, tree, arm)
-        azimuth, why = _azimuth(tree, arm) if len(chosen) == 1 else (AZIMUTH_DEG, PEOPLES)
+        azimuth, why = _azimuth(tree, arm, side) if len(chosen) == 1 else (AZIMUTH_DEG, PEOPLES)
         lines.say("azimuth_deg", azimuth, why)
         lines.say("elevation_deg", ELEVATION_DEG, PEOPLES)
     return chosen
@@ -174,14 +176,22 @@ def _said_side(tree: Tree, arm: FoundArm) -> str:
     return "left" if left > right else "right"
 
 
-def _azimuth(tree: Tree, arm: FoundArm) -> tuple[tuple[int, int], str]:
-    """How far an only arm reaches about: as its first joint turns, if that is upright."""
+def _azimuth(tree: Tree, arm: FoundArm, side: str) -> tuple[tuple[int, int], str]:
+    """How far an only arm reaches about, across the body and outward: as its first joint turns, if that is upright."""
     first = arm.joints[0]
     if first not in tree.turns(arm.joints) or abs(tree.axis(first)[2]) < MOSTLY:
         return AZIMUTH_DEG, PEOPLES
-    half = math.degrees(min(np.abs(tree.model.jnt_range[first]))) if tree.model.jnt_limited[first] else 180.0
-    half = min(180, int(half))
-    return (-half, half), "as its first joint turns; only the rough reach asks it (a setting)"
+    why = "as its first joint turns; only the rough reach asks it (a setting)"
+    if not tree.model.jnt_limited[first]:
+        return (-180, 180), why
+    x, y, _ = tree.data.xpos[arm.hand] - tree.data.xanchor[first]
+    if math.hypot(x, y) < LEVEL_M:  # it points up or down: which way it turns is not to be seen
+        return AZIMUTH_DEG, PEOPLES
+    now = float(tree.data.qpos[tree.model.jnt_qposadr[first]])
+    turned = math.copysign(1.0, tree.axis(first)[2]) * (tree.model.jnt_range[first] - now)
+    outward = 1.0 if side == "left" else -1.0
+    low, high = sorted(outward * np.degrees(math.atan2(y, x) + turned))
+    return (max(-180, int(low)), min(180, int(high))), why
 
 
 def _shoulder(tree: Tree, arm: FoundArm) -> tuple[Any, str]:
