@@ -27,8 +27,8 @@ def check(recordings: RecordingsArgument, as_json: JsonOption = False) -> int:
     Looks for labels that what happens contradicts, things that travel alone or end in the air, trackers whose frames
     do not agree, lost trackers that go on, people off the floor, gaps, jumps, lost parts, sizes in another unit,
     overlapping bodies, and facts that are unknown at the label's ends. Each comes with figures and what to do about it.
-    The exit code is 1 if any recording is not fit. Of several recordings a table is printed at the end; those that
-    cannot be read stand there with the reason, and the exit code is 2.
+    The exit code is 1 if any recording is not fit. Of several recordings a table is printed after what was found; those
+    that cannot be read stand there with the reason, and the exit code is 2.
 
     Example: taskgist check handover.mcap
 
@@ -40,12 +40,11 @@ def check(recordings: RecordingsArgument, as_json: JsonOption = False) -> int:
     outcomes: list[Outcome[Checkup]] = []
     for outcome in one_by_one(paths, lambda number: _checked(paths[number]), "checking", quiet=as_json):
         outcomes.append(outcome)
-        if not as_json and outcome.result is not None:
+        if not as_json and outcome.result is not None and outcome.result.findings:
             _print(str(outcome.path), outcome.result)
     if as_json:
         print_json([_document(outcome) for outcome in outcomes])
     else:
-        console.print()
         print_table(outcomes, ("verdict", *STYLES), _cells, "checked")
     return exit_code(outcomes, good=lambda result: result.fit)
 
