@@ -9,9 +9,10 @@ import numpy as np
 
 from taskgist.importing import load_mapping, look, mapping_text, read_tracks
 from taskgist.importing.readers import CONVERSIONS, READERS
-from tests.importing.takes import cup
+from taskgist.world.geometry.transforms import matrix_from_wxyz
+from tests.importing.takes import cup, matrices, write_c3d
 from tests.importing.test_camera_files import zed
-from tests.importing.test_readers import motive
+from tests.importing.test_readers import PREFIXED, motive
 
 PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "files.md").read_text(encoding="utf-8")
 LOADS = PAGE[PAGE.index("## What loads") : PAGE.index("## What it finds out")]
@@ -56,3 +57,18 @@ def test_a_depth_camera_is_smoothed_and_set_at_its_height(tmp_path: Path) -> Non
     assert loaded.source("take").smooth_s == 0.2
     head = read_tracks(loaded).people["P7"].points["left_eye"]
     assert 1.4 < np.nanmedian(head[:, 2]) < 1.7
+
+
+def test_a_box_with_markers_is_an_object(tmp_path: Path) -> None:
+    position, wxyz = cup()
+    corners = np.array([(0.15, 0.1, 0.05), (-0.15, 0.1, 0.05), (-0.15, -0.1, 0.05), (0.15, -0.1, -0.05)])
+    seen = position[:, None] + corners @ np.swapaxes(matrices(wxyz), 1, 2)
+    markers = {f"box{k + 1}": seen[:, k] for k in range(4)}
+    write_c3d(tmp_path / "take.c3d", {**PREFIXED, **markers})
+    text = mapping_text(look(tmp_path / "take.c3d"), "take.c3d")
+    assert '# points = ["box1", "box2", "box3"]' in text
+    (tmp_path / "take.toml").write_text("\n".join([text, "[objects.box]", *snippet("objects.box")]), encoding="utf-8")
+    box = read_tracks(load_mapping(tmp_path / "take.toml")).objects["box"]
+    np.testing.assert_allclose(box.position_m, seen.mean(axis=1), atol=1e-3)
+    turned = matrix_from_wxyz(box.wxyz)[-1] @ matrices(wxyz)[0]
+    np.testing.assert_allclose(turned, matrices(wxyz)[-1], atol=1e-2)

@@ -1,4 +1,4 @@
-"""Things that are tracked only while they are handled, rows with the same time, and poses in two arrays."""
+"""Things that are tracked now and then, or by markers, rows with the same time, and poses in two arrays."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from taskgist.errors import MappingError, UnknownNameError
 from taskgist.importing import Tracks, load_mapping, read_tracks
 from taskgist.importing.resampling import STAYED_M
-from taskgist.world.geometry.transforms import about_z, matrix_from_wxyz
+from taskgist.world.geometry.transforms import about_z, matrix_from_wxyz, wxyz_from_rotation_vector
 from tests.importing.skeletons import Array
 
 SHAPE = 'shape = { type = "sphere", radius_m = 0.04 }'
@@ -118,3 +118,80 @@ def test_arrays_of_rotations_that_cannot_be_right_are_named(tmp_path: Path) -> N
         tracks_of(tmp_path, ("cup",), source=source + f'rotation = {{ array = "squat", {TURNS["quat"]} }}\n')
     with pytest.raises(MappingError, match=r"rotation.*array.*only NPZ and MAT files hold several arrays"):
         tracks_of(tmp_path, ("cup",), source=TABLE + f'rotation = {{ array = "quat", {TURNS["quat"]} }}\n')
+
+
+CORNERS = np.array([(0.05, 0.0, 0.02), (-0.03, 0.04, 0.0), (-0.02, -0.04, 0.01), (0.01, 0.02, -0.05)])
+"""Of four markers on a thing, in its axes, metres."""
+MARKED = """
+[sources.s]
+file = "m.npz"
+rate_hz = 30
+units = "m"
+names = ["a", "b", "c", "d", "far"]
+[objects.cup]
+source = "s"
+points = ["a", "b", "c", "d"]
+shape = { type = "box", size_m = [0.1, 0.1, 0.1] }
+"""
+
+
+def marked() -> tuple[Array, Array, Array]:
+    """Markers over time (30, 5, 3) of a thing that is moved and turned, and its true places and turns."""
+    angles = np.linspace(0.0, 2.5, 30)
+    wxyz = wxyz_from_rotation_vector(np.array([0.4, -0.3, 1.0]) * angles[:, None])
+    place = np.array([0.5, 0.1, 0.9]) + np.array([0.1, 0.05, 0.2]) * angles[:, None]
+    body = place[:, None] + CORNERS @ np.swapaxes(matrix_from_wxyz(wxyz), 1, 2)
+    return np.concatenate([body, body[:, :1] + 3.0], axis=1), place, wxyz
+
+
+def test_a_thing_is_tracked_by_the_markers_on_it(tmp_path: Path) -> None:
+    markers, place, wxyz = marked()
+    rng = np.random.default_rng(5)
+    lost = rng.random((30, 4)) < 0.15
+    lost[0] = False
+    lost[7] = [True, True, False, False]  # two say too little
+    markers[:, :4][lost] = np.nan
+    np.savez(tmp_path / "m.npz", markers=markers)
+    (tmp_path / "m.toml").write_text(MARKED, encoding="utf-8")
+    cup = read_tracks(load_mapping(tmp_path / "m.toml")).objects["cup"]
+    enough = lost.sum(axis=1) <= 1
+    assert enough.sum() > 20
+    middle = place + CORNERS.mean(axis=0) @ np.swapaxes(matrix_from_wxyz(wxyz), 1, 2)
+    np.testing.assert_allclose(cup.position_m[enough], middle[enough], atol=1e-9)
+    np.testing.assert_allclose(matrix_from_wxyz(cup.wxyz[enough]), matrix_from_wxyz(wxyz[enough]), atol=1e-9)
+    assert cup.known.all(), "shorter gaps are bridged as those of a body are"
+
+
+MISMARKED = {
+    "few": ('"c", "d"]\nshape', "]\nshape", r"objects.cup.points: must list 3 markers, or more"),
+    "twice": ('"d"]\nshape', '"a"]\nshape', r"objects.cup.points: names a marker twice"),
+    "unknown": ('"d"]\nshape', '"d", "never"]\nshape', r"no point in names 'never'"),
+}
+
+
+@pytest.mark.parametrize("mistake", MISMARKED)
+def test_markers_that_cannot_be_a_thing_are_told(mistake: str, tmp_path: Path) -> None:
+    old, new, message = MISMARKED[mistake]
+    assert old in MARKED
+    np.savez(tmp_path / "m.npz", markers=marked()[0])
+    (tmp_path / "m.toml").write_text(MARKED.replace(old, new), encoding="utf-8")
+    with pytest.raises((MappingError, UnknownNameError), match=message):
+        read_tracks(load_mapping(tmp_path / "m.toml"))
+
+
+def test_markers_in_a_line_or_never_seen_together_fix_no_pose(tmp_path: Path) -> None:
+    markers, _, _ = marked()
+    for change, message in ((np.s_[::2, 0], None), (np.s_[:, 3], "never all seen at once")):
+        some = markers.copy()
+        some[change] = np.nan
+        np.savez(tmp_path / "m.npz", markers=some)
+        (tmp_path / "m.toml").write_text(MARKED, encoding="utf-8")
+        if message is None:
+            assert read_tracks(load_mapping(tmp_path / "m.toml")).objects["cup"].known.all()
+        else:
+            with pytest.raises(MappingError, match=rf"objects.cup.points: its markers are {message}"):
+                read_tracks(load_mapping(tmp_path / "m.toml"))
+    row = markers[:, :1] + np.linspace(0.0, 0.3, 4)[:, None] * (1.0, 0.0, 0.0)
+    np.savez(tmp_path / "m.npz", markers=np.concatenate([row, markers[:, 4:]], axis=1))
+    with pytest.raises(MappingError, match=r"objects.cup.points: its markers lie in a line"):
+        read_tracks(load_mapping(tmp_path / "m.toml"))

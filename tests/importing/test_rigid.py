@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from taskgist.importing.tracks import completed
+from taskgist.importing.rigid import completed
 from taskgist.world.geometry.transforms import matrix_from_wxyz, wxyz_from_rotation_vector
 
 Array = NDArray[np.float64]

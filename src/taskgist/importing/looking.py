@@ -20,6 +20,7 @@ from taskgist.common.text import clean_name
 from taskgist.errors import TaskgistError
 from taskgist.importing.mapping_fields import UNITS_M
 from taskgist.importing.mapping_people import HEAD_POINTS, LEG_POINTS, folded
+from taskgist.importing.mapping_things import LEAST_MARKERS
 from taskgist.importing.readers import READERS, kind_of, read_take
 from taskgist.importing.robots import joint_names
 from taskgist.importing.sizes import height_of_soles_m
@@ -343,6 +344,10 @@ def _lines(proposal: Proposal, file: str) -> Iterator[str]:
         yield from ("", "# [people.P1]", '# source = "take"', '# points = { head = "...", left_wrist = "..." }')
     if proposal.loose:
         yield f"# points of nobody: {_one_line(', '.join(proposal.loose))}"
+        if len(proposal.loose) >= LEAST_MARKERS:
+            markers = _one_line(", ".join(map(_quoted, proposal.loose[:LEAST_MARKERS])))
+            yield from ("# If three or more are markers on one thing:", "# [objects.NAME]", '# source = "take"')
+            yield from (f"# points = [{markers}]", '# shape = { type = "box", size_m = [0.1, 0.1, 0.1] }')
     yield from _robot(proposal)
     for name in proposal.things:
         yield from ("", f"[objects.{thing_name(name)}]", 'source = "take"', f"point = {_quoted(name)}")

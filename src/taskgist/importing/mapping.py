@@ -239,6 +239,13 @@ class FixedPose:
 
 
 @dataclass(frozen=True)
+class Markers:
+    """Points on a thing that keep their distances, three or more."""
+
+    refs: tuple[PointRef, ...]
+
+
+@dataclass(frozen=True)
 class Thing:
     """An object: where its pose comes from, and its shape.
 
@@ -249,7 +256,7 @@ class Thing:
     """
 
     name: str
-    pose: PointRef | FixedPose
+    pose: PointRef | FixedPose | Markers
     shapes: tuple[Shape, ...]
     estimated: bool
     note: str

@@ -11,8 +11,8 @@ import numpy as np
 from taskgist.common.files import is_file
 from taskgist.common.toml import TomlTable
 from taskgist.errors import UnknownNameError
-from taskgist.importing.mapping import FixedPose, JointColumns, PointRef, Robot, Shape, Support, Thing
-from taskgist.importing.mapping_fields import UNITS_M
+from taskgist.importing.mapping import FixedPose, JointColumns, Markers, PointRef, Robot, Shape, Support, Thing
+from taskgist.importing.mapping_fields import UNITS_M, is_column
 from taskgist.importing.mapping_people import read_point_ref
 from taskgist.world.bodies.profile import builtin_profiles
 from taskgist.world.geometry.transforms import matrix_from_euler, wxyz_from_matrix
@@ -29,7 +29,7 @@ def read_thing(name: str, section: TomlTable, sources: Collection[str], data_dir
     """
     thing = Thing(
         name=name,
-        pose=_pose(name, section, sources, "object"),
+        pose=_thing_pose(name, section, sources),
         shapes=_shapes(section, data_dir),
         estimated=section.flag("estimated", False),
         note=section.text("note", ""),
@@ -101,6 +101,24 @@ def read_support(name: str, section: TomlTable) -> Support:
     )
     section.done()
     return support
+
+
+def _thing_pose(name: str, section: TomlTable, sources: Collection[str]) -> PointRef | FixedPose | Markers:
+    if "points" not in section:
+        return _pose(name, section, sources, "object")
+    source, points = section.text("source"), section.any("points")
+    if source not in sources:
+        raise UnknownNameError("source", str(source), sources, where=f"{section.place}.source")
+    if not isinstance(points, list) or len(points) < LEAST_MARKERS or not all(map(is_column, points)):
+        hint = 'as points = ["cup1", "cup2", "cup3"]; one alone is its point'
+        raise section.error(f"must list {LEAST_MARKERS} markers, or more", "points", points, hint)
+    if len(set(points)) < len(points):
+        raise section.error("names a marker twice", "points", points)
+    return Markers(tuple(PointRef(str(source), point) for point in points))
+
+
+LEAST_MARKERS = 3
+"""Fewer points do not fix a pose."""
 
 
 def _pose(name: str, section: TomlTable, sources: Collection[str], kind: str) -> PointRef | FixedPose:

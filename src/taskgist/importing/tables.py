@@ -20,7 +20,17 @@ from taskgist.common.arrays import Array, Mask
 from taskgist.common.files import shown_path
 from taskgist.errors import MappingError
 from taskgist.importing.csv import CsvPart, CsvTable
-from taskgist.importing.mapping import Columns, Frame, ImportMapping, Name, PointRef, Rotation, SignalColumn, Source
+from taskgist.importing.mapping import (
+    Columns,
+    Frame,
+    ImportMapping,
+    Markers,
+    Name,
+    PointRef,
+    Rotation,
+    SignalColumn,
+    Source,
+)
 from taskgist.importing.mat import MatFile
 from taskgist.importing.readers import READERS, read_take
 from taskgist.importing.table_values import (
@@ -196,6 +206,7 @@ def input_files(mapping: ImportMapping) -> tuple[Path, ...]:
     """
     refs = [(ref.source, person.token, ref.point) for person in mapping.people for p in person.points for ref in p.refs]
     refs += [(each.pose.source, "", each.pose.point) for each in mapping.posed if isinstance(each.pose, PointRef)]
+    refs += [(ref.source, "", ref.point) for t in mapping.objects if isinstance(t.pose, Markers) for ref in t.pose.refs]
     refs += [(robot.joints.source, "", "") for robot in mapping.robots if robot.joints is not None]
     refs += [(signal.source, "", signal.name) for signal in mapping.signals]
     tables = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from collections.abc import Mapping as AnyMapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -24,6 +24,7 @@ from taskgist.importing.mapping import (
     FixedPose,
     ImportMapping,
     LocalAxis,
+    Markers,
     Person,
     Point,
     PointRef,
@@ -34,6 +35,7 @@ from taskgist.importing.mapping import (
 )
 from taskgist.importing.mapping_people import HEAD_POINTS, PARTS
 from taskgist.importing.resampling import Frames, resample, stayed
+from taskgist.importing.rigid import body_of_markers, completed
 from taskgist.importing.robots import RobotTrack, robot_notes, robot_samples, tracked_robot
 from taskgist.importing.skeletons import SKELETONS
 from taskgist.importing.table_values import Track
@@ -116,66 +118,6 @@ class Tracks:
     supports: tuple[Support, ...]
     signals: Mapping[str, Signal]
     notes: tuple[str, ...]
-
-
-# --- A skull is rigid: where a tracker loses some of its points for a moment, the others say where they are.
-#
-# Bare keypoints come and go one by one. Without this, a lost ear would leave the face without a direction, and the
-# person without sight, although nose, eyes and the other ear are there.
-
-LEAST_POINTS = 3
-"""Fewer do not fix a pose."""
-LEAST_WIDTH_M = 0.02
-"""Points that lie along a line, but for this, do not fix it either (ours)."""
-LEAST_FRAMES = 5
-"""Frames with all points that it takes to know how they lie to each other (ours)."""
-
-
-def completed(points: Mapping[str, Array], rigid: Collection[str]) -> dict[str, Array]:
-    """The points, those of a rigid group completed in frames where three or more others of it are known.
-
-    Args:
-        points: Positions by landmark, metres, (N, 3) each; NaN where unknown.
-        rigid: Names of the landmarks that keep their distances; those that are not there, or never seen, are left out.
-    """
-    names = sorted(name for name in points if name in rigid and np.isfinite(points[name]).all(axis=1).any())
-    if len(names) <= LEAST_POINTS:
-        return dict(points)
-    group = np.stack([points[name] for name in names], axis=1)
-    known: Mask = np.isfinite(group.sum(axis=2))
-    whole = known.sum(axis=1) == len(names)
-    if whole.sum() < LEAST_FRAMES:
-        return dict(points)
-    template = _template(group[whole])
-    for frame in np.flatnonzero(~whole & (known.sum(axis=1) >= LEAST_POINTS)):
-        seen = known[frame]
-        if _width_m(template[seen]) > LEAST_WIDTH_M:
-            group[frame, ~seen] = _moved(template, template[seen], group[frame, seen])[~seen]
-    return {**points, **{name: group[:, index] for index, name in enumerate(names)}}
-
-
-def _template(frames: Array) -> Array:
-    """How the points lie to each other: the mean of all frames, laid over the first one and then over that mean."""
-    template = frames[0]
-    for _ in range(2):
-        template = np.mean(_moved(frames, frames, template), axis=0)
-    return np.asarray(template)
-
-
-def _moved(points: Array, start: Array, end: Array) -> Array:
-    """Points (m, 3) moved as the rigid motion that takes ``start`` (k, 3) closest to ``end`` [Kabsch 1976].
-
-    Of n motions at once, where they are (n, m, 3) and (n, k, 3).
-    """
-    start_middle, end_middle = start.mean(axis=-2, keepdims=True), end.mean(axis=-2, keepdims=True)
-    left, _, right = np.linalg.svd(np.swapaxes(start - start_middle, -2, -1) @ (end - end_middle))
-    left[..., 2] *= np.sign(np.linalg.det(left @ right))[..., None]  # a turn, no mirror
-    return np.asarray((points - start_middle) @ left @ right + end_middle)
-
-
-def _width_m(points: Array) -> float:
-    """How far points reach to the sides of the line that fits them best (root of the sum of squares)."""
-    return float(np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1])
 
 
 # --- One person's landmarks and directions at the frames of a recording.
@@ -332,7 +274,7 @@ def read_tracks(mapping: ImportMapping) -> Tracks:
     """
     tables = Tables(mapping)
     samples = {person.name: _samples(person, tables) for person in mapping.people}
-    moving = {t.name: tables.track(t.pose, t.name) for t in mapping.objects if isinstance(t.pose, PointRef)}
+    moving = {t.name: _moving(t, tables, mapping) for t in mapping.objects if not isinstance(t.pose, FixedPose)}
     check_duplicates(mapping.file, samples)
     running = [robot_samples(robot, tables, mapping) for robot in mapping.robots]
     tracks = [*_all_tracks(samples), *moving.values(), *(each.base for each in running if each.base is not None)]
@@ -359,6 +301,15 @@ def read_tracks(mapping: ImportMapping) -> Tracks:
             *(note for name, robot in robots.items() for note in robot_notes(name, robot)),
         ),
     )
+
+
+def _moving(thing: Thing, tables: Tables, mapping: ImportMapping) -> Track:
+    """Samples of a thing, by itself or by its markers."""
+    if not isinstance(thing.pose, Markers):
+        assert isinstance(thing.pose, PointRef)
+        return tables.track(thing.pose, thing.name)
+    markers = [tables.track(ref, thing.name) for ref in thing.pose.refs]
+    return body_of_markers(markers, str(mapping.file), f"objects.{thing.name}.points")
 
 
 def _samples(person: Person, tables: Tables) -> Samples:
