@@ -95,7 +95,6 @@ def test_wrong_scene_tables_are_refused(tmp_path: Path, extra: str, message: str
 @pytest.mark.parametrize(
     ("body", "message"),
     [
-        ("<body><freejoint/><geom size='0.1'/></body>", "an object without a name"),
         ("<body name='hull'><freejoint/><geom size='0.1' group='3'/></body>", "without a shape that can be seen"),
         ("<body name='air'><freejoint/><geom size='0.1' rgba='1 0 0 0'/></body>", "without a shape that can be seen"),
         ("<body name='x'><geom size='nan'/></body>", r"room\.xml, line 1: size of <geom>: must be finite"),
@@ -106,6 +105,27 @@ def test_wrong_scene_tables_are_refused(tmp_path: Path, extra: str, message: str
 def test_models_without_usable_objects_are_refused(tmp_path: Path, body: str, message: str) -> None:
     with pytest.raises(SceneError, match=message):
         Scene.load(written(tmp_path, '[scene]\nmodel = "room.xml"', f"<mujoco><worldbody>{body}</worldbody></mujoco>"))
+
+
+def test_things_without_a_name_get_one(tmp_path: Path) -> None:
+    """Published models often leave it out; ``objects`` of the scene file may then name them."""
+    ball = "<body {} pos='{} 0 1'>{}<geom size='0.1'/></body>"
+    free, slides = "<freejoint/>", "".join(f"<joint type='slide' axis='{a}'/>" for a in ("1 0 0", "0 1 0", "0 0 1"))
+    model = "".join(
+        (
+            ball.format("", 0, free),
+            ball.format("name='thing_1'", 1, free),
+            ball.format("", 2, free),
+            ball.format("name='slid'", 3, slides + "<joint type='ball'/>"),
+        )
+    )
+    text = f"<mujoco><worldbody>{model}</worldbody></mujoco>"
+    scene = Scene.load(written(tmp_path, '[scene]\nmodel = "room.xml"', text))
+    places = {name: scene.initial.qpos[scene.object_slice(name)][0] for name in scene.objects}
+    assert places == {"thing_2": 0, "thing_1": 1, "thing_3": 2, "slid": 3}
+    assert list(Scene.from_bundle(scene.bundle).objects) == list(scene.objects)
+    chosen = Scene.load(written(tmp_path, '[scene]\nmodel = "room.xml"\nobjects = ["thing_3"]', text))
+    assert list(chosen.objects) == ["thing_3"]
 
 
 def test_missing_and_broken_files_are_named(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import count
 
 import mujoco
 import numpy as np
@@ -75,6 +76,7 @@ def compose(file: SceneFile, files: dict[str, bytes], limits: Limits) -> Compose
         UnknownNameError: A body or a keyframe that the room's model does not have.
     """
     room = read_room(file, files, limits)
+    name_things(room)
     agents = [entry for entry in file.agents if entry.room_body is not None]
     _check_in_room(room, file, agents)
     freed = list(_to_free(room, file))
@@ -110,6 +112,15 @@ def read_room(file: SceneFile, files: dict[str, bytes], limits: Limits) -> mujoc
     room = mujoco.MjSpec()
     room.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=(FLOOR_M, FLOOR_M, 0.1))
     return room
+
+
+def name_things(room: mujoco.MjSpec) -> None:
+    """Call bodies that move freely and have no name ``thing_1``, ``thing_2``, ..., in the order of the model."""
+    names = {str(body.name) for body in room.bodies}
+    free_names = (name for name in (f"thing_{number}" for number in count(1)) if name not in names)
+    for body in room.worldbody.bodies:
+        if not body.name and is_free(body):
+            body.name = next(free_names)
 
 
 def read_spec(files: dict[str, bytes], name: str, where: str, *, agent: bool = False, limits: Limits) -> mujoco.MjSpec:

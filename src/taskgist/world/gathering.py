@@ -25,7 +25,7 @@ from taskgist.world.bodies.model_files import (
 )
 from taskgist.world.bodies.profile import builtin_profile_text, builtin_profiles, parse_profile
 from taskgist.world.bodies.urdf import read_urdf
-from taskgist.world.composing import movers
+from taskgist.world.composing import movers, name_things
 from taskgist.world.scene_file import AgentEntry, PlacedModel, SceneFile, parse_scene_file, write_scene_file
 
 SCENE_FILE = "scene.toml"
@@ -126,8 +126,12 @@ def _name_movers(file: SceneFile, room: mujoco.MjSpec, bundle: dict[str, bytes])
 
     In a bundle only free bodies are objects by themselves, as in recordings from before others could be.
     """
-    names = movers(room, file) if file.objects is None else ()
-    if any(not is_free(room.body(name)) for name in names):
+    if file.objects is not None:
+        return
+    named = room.copy()
+    name_things(named)
+    names = movers(named, file)
+    if any(not is_free(named.body(name)) for name in names):
         bundle[SCENE_FILE] = write_scene_file(replace(file, objects=names))
 
 

@@ -432,9 +432,6 @@ def _scene(file: SceneFile, assembled: Assembled, limits: Limits) -> Scene:
 
 def _objects(file: SceneFile, model: mujoco.MjModel, agents: set[str]) -> dict[str, int]:
     free = free_bodies(model, agents)
-    if "" in free:
-        hint = "give every body with a free joint a name"
-        raise SceneError("an object without a name", where=file.where, field="scene.model", hint=hint)
     for name in file.objects or ():
         if name not in free:
             lying = (str(model.body(int(body)).name) for body in np.flatnonzero(model.body_parentid == 0)[1:])
