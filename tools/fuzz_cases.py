@@ -440,7 +440,7 @@ def _odd_texts(code: int, out: str, told: str, named: Sequence[str], command: Co
     if code == 2 and len(told) > 4000:
         return "a long message"
     asked_for_json = command[-1:] == ("--json",) and not command[-2].startswith("--")  # else it is an option's value
-    if code == 0 and asked_for_json and not _is_json(out):
+    if code == 0 and asked_for_json and "--help" not in command and not _is_json(out):
         return "no JSON"
     return ""
 
