@@ -182,7 +182,10 @@ def rooms_table(folder: Path, results: Mapping[Path, Mapping[str, Any]]) -> Iter
     """What loads, in a sentence, and a row for each that does not."""
     good = [path for path, found in results.items() if found["loads"]]
     things = sum(bool(results[path]["objects"]) for path in good)
-    yield f"Of {len(results)} files {len(good)} load, {things} of them with things that move. The others:"
+    rest = " The others:" if len(good) < len(results) else ""
+    yield f"Of {len(results)} files {len(good)} load, {things} of them with things that move.{rest}"
+    if not rest:
+        return
     yield ""
     yield from header("file", "why not")
     for path, found in results.items():
