@@ -28,13 +28,15 @@ from taskgist_lab.evaluation.noise import CONDITIONS
 from taskgist_lab.evaluation.performing.means_rooms import TASK_OF
 from taskgist_lab.evaluation.performing.trials import ROBOTS, TrialsFound, performed_trials
 from taskgist_lab.evaluation.performing.trials import sheets as trial_sheets
-from taskgist_lab.evaluation.pool import HELD_OUT_EVERY, SOURCES, Pool, Wanted, kept_pool
+from taskgist_lab.evaluation.pool import BACKGROUND, HELD_OUT_EVERY, SOURCES, Pool, Wanted, kept_pool
 from taskgist_lab.evaluation.robustness import compared, makers, robustness
 from taskgist_lab.evaluation.sheets import Sheet, sheets_of
 from taskgist_lab.evaluation.values import CLEAN, Result
 
 HELD_OUT_SEED = 1000
 """Seed of the demonstrations that nothing was developed on; smaller ones are for development."""
+LEARNED_FROM = tuple(name for name in SOURCES if name != BACKGROUND)
+"""Sources of demonstrations of the paper's tasks."""
 Experiment = Callable[[Coded, int, int, Progress], Result]
 
 EXPERIMENTS: Mapping[str, Experiment] = {
@@ -67,7 +69,7 @@ def evaluate(
     ] = HELD_OUT_SEED,
     runs: Annotated[int, typer.Option("--runs", help="Random orders in which each task is learned.")] = 200,
     source: Annotated[
-        str, typer.Option("--source", help=f"Where demonstrations come from: {', '.join(SOURCES)}.")
+        str, typer.Option("--source", help=f"Where demonstrations come from: {', '.join(LEARNED_FROM)}.")
     ] = "generator",
     rooms: Annotated[int, typer.Option("--rooms", help="perform: rooms for each task and robot.")] = 40,
     robots: Annotated[
@@ -115,6 +117,7 @@ def evaluate(
     chosen = _chosen([each for each in experiments or () if each != PERFORM], all_by_default=not performing)
     _check(demonstrations, runs, processes, rooms, out, replace=replace)
     for given, kind, known in (
+        ([source], "source", LEARNED_FROM),
         (robots, "robot that is measured", ROBOTS),
         (tasks, "task of the study", (*TASKS, *TASK_OF)),
     ):
