@@ -21,7 +21,7 @@ kind, and so are all neutral manipulations together. A share of h hits and f fai
 any background there is no chance to compare with, and nothing is learned. The empty clause, which says that the task is
 about nothing, is kept only where there is no other.
 
-**Description length.** One bit says that another literal follows, log2(values of the node) bits choose a value or the
+**Description length.** Two bits say that another literal follows, log2(values of the node) bits choose a value or the
 one that is left out, and an interval of a ladder costs what choosing its ends does.
 
 **Unknown.** A conjunction fails where one of its literals fails, holds where all hold, and is unknown elsewhere. Where
@@ -54,7 +54,7 @@ SLIPS = (10, 90)
 """Parameters (a, b) of the Beta distribution of the rate of slips: one in ten, as sure as after a hundred tries."""
 SMOOTHING = 0.5
 """Hits and failures that are added to those of each kind of background."""
-FOLLOWING_BITS = 1.0
+FOLLOWING_BITS = 2.0
 """Description length of there being another literal."""
 MOST_LITERALS = 6
 COVERAGE = 0.6
