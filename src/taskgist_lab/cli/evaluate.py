@@ -22,6 +22,7 @@ from taskgist.cli.common import (
 from taskgist.common.workers import Progress
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.pipeline.shipped import TASKS
+from taskgist_lab.evaluation.clause_learning import clause_learning
 from taskgist_lab.evaluation.experiments import demonstrations_needed, transfer
 from taskgist_lab.evaluation.learner import Coded
 from taskgist_lab.evaluation.noise import CONDITIONS
@@ -46,6 +47,7 @@ EXPERIMENTS: Mapping[str, Experiment] = {
     "peers": lambda coded, runs, seed, progress: compared(
         coded, runs=runs, seed=seed, peers=makers(seed), progress=progress
     ),
+    "clauses": lambda coded, runs, seed, progress: clause_learning(coded, runs=runs, seed=seed, progress=progress),
 }
 """The experiments on learning by name, in their order."""
 PERFORM = "perform"
@@ -101,6 +103,9 @@ def evaluate(
 
     peers: other learners on the very same facts (pip install 'taskgist[peers]', and 'taskgist[orange]'); what is not
     installed is left out.
+
+    clauses: whole clauses, learned by comparing with neutral manipulations and other tasks, beside the paper's rule,
+    judged by the task that a demonstration was played as, and by all that it fulfils.
 
     perform: in how many random rooms that can be solved robots perform the tasks of the study, how cleanly for a second
     auditor, and in what time of the processor. The tasks cover, clear and relay are hide and show by these means alone,
