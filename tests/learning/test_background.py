@@ -9,7 +9,7 @@ import pytest
 
 from taskgist.errors import KnowledgeError
 from taskgist.facts import STANDARD_TREE
-from taskgist.learning import Context, Knowledge
+from taskgist.learning import Answer, Context, Knowledge, Verdict
 from taskgist.learning.background import NEUTRAL, SHIPPED, Background, learn_task, shipped_background
 from taskgist.learning.evidence import effects_of
 from taskgist.learning.literals import vocabularies
@@ -59,3 +59,17 @@ def test_a_first_task_is_compared_with_neutral_manipulations_and_a_second_with_t
 def test_a_background_of_another_context_is_left_aside() -> None:
     other = replace(shipped_background(), context=Context("other", "tree"))
     assert learn_task(knowledge("hide", "give"), "hide", background=other).compared == {"give": 3}
+
+
+def test_answers_fix_literals_until_they_are_withdrawn() -> None:
+    known = knowledge("hide", "give")
+    node = learn_task(known, "hide").best.literals[0].node
+
+    def answered(verdict: Verdict | None, hour: int) -> Answer:
+        return Answer("hide", node, verdict, "Ann", f"2026-01-01T{hour:02}:00:00+00:00")
+
+    irrelevant = known.answer(answered(Verdict.IRRELEVANT, 1))
+    assert node not in {each.node for each in learn_task(irrelevant, "hide").best.literals}
+    relevant = irrelevant.answer(answered(Verdict.RELEVANT, 2))
+    assert all(node in {each.node for each in one.literals} for one in learn_task(relevant, "hide").clauses)
+    assert learn_task(relevant.answer(answered(None, 3)), "hide") == learn_task(known, "hide")

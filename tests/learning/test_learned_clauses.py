@@ -9,6 +9,7 @@ from itertools import combinations, product
 
 import pytest
 
+from taskgist.common.frozen import FrozenMap
 from taskgist.errors import UnknownNameError
 from taskgist.facts import STANDARD_TREE, UNKNOWN, Observation
 from taskgist.learning import Experience
@@ -18,6 +19,7 @@ from taskgist.learning.clauses import (
     SLIPS,
     ClausePosterior,
     Support,
+    Told,
     clause_score,
     learn_clauses,
     ln_beta,
@@ -180,7 +182,30 @@ def test_probability_is_a_vote_of_the_clauses_that_know() -> None:
 def test_literals_alone_and_what_was_compared() -> None:
     posterior = learned([RARE] * 5, [USUAL] * 10, [USUAL] * 3)
     assert posterior.compared == {"other 0": 10, "other 1": 3}
-    assert [support.k for support in posterior.alone] == [5] * len(posterior.best.literals)
+    assert tuple(each.literal for each in posterior.alone) == posterior.best.literals
+    assert [each.support.k for each in posterior.alone] == [5] * len(posterior.best.literals)
+
+
+def test_what_always_was_so_but_usually_is_stands_apart() -> None:
+    posterior = learned([RARE] * 5, [USUAL] * 10)
+    assert [str(each.literal) for each in posterior.usual] == ["(Object_Final_Status = On_Support)"]
+    assert posterior.usual[0].support.chance == pytest.approx(10.5 / 11)
+    unlike = learned([RARE] * 5 + [{**RARE, "placement.status.2": "In_Hand"}], [USUAL] * 10)
+    assert not unlike.usual
+
+
+def test_what_was_told_to_be_irrelevant_is_in_no_clause() -> None:
+    evidence = Evidence.of({"task": [RARE] * 5, "other": [USUAL] * 10})
+    posterior = learn_clauses(evidence, "task", told=Told(irrelevant=frozenset({"see.effort.2"})))
+    assert not [one for one in posterior.clauses for each in one.literals if each.node == "see.effort.2"]
+
+
+@pytest.mark.parametrize("value", ["On_Support", "In_Hand"])
+def test_what_was_told_to_be_relevant_is_in_every_clause_seen_or_not(value: str) -> None:
+    evidence = Evidence.of({"task": [RARE] * 5, "other": [USUAL] * 10})
+    posterior = learn_clauses(evidence, "task", told=Told(relevant=FrozenMap({"placement.status.2": value})))
+    for one in posterior.clauses:
+        assert [each.values for each in one.literals if each.node == "placement.status.2"] == [(value,)]
 
 
 def test_an_unknown_task_is_named() -> None:

@@ -19,11 +19,14 @@ from taskgist.common.frozen import FrozenMap
 from taskgist.errors import KnowledgeError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, TreeOf
-from taskgist.learning.clauses import ClausePosterior, learn_clauses
+from taskgist.learning.clauses import ClausePosterior, Told, learn_clauses
+from taskgist.learning.estimate import Verdict
 from taskgist.learning.evidence import Effects, evidence_of
+from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Context
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.literals import vocabularies
+from taskgist.learning.understanding import Answer, in_force
 from taskgist.settings import DEFAULT
 
 NEUTRAL = ""
@@ -117,6 +120,8 @@ def learn_task(
 ) -> ClausePosterior:
     """What a task means, compared with the other tasks that are known and with neutral manipulations.
 
+    Answers fix literals: each clause has those about relevant nodes, and none about irrelevant ones.
+
     Args:
         knowledge: Experience of the task, and of others.
         task: Its name.
@@ -130,8 +135,21 @@ def learn_task(
         KnowledgeError: It is not known of who performs it.
     """
     own = knowledge.experience(task, of)
+    answers = in_force(each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of))
     neutral = background or shipped_background()
     others = [each for (name, whose), each in knowledge.experiences.items() if whose == own.tree_of and name != task]
     comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
     evidence = evidence_of([own, *others], {NEUTRAL: neutral.effects} if comparable else {})
-    return learn_clauses(evidence, task, tree)
+    return learn_clauses(evidence, task, tree, _told(own, answers))
+
+
+def _told(own: Experience, answers: Mapping[str, Answer]) -> Told:
+    """What answers fix; a relevant node without a value has the most frequent one."""
+    relevant = {}
+    for node, answer in answers.items():
+        counts = own.counts.get(node, FrozenMap())
+        value = answer.value or min(counts, key=lambda each: (-counts[each], each), default=None)
+        if answer.verdict is Verdict.RELEVANT and value is not None:
+            relevant[node] = value
+    irrelevant = frozenset(node for node, answer in answers.items() if answer.verdict is Verdict.IRRELEVANT)
+    return Told(FrozenMap(relevant), irrelevant)

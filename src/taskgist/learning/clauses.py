@@ -39,7 +39,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from heapq import heappush, heapreplace, nsmallest
 
 from taskgist.common.frozen import FrozenMap
@@ -59,6 +59,8 @@ FOLLOWING_BITS = 2.0
 MOST_LITERALS = 6
 COVERAGE = 0.6
 """Share of the demonstrations in which a clause must hold."""
+USUAL = 0.75
+"""What holds in this share of the background, or more, is usually so."""
 BEAM, KEPT = 12, 40
 """Clauses that are lengthened at each step, and that are kept in the end."""
 EQUAL = 9
@@ -78,6 +80,14 @@ class Support:
     k: int
     n: int
     chance: float
+
+
+@dataclass(frozen=True)
+class LiteralSupport:
+    """One literal, and how often it holds alone."""
+
+    literal: SetLiteral
+    support: Support
 
 
 @dataclass(frozen=True)
@@ -107,8 +117,10 @@ class ClausePosterior:
     task: str
     clauses: tuple[WeighedClause, ...]
     """The best one first; at least one."""
-    alone: tuple[Support, ...]
-    """How often each literal of the best clause holds alone."""
+    alone: tuple[LiteralSupport, ...]
+    """The literals of the best clause, each by itself."""
+    usual: tuple[LiteralSupport, ...]
+    """Usual circumstances: final states that were always so, and that usually are so in the background."""
     compared: FrozenMap[str, int]
     """Demonstrations by kind of background."""
 
@@ -127,18 +139,37 @@ class ClausePosterior:
         return math.fsum(weight for weight, truth in truths if truth is True) / known if known else 0.5
 
 
-def learn_clauses(evidence: Evidence, task: str, tree: HypothesisTree = STANDARD_TREE) -> ClausePosterior:
+@dataclass(frozen=True)
+class Told:
+    """What people said of a task: every clause has the one, and none has a literal about the other.
+
+    Args:
+        relevant: Values of nodes that it is about.
+        irrelevant: Names of nodes that it is not about.
+    """
+
+    relevant: FrozenMap[str, str] = field(default_factory=FrozenMap)
+    irrelevant: frozenset[str] = frozenset()
+
+
+NOTHING_TOLD = Told()
+
+
+def learn_clauses(
+    evidence: Evidence, task: str, tree: HypothesisTree = STANDARD_TREE, told: Told = NOTHING_TOLD
+) -> ClausePosterior:
     """Learn what a task means from its demonstrations, compared with all others.
 
     Args:
         evidence: Demonstrations of the task, of other tasks, and neutral ones.
         task: The task.
         tree: Whose effects literals are about.
+        told: What people said of it. What they said of nodes that literals are not about has no effect.
 
     Raises:
         UnknownNameError: There is no evidence of this task.
     """
-    search = _Search(evidence, task, tree)
+    search = _Search(evidence, task, tree, told)
     found = search.best()
     weights = [math.exp(one.score - found[0].score) for one in found]
     total = math.fsum(weights)
@@ -148,7 +179,8 @@ def learn_clauses(evidence: Evidence, task: str, tree: HypothesisTree = STANDARD
             WeighedClause(search.literals_of(one), Support(one.k, one.n, one.chance), one.score, weight / total)
             for one, weight in zip(found, weights, strict=True)
         ),
-        alone=tuple(search.alone(index) for index in found[0].members),
+        alone=tuple(map(search.alone, found[0].members)),
+        usual=search.usual(found[0]),
         compared=FrozenMap({name: kind.count for name, kind in evidence.kinds.items() if name != task}),
     )
 
@@ -219,7 +251,7 @@ class _Found:
 class _Search:
     """The search for the clauses of one task. Its own demonstrations are the lowest bits, the background follows."""
 
-    def __init__(self, evidence: Evidence, task: str, tree: HypothesisTree) -> None:
+    def __init__(self, evidence: Evidence, task: str, tree: HypothesisTree, told: Told) -> None:
         own = evidence.kind(task)
         self._n = own.count
         self._own = (1 << own.count) - 1
@@ -231,17 +263,19 @@ class _Search:
         self._candidates = tuple(
             _Candidate(literal, FOLLOWING_BITS + literal.bits, *(_moved(bits, own) for bits in evidence.truth(literal)))
             for vocabulary in vocabularies(tree)
-            for literal in vocabulary.literals(evidence.seen(vocabulary.node.name, task))
+            if vocabulary.node.name not in told.irrelevant
+            for literal in vocabulary.literals(_seen(evidence, vocabulary.node.name, task, told))
         )
         nodes = [candidate.literal.node for candidate in self._candidates]
         self._of_node = [{i for i, other in enumerate(nodes) if other == node} for node in nodes]
         total = max(1, len(self._kinds))
         self._floor = sum(SMOOTHING / (kind.count + 2 * SMOOTHING) for kind in self._kinds) / total
         self._least = min((1 / (kind.count + 2 * SMOOTHING) for kind in self._kinds), default=0.0) / total
+        self._first = self._start(told)
 
     def best(self) -> list[_Found]:
         """The best clauses, the very best first."""
-        found = beam = [_Found((), self._all, 0, 0.0, self._n, self._n, 1.0, 0.0)]
+        found = beam = [self._first]
         for _ in range(MOST_LITERALS if self._kinds else 0):
             beam = self._longer(beam)
             found = nsmallest(KEPT, [*found, *beam], key=lambda one: one.order)
@@ -252,11 +286,24 @@ class _Search:
         """The literals of a clause."""
         return tuple(self._candidates[index].literal for index in found.members)
 
-    def alone(self, index: int) -> Support:
-        """How often one literal holds."""
+    def alone(self, index: int) -> LiteralSupport:
+        """One literal, and how often it holds."""
         candidate = self._candidates[index]
-        k, misses = ((bits & self._own).bit_count() for bits in (candidate.true, candidate.false))
-        return Support(k, k + misses, self._chance(candidate.true, candidate.false))
+        return LiteralSupport(candidate.literal, self._support(candidate.true, candidate.false))
+
+    def usual(self, best: _Found) -> tuple[LiteralSupport, ...]:
+        """Final states that always were so, and usually are, but for those of the best clause."""
+        said = {self._candidates[index].literal.node for index in best.members}
+        single = (
+            self.alone(index)
+            for index, candidate in enumerate(self._candidates)
+            if candidate.literal.node not in said and candidate.literal.is_value and candidate.literal.instant == 2
+        )
+        return tuple(each for each in single if each.support.k == each.support.n > 0 and each.support.chance >= USUAL)
+
+    def _support(self, true: int, false: int) -> Support:
+        k, misses = ((bits & self._own).bit_count() for bits in (true, false))
+        return Support(k, k + misses, self._chance(true, false))
 
     def _longer(self, beam: list[_Found]) -> list[_Found]:
         """The ``KEPT`` best clauses that are one literal longer than those of the beam."""
@@ -301,8 +348,25 @@ class _Search:
             tuple(sorted(members)), true, false, bits, k, n, chance, clause_score(Support(k, n, chance), bits)
         )
 
+    def _start(self, told: Told) -> _Found:
+        """The clause that all others lengthen: what was told to be relevant, or nothing."""
+        chosen = tuple(
+            index
+            for index, candidate in enumerate(self._candidates)
+            if candidate.literal.is_value and told.relevant.get(candidate.literal.node) == candidate.literal.values[0]
+        )
+        if not chosen:
+            return _Found((), self._all, 0, 0.0, self._n, self._n, 1.0, 0.0)
+        true, false, bits = self._all, 0, 0.0
+        for candidate in (self._candidates[index] for index in chosen):
+            true, false, bits = true & candidate.true, false | candidate.false, bits + candidate.bits
+        support = self._support(true, false)
+        return _Found(chosen, true, false, bits, support.k, support.n, support.chance, clause_score(support, bits))
+
     def _chance(self, true: int, false: int) -> float:
-        """Share of the background in which something holds, the kinds weighing the same."""
+        """Share of the background in which something holds, the kinds weighing the same; one half without any."""
+        if not self._kinds:
+            return 0.5
         everywhere = (true | false) == self._all
         total = 0.0
         for kind in self._kinds:
@@ -310,6 +374,12 @@ class _Search:
             known = kind.count if everywhere else hits + kind.of(false).bit_count()
             total += (hits + SMOOTHING) / (known + 2 * SMOOTHING)
         return total / len(self._kinds)
+
+
+def _seen(evidence: Evidence, node: str, task: str, told: Told) -> frozenset[str]:
+    """The values of a node that literals may name: those seen in the task's demonstrations, or told."""
+    also = {told.relevant[node]} if node in told.relevant else set[str]()
+    return evidence.seen(node, task) | also
 
 
 def _moved(bits: int, own: Kind) -> int:

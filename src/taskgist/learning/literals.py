@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 from taskgist.facts import vocabulary as v
-from taskgist.facts.tree import HypothesisTree, Leaf, Node, Nodes
+from taskgist.facts.tree import HypothesisTree, Instant, Leaf, Node, Nodes
 from taskgist.facts.values import UNKNOWN, ScoreAttribute, Unknown, score_bins
 from taskgist.learning.estimate import canonical_key
 from taskgist.settings import DEFAULT, Settings
@@ -43,6 +43,7 @@ class SetLiteral:
         but: Whether the set is all values but the one given.
         bound: How an interval of a ladder is told: "≤", "≥" or "to"; empty for all other sets.
         bits: Description length of the set, given its node.
+        instant: 2 for a final state, None for a change.
     """
 
     node: str
@@ -51,6 +52,12 @@ class SetLiteral:
     but: bool = False
     bound: str = ""
     bits: float = 0.0
+    instant: Instant | None = None
+
+    @property
+    def is_value(self) -> bool:
+        """Whether it is one value alone."""
+        return len(self.values) == 1 and not self.but and not self.bound
 
     def __str__(self) -> str:
         return f"({self.title} {self.told})"
@@ -124,7 +131,7 @@ class Vocabulary:
                     yield self._literal(self.ladder[low : high + 1], bound="to", bits=both_ends)
 
     def _literal(self, values: tuple[str, ...], *, bits: float, but: bool = False, bound: str = "") -> SetLiteral:
-        return SetLiteral(self.node.name, self.node.title, values, but, bound, bits)
+        return SetLiteral(self.node.name, self.node.title, values, but, bound, bits, self.node.instant)
 
 
 @lru_cache(maxsize=8)

@@ -90,13 +90,16 @@ class ClauseScores(Result):
         return next(each for each in self.rows if (each.learner, each.others, each.setting, each.after) == wanted)
 
 
-def clause_learning(coded: Coded, *, runs: int, seed: int, progress: Progress = silent) -> ClauseScores:
+def clause_learning(
+    coded: Coded, *, runs: int, seed: int, others: Sequence[int] = OTHERS, progress: Progress = silent
+) -> ClauseScores:
     """Learn each task in many random orders, by both learners, and judge all held-out demonstrations.
 
     Args:
         coded: A pool.
         runs: Random orders of each task; ``MOST_RUNS`` at most.
         seed: Their seed.
+        others: With how many of the other tasks clauses are compared; more than there are are left out.
         progress: Told how far it is.
 
     Raises:
@@ -114,14 +117,14 @@ def clause_learning(coded: Coded, *, runs: int, seed: int, progress: Progress = 
         for after in sizes:
             held = {task: held_in(each, judges.held_out, after, CLAUSE) == 1 for task, each in known.items()}
             rows.append(ClauseScore(PAPER_RULE, None, setting, after, *judges.scores(held)))
-        backgrounds = tuple(others for others in OTHERS if others < len(orders))
-        for number, (others, after) in enumerate((others, after) for others in backgrounds for after in sizes):
-            progress(f"clauses, {setting}", number / (len(backgrounds) * len(sizes)))
+        backgrounds = [(count, after) for count in others if count < len(orders) for after in sizes]
+        for number, (count, after) in enumerate(backgrounds):
+            progress(f"clauses, {setting}", number / len(backgrounds))
             held = {
-                task: np.stack([judges.holds(each) for each in _posteriors(coded, orders, task, after, others, seed)])
+                task: np.stack([judges.holds(each) for each in _posteriors(coded, orders, task, after, count, seed)])
                 for task in orders
             }
-            rows.append(ClauseScore(CLAUSES, others, setting, after, *judges.scores(held)))
+            rows.append(ClauseScore(CLAUSES, count, setting, after, *judges.scores(held)))
     return ClauseScores(tuple(rows), runs, len(_neutral(coded)))
 
 
