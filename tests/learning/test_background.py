@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 
 import pytest
 
 from taskgist.errors import KnowledgeError
 from taskgist.facts import STANDARD_TREE
-from taskgist.learning import Answer, Context, Knowledge, Verdict
-from taskgist.learning.background import NEUTRAL, SHIPPED, Background, learn_task, shipped_background
+from taskgist.learning import Context
+from taskgist.learning.background import SHIPPED, Background, shipped_background
 from taskgist.learning.evidence import effects_of
 from taskgist.learning.literals import vocabularies
-from tests.learning.learning_samples import STUDY, explained, study
-
-
-def knowledge(*tasks: str) -> Knowledge:
-    return Knowledge().add(*(each for task in tasks for each in study(task).explanations.values()))
+from tests.learning.learning_samples import STUDY, explained
 
 
 def test_the_shipped_background_was_explained_as_demonstrations_are_today() -> None:
@@ -46,30 +41,3 @@ def test_what_is_no_background_is_refused(damage: dict[str, object]) -> None:
     document = Background.of(Context.of(), [{"see.class": "Remains_Same"}]).to_json() | damage
     with pytest.raises(KnowledgeError, match="not a background"):
         Background.from_json(document)
-
-
-def test_a_first_task_is_compared_with_neutral_manipulations_and_a_second_with_the_first() -> None:
-    first = learn_task(knowledge("hide"), "hide")
-    assert first.compared == {NEUTRAL: len(shipped_background().effects)}
-    assert first.best.literals
-    second = learn_task(knowledge("hide", "give"), "hide")
-    assert second.compared == {**first.compared, "give": 3}
-
-
-def test_a_background_of_another_context_is_left_aside() -> None:
-    other = replace(shipped_background(), context=Context("other", "tree"))
-    assert learn_task(knowledge("hide", "give"), "hide", background=other).compared == {"give": 3}
-
-
-def test_answers_fix_literals_until_they_are_withdrawn() -> None:
-    known = knowledge("hide", "give")
-    node = learn_task(known, "hide").best.literals[0].node
-
-    def answered(verdict: Verdict | None, hour: int) -> Answer:
-        return Answer("hide", node, verdict, "Ann", f"2026-01-01T{hour:02}:00:00+00:00")
-
-    irrelevant = known.answer(answered(Verdict.IRRELEVANT, 1))
-    assert node not in {each.node for each in learn_task(irrelevant, "hide").best.literals}
-    relevant = irrelevant.answer(answered(Verdict.RELEVANT, 2))
-    assert all(node in {each.node for each in one.literals} for one in learn_task(relevant, "hide").clauses)
-    assert learn_task(relevant.answer(answered(None, 3)), "hide") == learn_task(known, "hide")

@@ -18,15 +18,10 @@ from taskgist.common.documents import read_packed_json
 from taskgist.common.frozen import FrozenMap
 from taskgist.errors import KnowledgeError
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.tree import HypothesisTree, TreeOf
-from taskgist.learning.clauses import ClausePosterior, Told, learn_clauses
-from taskgist.learning.estimate import Verdict
-from taskgist.learning.evidence import Effects, evidence_of
-from taskgist.learning.experience import Experience
+from taskgist.facts.tree import HypothesisTree
+from taskgist.learning.evidence import Effects
 from taskgist.learning.explanation import Context
-from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.literals import vocabularies
-from taskgist.learning.understanding import Answer, in_force
 from taskgist.settings import DEFAULT
 
 NEUTRAL = ""
@@ -109,47 +104,3 @@ def shipped_background() -> Background:
         SHIPPED, most_bytes=DEFAULT.limits.document_bytes, problem="not a background", hint=HINT, error=KnowledgeError
     )
     return Background.from_json(document, where=SHIPPED)
-
-
-def learn_task(
-    knowledge: Knowledge,
-    task: str,
-    tree: HypothesisTree = STANDARD_TREE,
-    of: TreeOf = "target",
-    background: Background | None = None,
-) -> ClausePosterior:
-    """What a task means, compared with the other tasks that are known and with neutral manipulations.
-
-    Answers fix literals: each clause has those about relevant nodes, and none about irrelevant ones.
-
-    Args:
-        knowledge: Experience of the task, and of others.
-        task: Its name.
-        tree: Whose effects clauses are about.
-        of: For whom: its target agents, or who performs it; as ``Knowledge.experience``.
-        background: Neutral manipulations; the shipped ones by default. They are left aside where the task was explained
-            under another context, or for who performs it.
-
-    Raises:
-        UnknownNameError: The task is not known.
-        KnowledgeError: It is not known of who performs it.
-    """
-    own = knowledge.experience(task, of)
-    answers = in_force(each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of))
-    neutral = background or shipped_background()
-    others = [each for (name, whose), each in knowledge.experiences.items() if whose == own.tree_of and name != task]
-    comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
-    evidence = evidence_of([own, *others], {NEUTRAL: neutral.effects} if comparable else {})
-    return learn_clauses(evidence, task, tree, _told(own, answers))
-
-
-def _told(own: Experience, answers: Mapping[str, Answer]) -> Told:
-    """What answers fix; a relevant node without a value has the most frequent one."""
-    relevant = {}
-    for node, answer in answers.items():
-        counts = own.counts.get(node, FrozenMap())
-        value = answer.value or min(counts, key=lambda each: (-counts[each], each), default=None)
-        if answer.verdict is Verdict.RELEVANT and value is not None:
-            relevant[node] = value
-    irrelevant = frozenset(node for node, answer in answers.items() if answer.verdict is Verdict.IRRELEVANT)
-    return Told(FrozenMap(relevant), irrelevant)
