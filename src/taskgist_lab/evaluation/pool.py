@@ -349,7 +349,7 @@ def _known(tasks: Collection[str]) -> tuple[str, ...]:
 
 
 NEUTRAL = tuple(task for task in TASKS if task not in INTUITION)
-"""Manipulations that nobody performs for another: lift, tap, drop, dump, throw."""
+"""Manipulations that nobody performs for another: lift, tap, drop, dump, throw, move."""
 BACKGROUND = "neutral"
 """Name of the source of these."""
 
