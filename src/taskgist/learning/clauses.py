@@ -38,7 +38,7 @@ are broken by length and by the literals' order.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from heapq import heappush, heapreplace, nsmallest
 
@@ -187,6 +187,8 @@ def learn_clauses(
 
 # --- The score. Every term is a difference of entries of one table, ln i!.
 
+LN_2 = math.log(2.0)
+
 _LN_FACTORIALS = [0.0]
 
 
@@ -210,10 +212,16 @@ def clause_score(support: Support, bits: float, slips: tuple[int, int] = SLIPS) 
         slips: Parameters (a, b) of the rate of slips.
     """
     hits, misses = support.k, support.n - support.k
+    return _ln_likelihood(hits, misses, slips) - _ln_chance(hits, misses, support.chance) - LN_2 * bits
+
+
+def _ln_likelihood(hits: int, misses: int, slips: tuple[int, int]) -> float:
     a, b = slips
-    likelihood = ln_beta(hits + b, misses + a) - ln_beta(b, a)
-    by_chance = hits * math.log(support.chance) + misses * math.log1p(-support.chance)
-    return likelihood - by_chance - math.log(2.0) * bits
+    return ln_beta(hits + b, misses + a) - ln_beta(b, a)
+
+
+def _ln_chance(hits: int, misses: int, chance: float) -> float:
+    return hits * math.log(chance) + misses * math.log1p(-chance)
 
 
 # --- The search.
@@ -270,7 +278,8 @@ class _Search:
         self._of_node = [{i for i, other in enumerate(nodes) if other == node} for node in nodes]
         total = max(1, len(self._kinds))
         self._floor = sum(SMOOTHING / (kind.count + 2 * SMOOTHING) for kind in self._kinds) / total
-        self._least = min((1 / (kind.count + 2 * SMOOTHING) for kind in self._kinds), default=0.0) / total
+        self._sizes = _by_size(self._kinds, self._n)
+        self._likelihoods: dict[tuple[int, int], float] = {}
         self._first = self._start(told)
 
     def best(self) -> list[_Found]:
@@ -338,15 +347,15 @@ class _Search:
         if not k or k < COVERAGE * n or hits == clause.true >> self._n:
             return None
         bits = clause.bits + candidate.bits
-        rarest = self._floor + self._least * hits.bit_count()  # no chance is less, and a greater one scores less
-        if rarest * n >= k or clause_score(Support(k, n, rarest), bits) < least - 10.0**-EQUAL:
+        rarest = self._floor  # no chance is less than what follows, and a greater one scores less
+        for of_size, weight in self._sizes:
+            rarest += weight * (hits & of_size).bit_count()
+        if rarest * n >= k or self._score(k, n, rarest, bits) < least - 10.0**-EQUAL:
             return None
         chance = self._chance(true, false)
         if chance * n >= k:
             return None
-        return _Found(
-            tuple(sorted(members)), true, false, bits, k, n, chance, clause_score(Support(k, n, chance), bits)
-        )
+        return _Found(tuple(sorted(members)), true, false, bits, k, n, chance, self._score(k, n, chance, bits))
 
     def _start(self, told: Told) -> _Found:
         """The clause that all others lengthen: what was told to be relevant, or nothing."""
@@ -363,6 +372,12 @@ class _Search:
         support = self._support(true, false)
         return _Found(chosen, true, false, bits, support.k, support.n, support.chance, clause_score(support, bits))
 
+    def _score(self, k: int, n: int, chance: float, bits: float) -> float:
+        """As ``clause_score``, whose likelihood is reckoned once for all conjunctions that hold as often."""
+        if (k, n) not in self._likelihoods:
+            self._likelihoods[k, n] = _ln_likelihood(k, n - k, SLIPS)
+        return self._likelihoods[k, n] - _ln_chance(k, n - k, chance) - LN_2 * bits
+
     def _chance(self, true: int, false: int) -> float:
         """Share of the background in which something holds, the kinds weighing the same; one half without any."""
         if not self._kinds:
@@ -374,6 +389,22 @@ class _Search:
             known = kind.count if everywhere else hits + kind.of(false).bit_count()
             total += (hits + SMOOTHING) / (known + 2 * SMOOTHING)
         return total / len(self._kinds)
+
+
+def _by_size(kinds: Iterable[Kind], own: int) -> tuple[tuple[int, float], ...]:
+    """Bits of the background by the size of their kind to a factor of two, and what one hit adds to θ, at least.
+
+    Args:
+        kinds: The kinds.
+        own: Where the first of them begins: the bits count from there.
+    """
+    kinds = tuple(kinds)
+    found: dict[int, tuple[int, float]] = {}
+    for kind in kinds:
+        bits, weight = found.get(kind.count.bit_length(), (0, math.inf))
+        bits |= ((1 << kind.count) - 1) << (kind.start - own)
+        found[kind.count.bit_length()] = bits, min(weight, 1 / (kind.count + 2 * SMOOTHING) / len(kinds))
+    return tuple(found.values())
 
 
 def _seen(evidence: Evidence, node: str, task: str, told: Told) -> frozenset[str]:
