@@ -29,16 +29,18 @@ def main() -> None:
     pool = kept_pool(parser.parse_args().pool, Wanted("neutral", SEED, COUNT, (CLEAN,)))
     background = neutral(pool)
     write(background, SHIPPED)
-    print(f"{SHIPPED}: {len(background.effects)} of {len(pool.samples)} manipulations")
+    count = sum(map(len, background.manipulations.values()))
+    print(f"{SHIPPED}: {count} of {len(pool.samples)} manipulations")
 
 
 def neutral(pool: Pool) -> Background:
     """The background of a pool: all samples that fulfil no other task than the one that they were played as."""
-    rows = (each for each in pool.samples if each.fulfilled == (each.task,))
-    return Background.of(
-        pool.context,
-        [{node: value for node, value in zip(pool.nodes, row.values, strict=True) if value} for row in rows],
-    )
+    rows: dict[str, list[dict[str, str]]] = {}
+    for each in pool.samples:
+        if each.fulfilled == (each.task,):
+            known = {node: value for node, value in zip(pool.nodes, each.values, strict=True) if value}
+            rows.setdefault(each.task, []).append(known)
+    return Background.of(pool.context, rows)
 
 
 def write(background: Background, path: Path) -> None:

@@ -318,7 +318,7 @@ def test_explain_by_whole_clauses_compares_with_all_that_is_known(folder: Path) 
     assert document["clause"]["literals"][0]["text"] == "(Nature_Hand_Status = Manip_Desired)"
     assert (document["clause"]["k"], document["clause"]["n"]) == (3, 4)
     assert document["compared"]["tasks"]["hide"] == len(STUDY["hide"])
-    assert document["compared"]["neutral"] > 0
+    assert document["compared"]["neutral"]["lift"] > 0
     assert [each["name"] for each in document["odd"]] == ["strange"]
     text = run("explain give -k k.db --rule bayes")
     assert text.startswith("Task(give) ←   by whole clauses, compared with 5 other tasks and ")

@@ -34,9 +34,9 @@ def test_chance_is_told_as_a_frequency(share: float, told: str) -> None:
     ("kinds", "told"),
     [
         ({}, "compared with nothing, so that nothing is learned"),
-        ({NEUTRAL: 245}, "compared with 245 neutral manipulations"),
+        ({NEUTRAL + "lift": 200, NEUTRAL + "move": 45}, "compared with 245 neutral manipulations"),
         ({"hide": 3}, "compared with 1 other task"),
-        ({"hide": 3, "give": 2, NEUTRAL: 245}, "compared with 2 other tasks and 245 neutral manipulations"),
+        ({"hide": 3, "give": 2, NEUTRAL + "lift": 245}, "compared with 2 other tasks and 245 neutral manipulations"),
     ],
 )
 def test_what_it_was_compared_with(kinds: dict[str, int], told: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from taskgist.learning import Answer, Context, Knowledge, Verdict
-from taskgist.learning.background import NEUTRAL, shipped_background
+from taskgist.learning.background import shipped_background
 from taskgist.learning.task_clauses import learn_task, odd_demonstrations
 from tests.learning.learning_samples import STUDY, explained, study
 
@@ -16,7 +16,7 @@ def knowledge(*tasks: str) -> Knowledge:
 
 def test_a_first_task_is_compared_with_neutral_manipulations_and_a_second_with_the_first() -> None:
     first = learn_task(knowledge("hide"), "hide")
-    assert first.compared == {NEUTRAL: len(shipped_background().effects)}
+    assert first.compared == {name: len(rows) for name, rows in shipped_background().kinds.items()}
     assert first.best.literals
     second = learn_task(knowledge("hide", "give"), "hide")
     assert second.compared == {**first.compared, "give": 3}

@@ -78,8 +78,12 @@ def clauses_document(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf)
         "alternatives": [_clause(each) for each in alternatives(learned)],
         "usual": [_literal(each) for each in learned.usual],
         "compared": {
-            "tasks": {name: count for name, count in sorted(learned.compared.items()) if name != NEUTRAL},
-            "neutral": learned.compared.get(NEUTRAL, 0),
+            "tasks": {name: n for name, n in sorted(learned.compared.items()) if not name.startswith(NEUTRAL)},
+            "neutral": {
+                name.removeprefix(NEUTRAL): n
+                for name, n in sorted(learned.compared.items())
+                if name.startswith(NEUTRAL)
+            },
         },
         "odd": [
             {

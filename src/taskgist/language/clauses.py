@@ -23,7 +23,8 @@ def by_chance(share: float) -> str:
 
 def compared(learned: ClausePosterior) -> str:
     """What a task was compared with: ``"compared with 5 tasks and 207 neutral manipulations"``."""
-    tasks, neutral = len(learned.compared.keys() - {NEUTRAL}), learned.compared.get(NEUTRAL, 0)
+    neutral = sum(count for name, count in learned.compared.items() if name.startswith(NEUTRAL))
+    tasks = sum(not name.startswith(NEUTRAL) for name in learned.compared)
     parts = [f"{tasks} other task{'s' * (tasks > 1)}"] if tasks else []
     parts += [f"{neutral} neutral manipulations"] if neutral else []
     return f"compared with {listed(parts)}" if parts else "compared with nothing, so that nothing is learned"

@@ -8,7 +8,7 @@ not among them: whoever teaches *hide* shall not compete with ours.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -24,11 +24,14 @@ from taskgist.learning.explanation import Context
 from taskgist.learning.literals import vocabularies
 from taskgist.settings import DEFAULT
 
-NEUTRAL = ""
-"""Name of the kind of neutral manipulations in evidence: the empty one, which no task has."""
+NEUTRAL = " "
+"""How the names of kinds of neutral manipulations begin in evidence; that of a task begins with no space."""
 FORMAT = "taskgist background 1"
 SHIPPED = Path(__file__).parent.parent / "data" / "neutral.json.gz"
 HINT = "install taskgist anew, or make it again: python -m tools.neutral_background"
+
+Rows = tuple[FrozenMap[str, str], ...]
+"""Known values of demonstrations, of the nodes that literals are about; equal ones stand side by side."""
 
 
 @dataclass(frozen=True)
@@ -37,37 +40,41 @@ class Background:
 
     Args:
         context: Under what they were explained.
-        effects: Known values of each, of the nodes that literals are about; equal ones stand side by side.
+        manipulations: By what was done. Each is a kind of background of its own: together they would weigh no more than
+            one task does, and what they have in common would soon be believed to be a meaning.
     """
 
     context: Context
-    effects: tuple[FrozenMap[str, str], ...]
+    manipulations: FrozenMap[str, Rows]
 
     @staticmethod
-    def of(context: Context, demonstrations: Iterable[Effects], tree: HypothesisTree = STANDARD_TREE) -> Background:
-        """The background of explained demonstrations, in an order of its own."""
+    def of(
+        context: Context, demonstrations: Mapping[str, Iterable[Effects]], tree: HypothesisTree = STANDARD_TREE
+    ) -> Background:
+        """The background of explained demonstrations by what was done, in an order of its own."""
         told = {vocabulary.node.name for vocabulary in vocabularies(tree)}
-        rows = [{name: value for name, value in each.items() if name in told} for each in demonstrations]
-        return Background(context, tuple(map(FrozenMap, sorted(rows, key=lambda row: sorted(row.items())))))
+        return Background(
+            context, FrozenMap({name: _rows(demonstrations[name], told) for name in sorted(demonstrations)})
+        )
+
+    @property
+    def kinds(self) -> dict[str, Rows]:
+        """The manipulations as kinds of evidence."""
+        return {NEUTRAL + name: rows for name, rows in self.manipulations.items()}
 
     def to_json(self) -> dict[str, Any]:
         """Plain data: values by node, and each different demonstration as a count and indices, −1 for unknown."""
-        values: dict[str, list[str]] = {}
-        for row in self.effects:
-            for name, value in row.items():
-                if value not in values.setdefault(name, []):
-                    values[name].append(value)
-        nodes = sorted(values)
-        table = {name: sorted(values[name]) for name in nodes}
-        counted = Counter(
-            tuple(table[name].index(row[name]) if name in row else -1 for name in nodes) for row in self.effects
-        )
+        values: dict[str, set[str]] = {}
+        for rows in self.manipulations.values():
+            for name, value in (pair for row in rows for pair in row.items()):
+                values.setdefault(name, set()).add(value)
+        table = {name: sorted(values[name]) for name in sorted(values)}
         return {
             "format": FORMAT,
             "settings_digest": self.context.settings_digest,
             "tree_version": self.context.tree_version,
             "values": table,
-            "rows": [[count, *row] for row, count in sorted(counted.items())],
+            "manipulations": {name: _counted(rows, table) for name, rows in self.manipulations.items()},
         }
 
     @staticmethod
@@ -82,15 +89,30 @@ class Background:
                 raise ValueError(f"format {document['format']!r}")
             context = Context(document["settings_digest"], document["tree_version"])
             table: Mapping[str, Sequence[str]] = document["values"]
-            rows = [(_row(indices, table), count) for count, *indices in document["rows"]]
-            return Background(context, tuple(row for row, count in rows for _ in range(count)))
+            manipulations = {
+                name: _rows((_row(indices, table) for count, *indices in rows for _ in range(count)), set(table))
+                for name, rows in document["manipulations"].items()
+            }
         except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
             raise KnowledgeError(f"not a background: {error!r}", where=where, hint=HINT) from error
+        return Background(context, FrozenMap(manipulations))
 
 
-def _row(indices: Sequence[int], table: Mapping[str, Sequence[str]]) -> FrozenMap[str, str]:
+def _rows(demonstrations: Iterable[Effects], told: Collection[str]) -> Rows:
+    rows = [{name: value for name, value in each.items() if name in told} for each in demonstrations]
+    return tuple(map(FrozenMap, sorted(rows, key=lambda row: sorted(row.items()))))
+
+
+def _counted(rows: Rows, table: Mapping[str, Sequence[str]]) -> list[list[int]]:
+    counted = Counter(
+        tuple(values.index(row[name]) if name in row else -1 for name, values in table.items()) for row in rows
+    )
+    return [[count, *row] for row, count in sorted(counted.items())]
+
+
+def _row(indices: Sequence[int], table: Mapping[str, Sequence[str]]) -> Effects:
     named = zip(table.items(), indices, strict=True)
-    return FrozenMap({name: values[index] for (name, values), index in named if index >= 0})
+    return {name: values[index] for (name, values), index in named if index >= 0}
 
 
 @cache

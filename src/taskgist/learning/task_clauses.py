@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from taskgist.common.frozen import FrozenMap
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, TreeOf
-from taskgist.learning.background import NEUTRAL, Background, shipped_background
+from taskgist.learning.background import Background, shipped_background
 from taskgist.learning.clauses import ClausePosterior, Told, learn_clauses
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.evidence import evidence_of
@@ -51,7 +51,7 @@ def learn_task(
     neutral = background or shipped_background()
     others = [each for (name, whose), each in knowledge.experiences.items() if whose == own.tree_of and name != task]
     comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
-    evidence = evidence_of([own, *others], {NEUTRAL: neutral.effects} if comparable else {})
+    evidence = evidence_of([own, *others], neutral.kinds if comparable else {})
     return learn_clauses(evidence, task, tree, _told(own, answers))
 
 

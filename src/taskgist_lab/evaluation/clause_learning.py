@@ -17,7 +17,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Mask
 from taskgist.common.workers import Progress, silent
-from taskgist.learning.background import NEUTRAL, shipped_background
+from taskgist.learning.background import shipped_background
 from taskgist.learning.clauses import ClausePosterior, learn_clauses
 from taskgist.learning.evidence import Effects, Evidence
 from taskgist.learning.literals import SetLiteral
@@ -125,7 +125,7 @@ def clause_learning(
                 for task in orders
             }
             rows.append(ClauseScore(CLAUSES, count, setting, after, *judges.scores(held)))
-    return ClauseScores(tuple(rows), runs, len(_neutral(coded)))
+    return ClauseScores(tuple(rows), runs, sum(map(len, _neutral(coded).values())))
 
 
 def _posteriors(
@@ -138,7 +138,7 @@ def _posteriors(
         chosen = [names[int(i)] for i in rng.permutation(len(names))[:others]]
         kinds = {name: effects(coded, orders[name][run, :OF_OTHERS]) for name in chosen}
         own = effects(coded, order[:after])
-        yield learn_clauses(Evidence.of({NEUTRAL: _neutral(coded), **kinds, task: own}), task)
+        yield learn_clauses(Evidence.of({**_neutral(coded), **kinds, task: own}), task)
 
 
 def effects(coded: Coded, codes: Codes) -> list[Effects]:
@@ -153,10 +153,10 @@ def effects(coded: Coded, codes: Codes) -> list[Effects]:
     ]
 
 
-def _neutral(coded: Coded) -> Sequence[Effects]:
-    """The shipped manipulations; none where the pool was explained under another context."""
+def _neutral(coded: Coded) -> Mapping[str, Sequence[Effects]]:
+    """The shipped manipulations by kind; none where the pool was explained under another context."""
     shipped = shipped_background()
-    return shipped.effects if shipped.context == coded.pool.context else ()
+    return shipped.kinds if shipped.context == coded.pool.context else {}
 
 
 @dataclass(frozen=True, eq=False)
