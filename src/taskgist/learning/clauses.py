@@ -17,9 +17,9 @@ Tenenbaum 1999); one in which it fails costs ln(1 − θ) − ln(a / (a + b)), a
 prove to be frequent.
 
 **Chance.** ``θ`` is the mean over the kinds of background of the share in which the clause holds. Each other task is a
-kind, and so is each neutral manipulation, such as lifting. A share of h hits and f failures is (h + ½) / (h + f + 1). Without
-any background there is no chance to compare with, and nothing is learned. The empty clause, which says that the task is
-about nothing, is kept only where there is no other.
+kind, and so is each neutral manipulation, such as lifting. A share of h hits and f failures is (h + ½) / (h + f + 1).
+Without any background there is no chance to compare with, and nothing is learned. The empty clause, which says that
+the task is about nothing, is kept only where there is no other.
 
 **Description length.** Two bits say that another literal follows, log2(values of the node) bits choose a value or the
 one that is left out, and an interval of a ladder costs what choosing its ends does.
