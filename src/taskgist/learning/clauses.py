@@ -278,6 +278,7 @@ class _Search:
         self._of_node = [{i for i, other in enumerate(nodes) if other == node} for node in nodes]
         total = max(1, len(self._kinds))
         self._floor = sum(SMOOTHING / (kind.count + 2 * SMOOTHING) for kind in self._kinds) / total
+        self._masks = tuple((kind.start, (1 << kind.count) - 1, kind.count) for kind in self._kinds)
         self._sizes = _by_size(self._kinds, self._n)
         self._likelihoods: dict[tuple[int, int], float] = {}
         self._first = self._start(told)
@@ -382,13 +383,14 @@ class _Search:
         """Share of the background in which something holds, the kinds weighing the same; one half without any."""
         if not self._kinds:
             return 0.5
-        everywhere = (true | false) == self._all
+        known_everywhere = (true | false) == self._all
         total = 0.0
-        for kind in self._kinds:
-            hits = kind.of(true).bit_count()
-            known = kind.count if everywhere else hits + kind.of(false).bit_count()
+        for start, whole, known in self._masks:
+            hits = (true >> start & whole).bit_count()
+            if not known_everywhere:
+                known = hits + (false >> start & whole).bit_count()
             total += (hits + SMOOTHING) / (known + 2 * SMOOTHING)
-        return total / len(self._kinds)
+        return total / len(self._masks)
 
 
 def _by_size(kinds: Iterable[Kind], own: int) -> tuple[tuple[int, float], ...]:
