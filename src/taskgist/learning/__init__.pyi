@@ -18,6 +18,9 @@ from .explanation import explanation_from_json as explanation_from_json
 from .explanation import merged as merged
 from .knowledge import Knowledge as Knowledge
 from .literals import SetLiteral as SetLiteral
+from .task_clauses import Odd as Odd
+from .task_clauses import learn_task as learn_task
+from .task_clauses import odd_demonstrations as odd_demonstrations
 from .understanding import Answer as Answer
 from .understanding import Choice as Choice
 from .understanding import Clause as Clause
