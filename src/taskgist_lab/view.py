@@ -26,6 +26,7 @@ from taskgist.view.rendering import save_figure
 from taskgist.view.scene import camera_outside, draw_eye, draw_outside
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
+from taskgist_lab.evaluation.clause_learning import WRONG_SHARES, ClauseScores, learner_text
 from taskgist_lab.evaluation.experiments import CLAUSE, SETTINGS, Needs, Table, Transfer
 from taskgist_lab.evaluation.ordinary_rooms import Pair
 from taskgist_lab.evaluation.robustness import Comparison, Robustness
@@ -168,6 +169,26 @@ def draw_comparison(found: Comparison) -> Figure:
     return figure
 
 
+def draw_clauses(found: ClauseScores) -> Figure:
+    """F1 of both learners by demonstrations, a panel for each setting, judged by all tasks that are fulfilled."""
+    figure = Figure(figsize=(9.0, 3.8), layout="constrained")
+    panels = figure.subplots(1, len(WRONG_SHARES), sharey=True)
+    for panel, setting in zip(panels, WRONG_SHARES, strict=True):
+        for number, (learner, others) in enumerate(found.learners):
+            f1 = [found.row(learner, others, setting, after).as_fulfilled.mean or 0.0 for after in found.sizes]
+            panel.plot(range(len(f1)), f1, "-o", color=COLOURS[number], label=learner_text(others))
+        panel.set_xticks(range(len(found.sizes)), [str(size) for size in found.sizes])
+        panel.set_ylim(0.0, 1.0)
+        panel.set_title(setting, fontsize=10)
+        panel.grid(alpha=0.3)
+    figure.supxlabel("demonstrations of the task")
+    figure.supylabel("F1 on held-out demonstrations")
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False, fontsize=9
+    )
+    return figure
+
+
 def _curves(axes: Axes, needs: Needs, task: str) -> None:
     whole = needs.row(task)
     counts = np.arange(1, len(whole.curve) + 1)
@@ -205,6 +226,7 @@ DRAWN: Mapping[type[Result], Callable[..., Figure]] = {
     Transfer: draw_transfer,
     Robustness: draw_robustness,
     Comparison: draw_comparison,
+    ClauseScores: draw_clauses,
 }
 """What pictures each kind of result."""
 

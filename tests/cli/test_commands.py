@@ -16,6 +16,7 @@ from taskgist.recording import read, write
 from taskgist.store import load, save
 from tests.cli.running import contents, refusal, run, run_json
 from tests.importing.skeletons import mapping_file, npz_mapping
+from tests.learning.learning_samples import STUDY, explained
 from tests.pipeline.small import small
 from tests.scenes import TABLE, agent, cylinder, scene
 from tests.shipped import PATHS, excerpt, explanation, label
@@ -307,6 +308,23 @@ def test_learn_and_explain(folder: Path, handovers: tuple[Path, Path]) -> None:
     assert "Task(give) ←   learned from 2 demonstrations" in whole
     assert all(f"{node.title} = " in whole for node in STANDARD_TREE.nodes)
     assert set(contents(folder)) == {"k.db"}
+
+
+def test_explain_by_whole_clauses_compares_with_all_that_is_known(folder: Path) -> None:
+    study = [explained(task, i, told) for task in STUDY for i, told in enumerate(STUDY[task])]
+    wrong = replace(explained("hide", 9, STUDY["hide"][0]), task="give", demonstration="strange")
+    save(Knowledge().add(*study, wrong), folder / "k.db")
+    document = run_json("explain give -k k.db --rule bayes")
+    assert document["clause"]["literals"][0]["text"] == "(Nature_Hand_Status = Manip_Desired)"
+    assert (document["clause"]["k"], document["clause"]["n"]) == (3, 4)
+    assert document["compared"]["tasks"]["hide"] == len(STUDY["hide"])
+    assert document["compared"]["neutral"]["lift"] > 0
+    assert [each["name"] for each in document["odd"]] == ["strange"]
+    text = run("explain give -k k.db --rule bayes")
+    assert text.startswith("Task(give) ←   by whole clauses, compared with 5 other tasks and ")
+    assert "(Nature_Hand_Status = Manip_Desired)   in 3 of 4; by chance in 1 of " in text
+    assert "strange looks like 'hide'" in text
+    assert "usual circumstances" in run("explain hide -k k.db --rule bayes")
 
 
 def test_the_performing_agents_own_tree_stands_beside_the_targets(folder: Path, handovers: tuple[Path, Path]) -> None:

@@ -67,7 +67,9 @@ def knowledge(tmp_path: Path) -> str:
     return str(tmp_path / "knowledge.db")
 
 
-@pytest.mark.parametrize("words", [(), ("show",), ("show", "--why", "see.class"), ("show", "--json")])
+@pytest.mark.parametrize(
+    "words", [(), ("show",), ("show", "--why", "see.class"), ("show", "--json"), ("show", "--rule", "bayes")]
+)
 def test_explaining_needs_neither_mujoco_nor_numba_nor_numpy(knowledge: str, words: tuple[str, ...]) -> None:
     assert python(BLOCKED + RUN, "explain", *words, "-k", knowledge).stdout
 

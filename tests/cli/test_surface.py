@@ -26,7 +26,7 @@ SURFACE: dict[str, set[str]] = {
         *("--attention", "--allow", "--prefer", "--means", "--helpers", "--spare", "--seed", "--at", "--replace"),
         *("--trajectory", "--plan", "--positions", "--picture", "--film", "--pddl"),
     },
-    "explain": {"task", "--knowledge", "-k", "--why", "--of", "--band"},
+    "explain": {"task", "--knowledge", "-k", "--why", "--of", "--band", "--rule"},
     "agent check": {"profile", "--out", "-o", "--replace"},
     "agent draft": {"model", "--out", "-o", "--replace"},
     "see": {"where", "--agent", "--at", "--object", "--out", "-o", "--replace"},

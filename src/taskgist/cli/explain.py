@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.text import Text
 
+from taskgist.cli.clauses import explain_clauses
 from taskgist.cli.common import KNOWLEDGE, JsonOption, KnowledgeOption, about, command, console, print_json
 from taskgist.common.text import clean_name
 from taskgist.errors import KnowledgeError, UnknownNameError
@@ -25,6 +26,8 @@ from taskgist.settings import BANDS, DEFAULT, Learning
 if TYPE_CHECKING:  # with MuJoCo
     from taskgist.learning.knowledge import Knowledge
 
+PAPER, BAYES = RULES = ("paper", "bayes")
+"""Rules by which a task is understood: the largest consistent subtree, or whole clauses compared with all else."""
 STYLES = {
     Verdict.RELEVANT: "green",
     Verdict.IRRELEVANT: "dim",
@@ -169,6 +172,9 @@ def explain(
         str, typer.Option(help="Whose tree: target (what changes for the target agent) or performer (for itself).")
     ] = "target",
     band: Annotated[str, typer.Option(help=f"Confusion band: {', '.join(BANDS)}.")] = DEFAULT.learning.band,
+    rule: Annotated[
+        str, typer.Option(help="How to learn: paper (what demonstrations agree in) or bayes (what is no chance).")
+    ] = PAPER,
     as_json: JsonOption = False,
 ) -> None:
     """Explain what a task means, and why.
@@ -178,7 +184,13 @@ def explain(
     With --of performer: how it changes what the performing agent can do, where that was learned (learn --of performer).
     A task that is performed for nobody else has that tree alone, which is shown without the option, too.
 
+    With --rule bayes: the conjunction that the demonstrations have in common, and other tasks and neutral manipulations
+    have not; how often each part of it holds here and by chance; what is nearly as good; and which demonstrations look
+    odd. It learns from the first demonstration on, bears wrong ones, and gets better with each further task.
+
     Example: taskgist explain give -k knowledge.db
+
+    Example: taskgist explain give --rule bayes
 
     Example: taskgist explain give --of performer
 
@@ -187,6 +199,11 @@ def explain(
     whose = tree_of(of)
     if band not in BANDS:
         raise UnknownNameError("band", band, BANDS)
+    if rule not in RULES:
+        raise UnknownNameError("rule", rule, RULES)
+    if rule == BAYES and node is not None:
+        hint = "leave out --rule, or --why: each part of a clause is told with what speaks for it"
+        raise KnowledgeError("asks for a verdict of the paper's rule", field="--why", value=node, hint=hint)
     tree = with_predicates(STANDARD_TREE)
     from taskgist.store.address import shown  # with sqlalchemy, which only knowledge should wait for
     from taskgist.store.database import load
@@ -196,6 +213,9 @@ def explain(
     known = load(knowledge, expected=Context.of(DEFAULT, tree))
     if task is None:
         _list_tasks(known, as_json=as_json)
+        return
+    if rule == BAYES:
+        explain_clauses(known, shown(knowledge), task, tree, whose, as_json=as_json)
         return
     understanding = understood(known, shown(knowledge), task, tree, replace(DEFAULT.learning, band=band), whose)
     if node is not None:

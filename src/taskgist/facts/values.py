@@ -210,7 +210,16 @@ def score_bin(score: float, vision: Vision) -> str:
     if score < vision.negligible_score:
         return NEGLIGIBLE
     doublings = math.log2(score / vision.negligible_score)
-    index = math.floor(doublings * vision.bins_per_doubling)
+    return _bin_label(math.floor(doublings * vision.bins_per_doubling), vision)
+
+
+def score_bins(vision: Vision) -> tuple[str, ...]:
+    """All bins of a visibility score, from ``"≈ 0"`` to that of the whole image."""
+    most = math.floor(-math.log2(vision.negligible_score) * vision.bins_per_doubling)
+    return (NEGLIGIBLE, *(_bin_label(index, vision) for index in range(most + 1)))
+
+
+def _bin_label(index: int, vision: Vision) -> str:
     low, high = (
         100.0 * vision.negligible_score * 2.0 ** (edge / vision.bins_per_doubling) for edge in (index, index + 1)
     )

@@ -1,9 +1,15 @@
+from .clauses import ClausePosterior as ClausePosterior
+from .clauses import Support as Support
+from .clauses import WeighedClause as WeighedClause
+from .clauses import learn_clauses as learn_clauses
 from .estimate import Band as Band
 from .estimate import Estimate as Estimate
 from .estimate import Rule as Rule
 from .estimate import Verdict as Verdict
 from .estimate import m_estimate as m_estimate
 from .estimate import weigh as weigh
+from .evidence import Evidence as Evidence
+from .evidence import evidence_of as evidence_of
 from .experience import Experience as Experience
 from .explanation import Context as Context
 from .explanation import Explanation as Explanation
@@ -11,6 +17,10 @@ from .explanation import explain as explain
 from .explanation import explanation_from_json as explanation_from_json
 from .explanation import merged as merged
 from .knowledge import Knowledge as Knowledge
+from .literals import SetLiteral as SetLiteral
+from .task_clauses import Odd as Odd
+from .task_clauses import learn_task as learn_task
+from .task_clauses import odd_demonstrations as odd_demonstrations
 from .understanding import Answer as Answer
 from .understanding import Choice as Choice
 from .understanding import Clause as Clause

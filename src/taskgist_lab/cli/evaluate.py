@@ -22,19 +22,22 @@ from taskgist.cli.common import (
 from taskgist.common.workers import Progress
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.pipeline.shipped import TASKS
+from taskgist_lab.evaluation.clause_learning import clause_learning
 from taskgist_lab.evaluation.experiments import demonstrations_needed, transfer
 from taskgist_lab.evaluation.learner import Coded
 from taskgist_lab.evaluation.noise import CONDITIONS
 from taskgist_lab.evaluation.performing.means_rooms import TASK_OF
 from taskgist_lab.evaluation.performing.trials import ROBOTS, TrialsFound, performed_trials
 from taskgist_lab.evaluation.performing.trials import sheets as trial_sheets
-from taskgist_lab.evaluation.pool import HELD_OUT_EVERY, SOURCES, Pool, Wanted, kept_pool
+from taskgist_lab.evaluation.pool import BACKGROUND, HELD_OUT_EVERY, SOURCES, Pool, Wanted, kept_pool
 from taskgist_lab.evaluation.robustness import compared, makers, robustness
 from taskgist_lab.evaluation.sheets import Sheet, sheets_of
 from taskgist_lab.evaluation.values import CLEAN, Result
 
 HELD_OUT_SEED = 1000
 """Seed of the demonstrations that nothing was developed on; smaller ones are for development."""
+LEARNED_FROM = tuple(name for name in SOURCES if name != BACKGROUND)
+"""Sources of demonstrations of the paper's tasks."""
 Experiment = Callable[[Coded, int, int, Progress], Result]
 
 EXPERIMENTS: Mapping[str, Experiment] = {
@@ -44,6 +47,7 @@ EXPERIMENTS: Mapping[str, Experiment] = {
     "peers": lambda coded, runs, seed, progress: compared(
         coded, runs=runs, seed=seed, peers=makers(seed), progress=progress
     ),
+    "clauses": lambda coded, runs, seed, progress: clause_learning(coded, runs=runs, seed=seed, progress=progress),
 }
 """The experiments on learning by name, in their order."""
 PERFORM = "perform"
@@ -67,7 +71,7 @@ def evaluate(
     ] = HELD_OUT_SEED,
     runs: Annotated[int, typer.Option("--runs", help="Random orders in which each task is learned.")] = 200,
     source: Annotated[
-        str, typer.Option("--source", help=f"Where demonstrations come from: {', '.join(SOURCES)}.")
+        str, typer.Option("--source", help=f"Where demonstrations come from: {', '.join(LEARNED_FROM)}.")
     ] = "generator",
     rooms: Annotated[int, typer.Option("--rooms", help="perform: rooms for each task and robot.")] = 40,
     robots: Annotated[
@@ -100,6 +104,9 @@ def evaluate(
     peers: other learners on the very same facts (pip install 'taskgist[peers]', and 'taskgist[orange]'); what is not
     installed is left out.
 
+    clauses: whole clauses, learned by comparing with neutral manipulations and other tasks, beside the paper's rule,
+    judged by the task that a demonstration was played as, and by all that it fulfils.
+
     perform: in how many random rooms that can be solved robots perform the tasks of the study, how cleanly for a second
     auditor, and in what time of the processor. The tasks cover, clear and relay are hide and show by these means alone,
     in rooms that are made for it. Half a minute for each room, task and robot.
@@ -115,6 +122,7 @@ def evaluate(
     chosen = _chosen([each for each in experiments or () if each != PERFORM], all_by_default=not performing)
     _check(demonstrations, runs, processes, rooms, out, replace=replace)
     for given, kind, known in (
+        ([source], "source", LEARNED_FROM),
         (robots, "robot that is measured", ROBOTS),
         (tasks, "task of the study", (*TASKS, *TASK_OF)),
     ):

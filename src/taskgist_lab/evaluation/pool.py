@@ -28,6 +28,7 @@ from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT
 from taskgist_lab.evaluation.noise import CONDITIONS
 from taskgist_lab.evaluation.values import CLEAN, Failure, Sample, Spread, rounded
+from taskgist_lab.generator.intentions import fulfilled
 from taskgist_lab.generator.simulation import TASKS, simulate
 from taskgist_lab.paper.demonstrations import STUDY
 from taskgist_lab.paper.displacements import ANGLE_RAD, DISTANCE_M
@@ -179,7 +180,7 @@ def _key(sample: Sample) -> tuple[str, int, str]:
 # Values repeat: a table lists them, and a demonstration is a row of indices into it, with -1 for unknown. The digest
 # over the content tells a damaged file.
 
-FORMAT = "taskgist pool 1"
+FORMAT = "taskgist pool 2"
 
 
 def write_pool(pool: Pool, path: Path) -> None:
@@ -220,7 +221,14 @@ def _document(pool: Pool) -> dict[str, Any]:
         "nodes": pool.nodes,
         "values": table,
         "samples": [
-            [each.task, each.number, each.condition, each.means, [index[value] for value in each.values]]
+            [
+                each.task,
+                each.number,
+                each.condition,
+                each.means,
+                [index[value] for value in each.values],
+                each.fulfilled,
+            ]
             for each in pool.samples
         ],
         "failures": [[each.task, each.number, each.condition, each.problem] for each in pool.failures],
@@ -250,10 +258,11 @@ def _pool(document: dict[str, Any]) -> Pool:
 
 def _sample(row: Any, count: int, table: tuple[str | None, ...]) -> Sample:
     """A sample; the last entry of the table is what −1 means."""
-    task, number, condition, means, codes = row
+    task, number, condition, means, codes, fulfilled = row
     if len(codes) != count or not all(-1 <= _whole(code) < len(table) - 1 for code in codes):
         raise ValueError(f"{count} values expected")
-    return Sample(_text(task), _whole(number), _text(condition), _text(means), tuple(table[code] for code in codes))
+    values = tuple(table[code] for code in codes)
+    return Sample(_text(task), _whole(number), _text(condition), _text(means), values, _texts(fulfilled))
 
 
 def _text(value: Any) -> str:
@@ -297,7 +306,7 @@ class Source:
     Args:
         name: Its name.
         text: What it is, in a few words.
-        tasks: Which tasks of the paper it knows.
+        tasks: Which tasks it knows.
         play: Plays one demonstration.
         distinct: By task, how many distinct demonstrations there are, which come by turns; none where each is another.
     """
@@ -339,11 +348,17 @@ def _known(tasks: Collection[str]) -> tuple[str, ...]:
     return tuple(task for task in INTUITION if task in tasks)
 
 
+NEUTRAL = tuple(task for task in TASKS if task not in INTUITION)
+"""Manipulations that nobody performs for another: lift, tap, drop, dump, throw, move."""
+BACKGROUND = "neutral"
+"""Name of the source of these."""
+
 SOURCES: Mapping[str, Source] = MappingProxyType(
     {
         each.name: each
         for each in (
             Source("generator", "generated demonstrations in random rooms", _known(TASKS), simulate),
+            Source(BACKGROUND, "generated manipulations that are no task of the paper", NEUTRAL, simulate),
             Source(
                 "study",
                 "the paper's study, all displaced by up to 3 cm and 5°",
@@ -378,17 +393,19 @@ class Job:
             recording = SOURCES[self.source].play(self.task, seed=self.seed, number=self.number)
         except TaskgistError as error:
             return (), (Failure(self.task, self.number, "", str(error)),)
-        found = [self._judged(recording, condition) for condition in self.conditions]
+        tasks = fulfilled(recording)
+        found = [self._judged(recording, condition, tasks) for condition in self.conditions]
         samples = tuple(each for each in found if isinstance(each, Sample))
         return samples, tuple(each for each in found if isinstance(each, Failure))
 
-    def _judged(self, recording: Recording, condition: str) -> Sample | Failure:
+    def _judged(self, recording: Recording, condition: str, tasks: tuple[str, ...]) -> Sample | Failure:
         try:
             watched = CONDITIONS[condition].applied(recording, seed=self.seed, number=self.number)
             explanation = explain_recording(watched, predicates=())
         except TaskgistError as error:
             return Failure(self.task, self.number, condition, str(error))
-        return Sample.of(explanation, NODES, number=self.number, condition=condition, means=means_of(recording))
+        means = means_of(recording)
+        return Sample.of(explanation, NODES, number=self.number, condition=condition, means=means, fulfilled=tasks)
 
 
 def empty_pool(source: str, seed: int) -> Pool:

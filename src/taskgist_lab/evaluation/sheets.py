@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from taskgist_lab.evaluation.clause_learning import WRONG_SHARES, ClauseScores, learner_text
 from taskgist_lab.evaluation.experiments import (
     ALL,
     CLAUSE,
@@ -246,6 +247,24 @@ def peers_sheet(found: Comparison) -> Sheet:
     )
 
 
+def clauses_sheet(found: ClauseScores, setting: str) -> Sheet:
+    """F1 of both learners by demonstrations in one setting: as played, and as fulfilled."""
+    rows = []
+    for learner, others in found.learners:
+        scores = [found.row(learner, others, setting, after) for after in found.sizes]
+        played, fulfilled = ([mean_text(getattr(each, by)) for each in scores] for by in ("as_played", "as_fulfilled"))
+        rows.append((learner_text(others), *played, *fulfilled))
+    heads = (f"{by} {after}" for by in ("played", "fulfilled") for after in found.sizes)
+    return Sheet(
+        f"Whole clauses beside the paper's rule, {setting}: F1 by demonstrations",
+        ("learner", *heads),
+        tuple(rows),
+        f"Means over tasks and {found.runs} runs. Played: judged by the one task that a held-out demonstration was "
+        f"played as; fulfilled: by all that it fulfils. Clauses are compared with {found.neutral} neutral "
+        "manipulations, too.",
+    )
+
+
 def transfer_sheets(found: Transfer, after: tuple[int, ...] = SIZES) -> Iterator[Sheet]:
     """Scores, tables of the whole clause, misses."""
     yield scores_sheet(found)
@@ -279,5 +298,7 @@ def sheets_of(result: Result) -> Iterable[Sheet]:
         return tuple(transfer_sheets(result, (1, 5, 10)))
     if isinstance(result, Robustness):
         return (robustness_sheet(result, PAPER.name), rules_sheet(result))
+    if isinstance(result, ClauseScores):
+        return tuple(clauses_sheet(result, setting) for setting in WRONG_SHARES)
     assert isinstance(result, Comparison)
     return (peers_sheet(result),)

@@ -38,6 +38,7 @@ class Sample:
         condition: How it was watched: ``CLEAN``, or one of ``conditions.CONDITIONS``.
         means: How the task was performed.
         values: Value of each of the pool's nodes, in their order; None is unknown.
+        fulfilled: All tasks that it fulfils by the generator's own checks, its own among them; sorted.
     """
 
     task: str
@@ -45,13 +46,22 @@ class Sample:
     condition: str
     means: str
     values: tuple[str | None, ...]
+    fulfilled: tuple[str, ...] = ()
 
     @staticmethod
-    def of(explanation: Explanation, nodes: Sequence[str], *, number: int, condition: str, means: str) -> Sample:
+    def of(
+        explanation: Explanation,
+        nodes: Sequence[str],
+        *,
+        number: int,
+        condition: str,
+        means: str,
+        fulfilled: tuple[str, ...] = (),
+    ) -> Sample:
         """The sample that an explanation gives."""
         values = (explanation.nodes[name].value for name in nodes)
         plain = tuple(None if isinstance(value, Unknown) else value for value in values)
-        return Sample(explanation.task, number, condition, means, plain)
+        return Sample(explanation.task, number, condition, means, plain, fulfilled)
 
     def explanation(self, nodes: Sequence[str], context: Context) -> Explanation:
         """The explanation again, without evidence, of the pool's nodes and under its context."""

@@ -118,3 +118,19 @@ def test_a_pool_of_another_source_or_of_nothing_is_refused(pool: Path, tmp_path:
 def test_the_pool_may_be_larger_than_what_is_asked_for(pool: Path) -> None:
     outcome = run("needed", "--pool", pool, "--source", "study", "-n", 6, "--runs", 2, "--json")
     assert set(json.loads(outcome.stdout)["pool"]["demonstrations"].values()) == {6}
+
+
+def test_neutral_manipulations_are_no_source_to_learn_tasks_from() -> None:
+    outcome = run("needed", "--source", "neutral")
+    assert outcome.exit_code == 2
+    assert "no source 'neutral'" in outcome.stderr
+    assert "generator, study" in outcome.stderr
+
+
+def test_whole_clauses_are_measured_beside_the_papers_rule(pool: Path, tmp_path: Path) -> None:
+    words = ("clauses", "--pool", pool, "--source", "study", "-n", 6, "--runs", 1, "-o", tmp_path)
+    outcome = run(*words)
+    assert (outcome.exit_code, outcome.stderr) == (0, "")
+    for told in ("clauses, no other tasks", "clauses, 5 other tasks", "the paper's rule", "one wrong in ten"):
+        assert told in outcome.stdout
+    assert (tmp_path / "evaluation_clauses.png").exists()

@@ -54,7 +54,13 @@ def test_an_explanation_comes_back_without_its_evidence() -> None:
     assert (again.task, again.context) == (given.task, given.context)
 
 
-@pytest.mark.parametrize("pool", [POOL, replace(POOL, samples=()), study_pool(3, (CLEAN, "gap"))])
+ENTAILING = tuple(replace(each, fulfilled=("hide", each.task)) for each in POOL.samples)
+
+
+@pytest.mark.parametrize(
+    "pool",
+    [POOL, replace(POOL, samples=()), replace(POOL, samples=ENTAILING), study_pool(3, (CLEAN, "gap"))],
+)
 def test_a_pool_comes_back_from_its_file(pool: Pool, tmp_path: Path) -> None:
     pool = pool.with_more((), [Failure("hide", 9, "", "no way"), Failure("show", 2, "gap", "no label")])
     write_pool(pool, tmp_path / "pool.json.gz")

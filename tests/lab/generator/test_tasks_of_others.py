@@ -1,4 +1,4 @@
-"""Make accessible, give, lift, tap, drop, dump and throw: each way plays, and leads to the facts that it is about."""
+"""Make accessible, give, lift, tap, drop, dump, throw and move: each way plays, and leads to the facts it is about."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -22,6 +22,7 @@ ENDS: Mapping[str, tuple[str, str]] = {  # placement and motion in the end (9.10
     "drop": (IN_AIR, MOVING),
     "dump": (INSIDE, STILL),
     "throw": (IN_AIR, MOVING),
+    "move": (ON, STILL),
 }
 SOME = [
     ("make accessible", "put-near"),
@@ -33,6 +34,8 @@ SOME = [
     ("drop", "to-the-floor"),
     ("dump", "into-a-bin-on-the-table"),
     ("throw", "into-free-space"),
+    ("move", "onto"),
+    ("move", "closer"),
 ]
 """At least one means of each task; that all of them play is tested elsewhere."""
 SEED = 11

@@ -1,0 +1,421 @@
+"""Bayesian clause learning: which conjunction do a task's demonstrations have in common, and not by chance?
+
+**The question.** In ten demonstrations of *hide* the thing always ends on a support, and the other can hardly see it.
+Both held in all of them. But things end on a support in most of what people do, and it says little that they did here;
+that the other can hardly see it is rare elsewhere, and says much.
+
+**The score.** A hypothesis is a conjunction of up to six literals (``literals``). Of ``n`` demonstrations in which it
+is known whether the whole conjunction holds, it holds in ``k``. If it is what the task is about, it holds in all but a
+few slips, whose rate is Beta(a, b) with a = 10 and b = 90; if it is not, it holds as often as by chance, in a share
+``θ`` of the background. With the description length of its literals the score is, in natural logarithms::
+
+    ln B(k + b, n − k + a) − ln B(b, a) − k ln θ − (n − k) ln(1 − θ) − ln 2 · bits
+
+The first two terms are the likelihood of k hits and n − k slips, the next two that of as many by chance. So each
+demonstration in which a clause holds adds almost −ln θ, the more the rarer it is elsewhere (the size principle,
+Tenenbaum 1999); one in which it fails costs ln(1 − θ) − ln(a / (a + b)), and less with each further one, as slips
+prove to be frequent.
+
+**Chance.** ``θ`` is the mean over the kinds of background of the share in which the clause holds. Each other task is a
+kind, and so is each neutral manipulation, such as lifting. A share of h hits and f failures is (h + ½) / (h + f + 1).
+Without any background there is no chance to compare with, and nothing is learned. The empty clause, which says that
+the task is about nothing, is kept only where there is no other.
+
+**Description length.** Two bits say that another literal follows, log2(values of the node) bits choose a value or the
+one that is left out, and an interval of a ladder costs what choosing its ends does.
+
+**Unknown.** A conjunction fails where one of its literals fails, holds where all hold, and is unknown elsewhere. Where
+it is unknown it counts neither in n nor in k, of that conjunction alone; in the background neither as hit nor failure.
+An unknown demonstration therefore speaks for no clause, and against none.
+
+**The search.** A beam over conjunctions, from none to six literals, each of another node; k must be 0.6 n or more. The
+forty best are kept, each weighted by its posterior probability among them. A literal that leaves the hits in the
+background as they are is not added, because it can only cost; and no clause is kept that holds as often by chance. The
+result is a function of the sets of demonstrations: sums are over whole numbers and one table of logarithms, and ties
+are broken by length and by the literals' order.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from heapq import heappush, heapreplace, nsmallest
+
+from taskgist.common.frozen import FrozenMap
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.tree import HypothesisTree, Nodes
+from taskgist.facts.values import UNKNOWN, Unknown
+from taskgist.learning.evidence import Evidence, Kind
+from taskgist.learning.literals import SetLiteral, vocabularies
+from taskgist.learning.understanding import conjunction
+
+SLIPS = (10, 90)
+"""Parameters (a, b) of the Beta distribution of the rate of slips: one in ten, as sure as after a hundred tries."""
+SMOOTHING = 0.5
+"""Hits and failures that are added to those of each kind of background."""
+FOLLOWING_BITS = 2.0
+"""Description length of there being another literal."""
+MOST_LITERALS = 6
+COVERAGE = 0.6
+"""Share of the demonstrations in which a clause must hold."""
+USUAL = 0.75
+"""What holds in this share of the background, or more, is usually so."""
+BEAM, KEPT = 12, 40
+"""Clauses that are lengthened at each step, and that are kept in the end."""
+EQUAL = 9
+"""Decimals to which scores are compared: what differs by less differs by rounding."""
+
+
+@dataclass(frozen=True)
+class Support:
+    """How often something holds.
+
+    Args:
+        k: Demonstrations of the task in which it holds.
+        n: Demonstrations of the task in which it is known whether it does.
+        chance: Share of the background in which it holds, θ.
+    """
+
+    k: int
+    n: int
+    chance: float
+
+
+@dataclass(frozen=True)
+class LiteralSupport:
+    """One literal, and how often it holds alone."""
+
+    literal: SetLiteral
+    support: Support
+
+
+@dataclass(frozen=True)
+class WeighedClause:
+    """A conjunction of literals, and what speaks for it."""
+
+    literals: tuple[SetLiteral, ...]
+    """In canonical order; none: nothing is known of the task."""
+    support: Support
+    score: float
+    """Natural logarithm of its odds against chance, description length included."""
+    weight: float
+    """Posterior probability among the clauses that were kept."""
+
+    def holds(self, nodes: Nodes) -> bool | Unknown:
+        """Whether all literals hold: false if one surely does not, else unknown if one is unknown."""
+        return conjunction(literal.holds(nodes) for literal in self.literals)
+
+    def __str__(self) -> str:
+        return " ∧ ".join(map(str, self.literals)) or "nothing in common"
+
+
+@dataclass(frozen=True)
+class ClausePosterior:
+    """What a task means by its best clauses, and what they were compared with."""
+
+    task: str
+    clauses: tuple[WeighedClause, ...]
+    """The best one first; at least one."""
+    alone: tuple[LiteralSupport, ...]
+    """The literals of the best clause, each by itself."""
+    usual: tuple[LiteralSupport, ...]
+    """Usual circumstances: final states that were always so, and that usually are so in the background."""
+    compared: FrozenMap[str, int]
+    """Demonstrations by kind of background."""
+
+    @property
+    def best(self) -> WeighedClause:
+        """The clause of the highest score."""
+        return self.clauses[0]
+
+    def probability(self, nodes: Nodes) -> float:
+        """Posterior probability that what the task is about holds where the nodes are as given.
+
+        Clauses that are unknown there have no say; it is 0.5 where all are.
+        """
+        truths = [(clause.weight, clause.holds(nodes)) for clause in self.clauses]
+        known = math.fsum(weight for weight, truth in truths if truth is not UNKNOWN)
+        return math.fsum(weight for weight, truth in truths if truth is True) / known if known else 0.5
+
+
+@dataclass(frozen=True)
+class Told:
+    """What people said of a task: every clause has the one, and none has a literal about the other.
+
+    Args:
+        relevant: Values of nodes that it is about.
+        irrelevant: Names of nodes that it is not about.
+    """
+
+    relevant: FrozenMap[str, str] = field(default_factory=FrozenMap)
+    irrelevant: frozenset[str] = frozenset()
+
+
+NOTHING_TOLD = Told()
+
+
+def learn_clauses(
+    evidence: Evidence, task: str, tree: HypothesisTree = STANDARD_TREE, told: Told = NOTHING_TOLD
+) -> ClausePosterior:
+    """Learn what a task means from its demonstrations, compared with all others.
+
+    Args:
+        evidence: Demonstrations of the task, of other tasks, and neutral ones.
+        task: The task.
+        tree: Whose effects literals are about.
+        told: What people said of it. What they said of nodes that literals are not about has no effect.
+
+    Raises:
+        UnknownNameError: There is no evidence of this task.
+    """
+    search = _Search(evidence, task, tree, told)
+    found = search.best()
+    weights = [math.exp(one.score - found[0].score) for one in found]
+    total = math.fsum(weights)
+    return ClausePosterior(
+        task=task,
+        clauses=tuple(
+            WeighedClause(search.literals_of(one), Support(one.k, one.n, one.chance), one.score, weight / total)
+            for one, weight in zip(found, weights, strict=True)
+        ),
+        alone=tuple(map(search.alone, found[0].members)),
+        usual=search.usual(found[0]),
+        compared=FrozenMap({name: kind.count for name, kind in evidence.kinds.items() if name != task}),
+    )
+
+
+# --- The score. Every term is a difference of entries of one table, ln i!.
+
+LN_2 = math.log(2.0)
+
+_LN_FACTORIALS = [0.0]
+
+
+def _ln_factorial(number: int) -> float:
+    for i in range(len(_LN_FACTORIALS), number + 1):
+        _LN_FACTORIALS.append(_LN_FACTORIALS[-1] + math.log(i))
+    return _LN_FACTORIALS[number]
+
+
+def ln_beta(x: int, y: int) -> float:
+    """Natural logarithm of the beta function of two whole numbers from 1 on."""
+    return _ln_factorial(x - 1) + _ln_factorial(y - 1) - _ln_factorial(x + y - 1)
+
+
+def clause_score(support: Support, bits: float, slips: tuple[int, int] = SLIPS) -> float:
+    """Natural logarithm of the odds that a clause is what a task is about and not chance.
+
+    Args:
+        support: How often it holds; the chance lies between 0 and 1.
+        bits: Description length of its literals.
+        slips: Parameters (a, b) of the rate of slips.
+    """
+    hits, misses = support.k, support.n - support.k
+    return _ln_likelihood(hits, misses, slips) - _ln_chance(hits, misses, support.chance) - LN_2 * bits
+
+
+def _ln_likelihood(hits: int, misses: int, slips: tuple[int, int]) -> float:
+    a, b = slips
+    return ln_beta(hits + b, misses + a) - ln_beta(b, a)
+
+
+def _ln_chance(hits: int, misses: int, chance: float) -> float:
+    return hits * math.log(chance) + misses * math.log1p(-chance)
+
+
+# --- The search.
+
+
+@dataclass(frozen=True, slots=True)
+class _Candidate:
+    """A literal, its description length, and where it holds and fails."""
+
+    literal: SetLiteral
+    bits: float
+    true: int
+    false: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A conjunction: its candidates, where it holds and fails, and how well it does."""
+
+    members: tuple[int, ...]
+    true: int
+    false: int
+    bits: float
+    k: int
+    n: int
+    chance: float
+    score: float
+
+    @property
+    def order(self) -> tuple[float, int, tuple[int, ...]]:
+        """The best first, of equal ones the shortest, then that of the first literals."""
+        return -round(self.score, EQUAL), len(self.members), self.members
+
+
+class _Search:
+    """The search for the clauses of one task. Its own demonstrations are the lowest bits, the background follows."""
+
+    def __init__(self, evidence: Evidence, task: str, tree: HypothesisTree, told: Told) -> None:
+        own = evidence.kind(task)
+        self._n = own.count
+        self._own = (1 << own.count) - 1
+        others = [kind for name, kind in evidence.kinds.items() if name != task and kind.count]
+        self._kinds = tuple(
+            Kind(kind.start + (own.count if kind.start < own.start else 0), kind.count) for kind in others
+        )
+        self._all = (1 << evidence.size) - 1
+        self._candidates = tuple(
+            _Candidate(literal, FOLLOWING_BITS + literal.bits, *(_moved(bits, own) for bits in evidence.truth(literal)))
+            for vocabulary in vocabularies(tree)
+            if vocabulary.node.name not in told.irrelevant
+            for literal in vocabulary.literals(_seen(evidence, vocabulary.node.name, task, told))
+        )
+        nodes = [candidate.literal.node for candidate in self._candidates]
+        self._of_node = [{i for i, other in enumerate(nodes) if other == node} for node in nodes]
+        total = max(1, len(self._kinds))
+        self._floor = sum(SMOOTHING / (kind.count + 2 * SMOOTHING) for kind in self._kinds) / total
+        self._masks = tuple((kind.start, (1 << kind.count) - 1, kind.count) for kind in self._kinds)
+        self._sizes = _by_size(self._kinds, self._n)
+        self._likelihoods: dict[tuple[int, int], float] = {}
+        self._first = self._start(told)
+
+    def best(self) -> list[_Found]:
+        """The best clauses, the very best first."""
+        found = beam = [self._first]
+        for _ in range(MOST_LITERALS if self._kinds else 0):
+            beam = self._longer(beam)
+            found = nsmallest(KEPT, [*found, *beam], key=lambda one: one.order)
+            beam = beam[:BEAM]
+        return [one for one in found if one.members] or found
+
+    def literals_of(self, found: _Found) -> tuple[SetLiteral, ...]:
+        """The literals of a clause."""
+        return tuple(self._candidates[index].literal for index in found.members)
+
+    def alone(self, index: int) -> LiteralSupport:
+        """One literal, and how often it holds."""
+        candidate = self._candidates[index]
+        return LiteralSupport(candidate.literal, self._support(candidate.true, candidate.false))
+
+    def usual(self, best: _Found) -> tuple[LiteralSupport, ...]:
+        """Final states that always were so, and usually are, but for those of the best clause."""
+        said = {self._candidates[index].literal.node for index in best.members}
+        single = (
+            self.alone(index)
+            for index, candidate in enumerate(self._candidates)
+            if candidate.literal.node not in said and candidate.literal.is_value and candidate.literal.instant == 2
+        )
+        return tuple(each for each in single if each.support.k == each.support.n > 0 and each.support.chance >= USUAL)
+
+    def _support(self, true: int, false: int) -> Support:
+        k, misses = ((bits & self._own).bit_count() for bits in (true, false))
+        return Support(k, k + misses, self._chance(true, false))
+
+    def _longer(self, beam: list[_Found]) -> list[_Found]:
+        """The ``KEPT`` best clauses that are one literal longer than those of the beam."""
+        found: list[_Found] = []
+        best: list[float] = []  # scores of the best so far, the least one first
+        tried: set[frozenset[int]] = set()
+        for clause in beam:
+            for members, index in self._extensions(clause, tried):
+                one = self._extended(clause, members, index, best[0] if len(best) == KEPT else -math.inf)
+                if one is not None:
+                    found.append(one)
+                    (heapreplace if len(best) == KEPT else heappush)(best, one.score)
+        return nsmallest(KEPT, found, key=lambda one: one.order)
+
+    def _extensions(self, clause: _Found, tried: set[frozenset[int]]) -> Iterator[tuple[frozenset[int], int]]:
+        members = frozenset(clause.members)
+        used = set[int]().union(*(self._of_node[index] for index in members))
+        for index in range(len(self._candidates)):
+            if index not in used:
+                longer = members | {index}
+                if longer not in tried:
+                    tried.add(longer)
+                    yield longer, index
+
+    def _extended(self, clause: _Found, members: frozenset[int], index: int, least: float) -> _Found | None:
+        """A clause and one literal more; None if it covers too little, says nothing more, or cannot reach a score."""
+        candidate = self._candidates[index]
+        true, false = clause.true & candidate.true, clause.false | candidate.false
+        k = (true & self._own).bit_count()
+        n = k + (false & self._own).bit_count()
+        hits = true >> self._n
+        if not k or k < COVERAGE * n or hits == clause.true >> self._n:
+            return None
+        bits = clause.bits + candidate.bits
+        rarest = self._floor  # no chance is less than what follows, and a greater one scores less
+        for of_size, weight in self._sizes:
+            rarest += weight * (hits & of_size).bit_count()
+        if rarest * n >= k or self._score(k, n, rarest, bits) < least - 10.0**-EQUAL:
+            return None
+        chance = self._chance(true, false)
+        if chance * n >= k:
+            return None
+        return _Found(tuple(sorted(members)), true, false, bits, k, n, chance, self._score(k, n, chance, bits))
+
+    def _start(self, told: Told) -> _Found:
+        """The clause that all others lengthen: what was told to be relevant, or nothing."""
+        chosen = tuple(
+            index
+            for index, candidate in enumerate(self._candidates)
+            if candidate.literal.is_value and told.relevant.get(candidate.literal.node) == candidate.literal.values[0]
+        )
+        if not chosen:
+            return _Found((), self._all, 0, 0.0, self._n, self._n, 1.0, 0.0)
+        true, false, bits = self._all, 0, 0.0
+        for candidate in (self._candidates[index] for index in chosen):
+            true, false, bits = true & candidate.true, false | candidate.false, bits + candidate.bits
+        support = self._support(true, false)
+        return _Found(chosen, true, false, bits, support.k, support.n, support.chance, clause_score(support, bits))
+
+    def _score(self, k: int, n: int, chance: float, bits: float) -> float:
+        """As ``clause_score``, whose likelihood is reckoned once for all conjunctions that hold as often."""
+        if (k, n) not in self._likelihoods:
+            self._likelihoods[k, n] = _ln_likelihood(k, n - k, SLIPS)
+        return self._likelihoods[k, n] - _ln_chance(k, n - k, chance) - LN_2 * bits
+
+    def _chance(self, true: int, false: int) -> float:
+        """Share of the background in which something holds, the kinds weighing the same; one half without any."""
+        if not self._kinds:
+            return 0.5
+        known_everywhere = (true | false) == self._all
+        total = 0.0
+        for start, whole, known in self._masks:
+            hits = (true >> start & whole).bit_count()
+            if not known_everywhere:
+                known = hits + (false >> start & whole).bit_count()
+            total += (hits + SMOOTHING) / (known + 2 * SMOOTHING)
+        return total / len(self._masks)
+
+
+def _by_size(kinds: Iterable[Kind], own: int) -> tuple[tuple[int, float], ...]:
+    """Bits of the background by the size of their kind to a factor of two, and what one hit adds to θ, at least.
+
+    Args:
+        kinds: The kinds.
+        own: Where the first of them begins: the bits count from there.
+    """
+    kinds = tuple(kinds)
+    found: dict[int, tuple[int, float]] = {}
+    for kind in kinds:
+        bits, weight = found.get(kind.count.bit_length(), (0, math.inf))
+        bits |= ((1 << kind.count) - 1) << (kind.start - own)
+        found[kind.count.bit_length()] = bits, min(weight, 1 / (kind.count + 2 * SMOOTHING) / len(kinds))
+    return tuple(found.values())
+
+
+def _seen(evidence: Evidence, node: str, task: str, told: Told) -> frozenset[str]:
+    """The values of a node that literals may name: those seen in the task's demonstrations, or told."""
+    also = {told.relevant[node]} if node in told.relevant else set[str]()
+    return evidence.seen(node, task) | also
+
+
+def _moved(bits: int, own: Kind) -> int:
+    """The bits of all demonstrations, those of one kind taken to the lowest place."""
+    below = bits & ((1 << own.start) - 1)
+    return own.of(bits) | (below << own.count) | (bits >> (own.start + own.count) << (own.start + own.count))
