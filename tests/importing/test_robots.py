@@ -54,6 +54,7 @@ def test_a_robot_of_a_bag_is_recognised_and_moves(tmp_path: Path) -> None:
     path = ros2(tmp_path, with_jido)
     proposal = look(path)
     assert proposal.robots == {"jido": "base_footprint"}
+    assert proposal.loose == ()
     text = mapping_text(proposal, path.name)
     (tmp_path / "m.toml").write_text(text.replace("# shape", "shape"), encoding="utf-8")
     recording = import_recording(load_mapping(tmp_path / "m.toml"))

@@ -125,7 +125,9 @@ def look(file: Path, kind: str | None = None) -> Proposal:
             groups.setdefault(owner, []).append(point)
     subjects = [_subject(owner, points) for owner, points in groups.items()]
     people = _named([subject for subject in subjects if subject.skeleton])
+    robots = _robots(take)
     loose = [_joined(s.owner, point) for s in subjects if not s.skeleton for point in s.points]
+    loose = [name for name in loose if name not in robots.values()]
     things = [name for name in take.tracks if name in take.things]
     bodies = [_landmarks(take, subject) for subject in people]
     unit, up = _unit(take, bodies), _up(take, bodies)
@@ -138,7 +140,7 @@ def look(file: Path, kind: str | None = None) -> Proposal:
         unit,
         up,
         _raised_m([_without_markers(s, body) for s, body in zip(people, bodies, strict=True)], unit, up),
-        robots := _robots(take),
+        robots,
         _open(people, things, loose, robots, unit, up),
     )
 
