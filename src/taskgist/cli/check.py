@@ -11,7 +11,7 @@ from rich.text import Text
 
 from taskgist.cli.common import FAILED, OK, JsonOption, RecordingsArgument, command, console, print_json, progress_bar
 from taskgist.cli.found import files
-from taskgist.cli.many import Outcome, exit_code, one_by_one, print_table
+from taskgist.cli.many import Done, Outcome, Refused, exit_code, one_by_one, print_table
 from taskgist.common.workers import Progress, silent
 from taskgist.pipeline.checkup import check as check_recording
 from taskgist.pipeline.findings import Checkup
@@ -40,7 +40,7 @@ def check(recordings: RecordingsArgument, as_json: JsonOption = False) -> int:
     outcomes: list[Outcome[Checkup]] = []
     for outcome in one_by_one(paths, lambda number: _checked(paths[number]), "checking", quiet=as_json):
         outcomes.append(outcome)
-        if not as_json and outcome.result is not None and outcome.result.findings:
+        if not as_json and isinstance(outcome, Done) and outcome.result.findings:
             _print(str(outcome.path), outcome.result)
     if as_json:
         print_json([_document(outcome) for outcome in outcomes])
@@ -53,7 +53,7 @@ def _check_one(path: Path, *, quiet: bool) -> int:
     with progress_bar(quiet=quiet) as progress:
         result = _checked(path, progress)
     if quiet:
-        print_json([_document(Outcome(path, result))])
+        print_json([_document(Done(path, result))])
     else:
         _print(str(path), result)
     return OK if result.fit else FAILED
@@ -64,8 +64,8 @@ def _checked(path: Path, progress: Progress = silent) -> Checkup:
 
 
 def _document(outcome: Outcome[Checkup]) -> dict[str, Any]:
-    if outcome.result is None:
-        return {"recording": str(outcome.path), "error": str(outcome.problem)}
+    if isinstance(outcome, Refused):
+        return outcome.document()
     return {"recording": str(outcome.path), "fit": outcome.result.fit, **asdict(outcome.result)}
 
 

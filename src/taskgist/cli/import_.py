@@ -13,7 +13,7 @@ from rich.text import Text
 from taskgist.cli.common import OK, JsonOption, ReplaceOption, command, console, print_json, progress_bar
 from taskgist.cli.found import files
 from taskgist.cli.import_jobs import Job, imported, parameter, several
-from taskgist.cli.many import Outcome, exit_code, one_by_one, print_table
+from taskgist.cli.many import Refused, exit_code, one_by_one, print_table
 from taskgist.importing.looking import Proposal, summary
 from taskgist.recording.recording import Recording
 
@@ -74,7 +74,7 @@ def import_(
     takes = [job.named for job in jobs]
     outcomes = [*one_by_one(takes, lambda number: jobs[number].document(), "importing", quiet=as_json)]
     if as_json:
-        print_json([outcome.result or _refused(outcome) for outcome in outcomes])
+        print_json([each.document("source") if isinstance(each, Refused) else each.result for each in outcomes])
     else:
         print_table(outcomes, ("recording", "frames", "seconds", "people", "things", "notes"), _cells, "imported")
     return exit_code(outcomes, good=bool)
@@ -110,10 +110,6 @@ def _print_found(proposal: Proposal, mapping: Path) -> None:
     for note in proposal.take.notes:
         console.print(f"note: {note}")
     console.print(f"wrote {mapping}, the mapping")
-
-
-def _refused(outcome: Outcome[dict[str, Any]]) -> dict[str, Any]:
-    return {"source": str(outcome.path), "error": str(outcome.problem)}
 
 
 def _cells(document: Mapping[str, Any]) -> list[str | Text]:

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from taskgist.cli.common import FAILED, OK, JsonOption, RecordingsArgument, about, command, console, print_json
 from taskgist.cli.found import files
-from taskgist.cli.many import Outcome, exit_code, one_by_one, print_table
+from taskgist.cli.many import Outcome, Refused, exit_code, one_by_one, print_table
 from taskgist.common.text import one_or_list
 from taskgist.errors import LabelError
 from taskgist.language.phrases import listed
@@ -80,7 +80,7 @@ def label(
     paths = files(recordings, suffix=".mcap")
     if len(paths) == 1:
         return _show(wanted.label_of(paths[0]), as_json=as_json)
-    outcomes = [*one_by_one(paths, lambda number: (wanted.label_of(paths[number]),), "labelling", quiet=as_json)]
+    outcomes = [*one_by_one(paths, lambda number: wanted.label_of(paths[number]), "labelling", quiet=as_json)]
     if as_json:
         print_json([_document(outcome) for outcome in outcomes])
     else:
@@ -90,7 +90,7 @@ def label(
             _cells,
             "shown" if wanted.shows else "labelled",
         )
-    return exit_code(outcomes, good=lambda found: found[0] is not None)
+    return exit_code(outcomes, good=lambda found: found is not None)
 
 
 @dataclass(frozen=True)
@@ -171,15 +171,13 @@ def _how(before: str, changes: Mapping[str, object]) -> str:
     return "; ".join([*others, *([BY_HAND + ", ".join(by_hand)] if by_hand else [])])
 
 
-def _document(outcome: Outcome[tuple[Label | None]]) -> dict[str, Any]:
-    if outcome.result is None:
-        return {"recording": str(outcome.path), "error": str(outcome.problem)}
-    (found,) = outcome.result
-    return {"recording": str(outcome.path), "label": found.as_dict() if found else None}
+def _document(outcome: Outcome[Label | None]) -> dict[str, Any]:
+    if isinstance(outcome, Refused):
+        return outcome.document()
+    return {"recording": str(outcome.path), "label": outcome.result.as_dict() if outcome.result else None}
 
 
-def _cells(result: tuple[Label | None]) -> list[str | Text]:
-    (found,) = result
+def _cells(found: Label | None) -> list[str | Text]:
     if found is None:
         return ["no label"]
     times = (f"{time_s:.2f} s" for time_s in (found.start_s, found.end_s))

@@ -20,18 +20,27 @@ R = TypeVar("R")
 
 
 @dataclass(frozen=True)
-class Outcome(Generic[R]):
-    """What came of one file.
-
-    Attributes:
-        path: The file.
-        result: What the work gave; None if it was refused.
-        problem: Why it was refused; None if it was not.
-    """
+class Done(Generic[R]):
+    """What the work on a file gave."""
 
     path: Path
-    result: R | None
-    problem: TaskgistError | OSError | None = None
+    result: R
+
+
+@dataclass(frozen=True)
+class Refused:
+    """Why a file was refused."""
+
+    path: Path
+    problem: TaskgistError | OSError
+
+    def document(self, key: str = "recording") -> dict[str, str]:
+        """The file, under a key, and the error."""
+        return {key: str(self.path), "error": str(self.problem)}
+
+
+Outcome = Done[R] | Refused
+"""What came of one file."""
 
 
 def one_by_one(
@@ -48,9 +57,9 @@ def one_by_one(
 
     def attempt(number: int) -> Outcome[R]:
         try:
-            return Outcome(paths[number], work(number))
+            return Done(paths[number], work(number))
         except (TaskgistError, OSError) as problem:
-            return Outcome(paths[number], None, problem)
+            return Refused(paths[number], problem)
 
     with progress_bar(quiet=quiet) as progress:
         progress(f"{what} {len(paths)} files", 0.0)
@@ -61,9 +70,9 @@ def one_by_one(
 
 def exit_code(outcomes: Sequence[Outcome[R]], *, good: Callable[[R], bool]) -> int:
     """2 if any file was refused, else 1 if the answer of any is no, else 0."""
-    if any(outcome.problem is not None for outcome in outcomes):
+    if any(isinstance(outcome, Refused) for outcome in outcomes):
         return MISUSED
-    return OK if all(good(outcome.result) for outcome in outcomes if outcome.result is not None) else FAILED
+    return OK if all(good(outcome.result) for outcome in outcomes if isinstance(outcome, Done)) else FAILED
 
 
 def print_table(
@@ -77,10 +86,10 @@ def print_table(
         cells: The cells of a file that was not refused.
         done: What the others are, such as "imported".
     """
-    rows = [[Text(str(each.path)), *map(_text, cells(each.result))] for each in outcomes if each.result is not None]
+    rows = [[Text(str(each.path)), *map(_text, cells(each.result))] for each in outcomes if isinstance(each, Done)]
     if rows:
         _print_columns([[Text(title, style="bold") for title in ("file", *columns)], *rows])
-    refused = [outcome for outcome in outcomes if outcome.problem is not None]
+    refused = [outcome for outcome in outcomes if isinstance(outcome, Refused)]
     for outcome in refused:
         about = "" if str(outcome.path) in str(outcome.problem) else f"{outcome.path}: "
         console.print(Text.assemble(("refused: ", "bold red"), f"{about}{outcome.problem}"))

@@ -56,6 +56,15 @@ def _escape(code: int) -> str:
     return f"\\x{code:02x}" if code < 256 else f"\\u{code:04x}"
 
 
+MOST_SHOWN = 12
+"""Names that a message lists."""
+
+
+def shortened(names: Sequence[str], most: int = MOST_SHOWN) -> str:
+    """The first of some names, and that there are more."""
+    return ", ".join(names[:most]) + (", ..." if len(names) > most else "")
+
+
 Value = TypeVar("Value")
 
 

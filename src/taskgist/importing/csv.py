@@ -19,6 +19,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Indices
 from taskgist.common.files import reading, shown_path
+from taskgist.common.text import shortened
 from taskgist.errors import MappingError, UnknownNameError, most_read
 from taskgist.importing.mapping import Name, TableFormat
 from taskgist.settings import DEFAULT
@@ -56,8 +57,6 @@ def number(text: str) -> float:
     return float(text) if NUMBER.fullmatch(text) else math.nan
 
 
-MOST_SHOWN = 12
-"""Values of a column that a message lists."""
 LONGEST_LINE = 2**24
 """Characters of a line: a million columns."""
 TEXT_BYTES = 200
@@ -372,5 +371,4 @@ class CsvPart:
 def _held(columns: Sequence[str], groups: Collection[tuple[str, ...]]) -> str:
     """What each column holds, a dozen values of it at most."""
     values = [sorted({key[k].removesuffix(".0") for key in groups}) for k in range(len(columns))]
-    texts = [", ".join(v[:MOST_SHOWN]) + (", ..." if len(v) > MOST_SHOWN else "") for v in values]
-    return "; ".join(f"{column} has: {text}" for column, text in zip(columns, texts, strict=True))
+    return "; ".join(f"{column} has: {shortened(held)}" for column, held in zip(columns, values, strict=True))

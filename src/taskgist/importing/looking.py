@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from taskgist.common.arrays import Array, Mask
-from taskgist.common.text import clean_name
+from taskgist.common.text import MOST_SHOWN, clean_name
 from taskgist.errors import TaskgistError
 from taskgist.importing.mapping_fields import UNITS_M
 from taskgist.importing.mapping_people import HEAD_POINTS, LEG_POINTS, folded
@@ -400,10 +400,6 @@ def _robot(proposal: Proposal) -> Iterator[str]:
         )
         yield from (f"# {names}", "# [robots.R1]", '# profile = "my_robot.toml"', '# source = "take"')
         yield from ('# point = "base_footprint"', "# joints = {}")
-
-
-MOST_SHOWN = 12
-"""Joints that a mapping lists."""
 
 
 def _quoted(text: str | None) -> str:

@@ -16,6 +16,7 @@ from taskgist.common.toml import Document, TomlTable, is_finite_number, parse_to
 from taskgist.errors import InputError, MappingError, UnknownNameError
 from taskgist.importing.mapping import (
     Clock,
+    Columns,
     Confidence,
     ImportMapping,
     Name,
@@ -165,17 +166,12 @@ def read_source(name: str, section: TomlTable) -> Source:
     kind = section.choice("format", {*KINDS.values(), *READERS}, KINDS.get(suffix) or SUFFIXES.get(suffix))
     if kind is None:
         raise section.error("cannot tell the format from the file's name", "file", file, _format_hint(suffix))
-    if kind in READERS:
-        return _take_source(name, section, file, kind)
+    numbers = _take_numbers(section, kind) if kind in READERS else _table_numbers(section, kind)
     source = Source(
-        name=name,
-        file=file,
-        kind=kind,
-        table=_table(section),
-        clock=_clock(section),
-        position=read_columns(section, "position", "xyz", ["x", "y", "z"] if kind == "csv" else [0, 1, 2]),
-        rotation=_rotation(section.table("rotation"), kind) if "rotation" in section else None,
-        confidence=_confidence(section.table("confidence")) if "confidence" in section else None,
+        name,
+        file,
+        kind,
+        *numbers,
         frame=read_frame(section),
         names=_names(section),
         missing=_missing(section),
@@ -185,29 +181,30 @@ def read_source(name: str, section: TomlTable) -> Source:
     return source
 
 
-def _take_source(name: str, section: TomlTable, file: str, kind: str) -> Source:
-    """A source whose format says itself where its numbers stand."""
+Numbers = tuple[TableFormat, Clock, Columns, Rotation | None, Confidence | None]
+"""How to take a file apart, and where times, positions, orientations and confidence stand in it."""
+
+
+def _table_numbers(section: TomlTable, kind: str) -> Numbers:
+    """Of a table, as the mapping says."""
+    return (
+        _table(section),
+        _clock(section),
+        read_columns(section, "position", "xyz", ["x", "y", "z"] if kind == "csv" else [0, 1, 2]),
+        _rotation(section.table("rotation"), kind) if "rotation" in section else None,
+        _confidence(section.table("confidence")) if "confidence" in section else None,
+    )
+
+
+def _take_numbers(section: TomlTable, kind: str) -> Numbers:
+    """Of a format that says itself where its numbers stand."""
     confidence = None
     if "confidence" in section:
         table = section.table("confidence")
         confidence = Confidence(CONFIDENCE, table.number("least"))
         table.done()
-    source = Source(
-        name=name,
-        file=file,
-        kind=kind,
-        table=TableFormat(),
-        clock=Clock(column=TIME, offset_s=section.number("offset_s", 0.0)),
-        position=POSITION,
-        rotation=ROTATION if READERS[kind].oriented else None,
-        confidence=confidence,
-        frame=read_frame(section),
-        names=_names(section),
-        missing=_missing(section),
-        smooth_s=section.number("smooth_s", 0.0, least=0.0, most=1.0),
-    )
-    section.done()
-    return source
+    clock = Clock(column=TIME, offset_s=section.number("offset_s", 0.0))
+    return TableFormat(), clock, POSITION, ROTATION if READERS[kind].oriented else None, confidence
 
 
 def _format_hint(suffix: str) -> str:

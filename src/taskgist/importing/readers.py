@@ -13,6 +13,7 @@ from pathlib import Path
 
 from taskgist.common.array_files import ArrayFile
 from taskgist.common.files import is_file, reading, shown_path
+from taskgist.common.text import MOST_SHOWN
 from taskgist.errors import InputError, MappingError
 from taskgist.importing.formats.bvh import is_bvh, read_bvh
 from taskgist.importing.formats.c3d import is_c3d, read_c3d
@@ -171,10 +172,6 @@ def kind_of(path: Path) -> str:
 def _arrays(path: Path) -> frozenset[str]:
     most_bytes = DEFAULT.limits.table_bytes
     return frozenset(ArrayFile(path, most_bytes=most_bytes, where=shown_path(path), error=MappingError).names)
-
-
-MOST_SHOWN = 12
-"""Arrays of a file that a message lists."""
 
 
 def _held(path: Path, suffix: str) -> str | None:

@@ -52,6 +52,18 @@ def resample(track: Track, times_s: Array, *, max_gap_s: float) -> Frames:
     return Frames(position_m, spans.mixed(track.wxyz[known], slerp), track.signs)
 
 
+def series_at(times_s: Array, values: Array, wanted_s: Array, *, max_gap_s: float) -> Array:
+    """Numbers at frames, (N,), along straight lines between samples (n,); NaN where ``resample`` leaves it unknown."""
+    known = np.isfinite(values)
+    spans = _spans(times_s[known], wanted_s, max_gap_s, _half_frame_s(times_s))
+    return spans.mixed(values[known, None], _line)[:, 0]
+
+
+def percent(frames: Mask) -> str:
+    """The share of some frames, in percent, as notes tell it."""
+    return f"{100 * float(np.mean(frames)):.2g}"
+
+
 @dataclass(frozen=True, eq=False)
 class _Spans:
     """Between which two samples each frame lies, (N,): their indices, the share of the way, whether it is known."""

@@ -14,9 +14,10 @@ import mujoco
 import numpy as np
 
 from taskgist.common.arrays import Array, Mask
+from taskgist.common.text import shortened
 from taskgist.errors import MappingError
 from taskgist.importing.mapping import FixedPose, ImportMapping, JointColumns, Robot
-from taskgist.importing.resampling import resample
+from taskgist.importing.resampling import percent, resample, series_at
 from taskgist.importing.table_values import Track
 from taskgist.importing.tables import Tables
 from taskgist.world.bodies.agent import couplings
@@ -162,18 +163,14 @@ def tracked_robot(samples: RobotSamples, frames_s: Array, mapping: ImportMapping
         assert frames.wxyz is not None
         ahead = rotate(frames.wxyz, (1.0, 0.0, 0.0))
         position_m, yaw_rad = frames.position_m[:, :2], np.arctan2(ahead[:, 1], ahead[:, 0])
-    joints = {name: _at(times_s, values, frames_s, max_gap_s) for name, (times_s, values) in samples.joints.items()}
+    joints = {
+        name: series_at(times_s, values, frames_s, max_gap_s=max_gap_s)
+        for name, (times_s, values) in samples.joints.items()
+    }
     numbers = np.column_stack([position_m, yaw_rad, *joints.values()])
     known = np.asarray(np.isfinite(numbers).all(axis=1))
     profile = samples.robot.profile
     return RobotTrack(profile, position_m, yaw_rad, MappingProxyType(joints), known, samples.silent)
-
-
-def _at(times_s: Array, values: Array, frames_s: Array, max_gap_s: float) -> Array:
-    """A joint at the frames, along straight lines; it is believed for as long after its last word as gaps may be."""
-    rows = np.column_stack([values, np.zeros((len(values), 2))])
-    track = Track(times_s, rows, None, np.ones(3), "")
-    return np.asarray(resample(track, frames_s, max_gap_s=max_gap_s).position_m[:, 0])
 
 
 def robot_positions(scene: Scene, name: str, track: RobotTrack) -> Array:
@@ -203,8 +200,8 @@ def robot_notes(name: str, track: RobotTrack) -> list[str]:
     """What a user should know of a robot: joints that nobody published, and frames in which it is unknown."""
     notes = []
     if track.silent:
-        shown = ", ".join(track.silent[:8]) + (", ..." if len(track.silent) > 8 else "")
+        shown = shortened(track.silent, 8)
         notes.append(f"{name}: nobody published {len(track.silent)} of its joints, which stay at rest: {shown}")
     if not track.known.all():
-        notes.append(f"{name} is unknown in {100 * float(np.mean(~track.known)):.2g} % of the frames")
+        notes.append(f"{name} is unknown in {percent(~track.known)} % of the frames")
     return notes

@@ -34,7 +34,7 @@ from taskgist.importing.mapping import (
     Thing,
 )
 from taskgist.importing.mapping_people import HEAD_POINTS, PARTS
-from taskgist.importing.resampling import Frames, resample, stayed
+from taskgist.importing.resampling import Frames, percent, resample, stayed
 from taskgist.importing.rigid import body_of_markers, completed
 from taskgist.importing.robots import RobotTrack, robot_notes, robot_samples, tracked_robot
 from taskgist.importing.skeletons import SKELETONS
@@ -425,15 +425,11 @@ def _notes(
 
 def _lost(name: str, track: ObjectTrack) -> str:
     """What is made of the frames in which a thing was not tracked, and what could be."""
-    unknown = f"{name} is unknown in {_percent(~track.known)} % of the frames"
+    unknown = f"{name} is unknown in {percent(~track.known)} % of the frames"
     if not track.stayed.any():
         return f"{unknown}, for it was not tracked; if it stays where it was last seen, say {STAYS} in objects.{name}"
-    told = f"{name} is taken to stay where it was last seen in {_percent(track.stayed)} % of the frames"
+    told = f"{name} is taken to stay where it was last seen in {percent(track.stayed)} % of the frames"
     return told if track.known.all() else f"{told}; {unknown}, after which it is seen elsewhere"
 
 
 STAYS = 'outside = "stays"'
-
-
-def _percent(frames: Mask) -> str:
-    return f"{100 * float(np.mean(frames)):.2g}"

@@ -84,7 +84,8 @@ def bundle_from_spec(
     assert file.model is not None
     folder = Path(room.modelfiledir)
     bundle = {SCENE_FILE: write_scene_file(file), **files}
-    add_spec(room.copy(), file.model, bundle, where=file.where, folder=folder, limits=limits)
+    room = room.copy()
+    add_spec(room, file.model, bundle, where=file.where, folder=folder, limits=limits)
     for agent in file.agents:
         if agent.profile_key not in bundle:
             _add_agent(agent, bundle, Path(), file.where, limits)
@@ -128,10 +129,9 @@ def _name_movers(file: SceneFile, room: mujoco.MjSpec, bundle: dict[str, bytes])
     """
     if file.objects is not None:
         return
-    named = room.copy()
-    name_things(named)
-    names = movers(named, file)
-    if any(not is_free(named.body(name)) for name in names):
+    name_things(room)
+    names = movers(room, file)
+    if any(not is_free(room.body(name)) for name in names):
         bundle[SCENE_FILE] = write_scene_file(replace(file, objects=names))
 
 

@@ -85,7 +85,9 @@ def readable_mesh(
     if ending == "dae":
         return _from_triangles(triangles_from_dae(data, name, limits=limits))
     if ending == "ply":
-        return _from_triangles(_checked(triangles_from_ply(data, at, limits=limits), at))
+        triangles = triangles_from_ply(data, at, limits=limits)
+        check_faces(len(triangles), at, limits)
+        return _from_triangles(_checked(triangles, at))
     if ending == "stl" and _is_text(data):
         return _from_triangles(_checked(_from_text(data, at, limits), at))
     check_mesh(data, name, where=where, kind=ending, limits=limits)

@@ -68,9 +68,6 @@ def triangles_from_ply(data: bytes, where: str, *, limits: Limits = DEFAULT.limi
         triangles = points[faces]
     except (ValueError, LookupError, TypeError) as error:
         raise SceneError(f"not a PLY mesh that can be read: {error}", where=where, hint=WAY_OUT) from error
-    if len(triangles) > limits.mesh_faces:
-        hint = f"simplify it: {most_read(limits.mesh_faces, 'mesh_faces')}"
-        raise SceneError("too many triangles", where=where, value=f"{len(triangles):,}", hint=hint)
     return np.asarray(triangles)
 
 
