@@ -16,7 +16,6 @@ from taskgist.world.bodies.profile import AgentProfile
 
 SAME_M = 0.005
 """How far two hands of one body may differ and be one kind of hand (ours)."""
-HUMAN_KIND = "human"
 
 
 def completed_by_model(
@@ -54,7 +53,7 @@ def _hand(profile: AgentProfile, given: OpenHand, model: mujoco.MjModel, where: 
     if len(plain) > 1:
         fields = {key: value for key, value in fields.items() if _alike(value, plain[1].fields.get(key))}
     if set(given.missing) == {"kind"} and "kind" not in fields:
-        fields["kind"] = HUMAN_KIND
+        fields["kind"] = Hand.kind
     missing = [field for field in NEEDED if field not in fields and field not in dict(given.given)]
     if missing:
         why = "; ".join(

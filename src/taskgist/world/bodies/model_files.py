@@ -19,7 +19,7 @@ from taskgist.common.files import is_file, read_whole, reading, shown_path
 from taskgist.common.toml import UNREADABLE
 from taskgist.errors import InputError, SceneError, UnknownNameError
 from taskgist.settings import DEFAULT, Limits
-from taskgist.world.bodies.bases import stand_still
+from taskgist.world.bodies.bases import FREE, HINGE, SLIDE, stand_still
 from taskgist.world.bodies.foreign import HEAD_BYTES, check_model
 from taskgist.world.bodies.human import HumanSize, human_mjcf
 from taskgist.world.bodies.markup import asking_mujoco, parse_markup
@@ -30,8 +30,6 @@ from taskgist.world.bodies.profile import AgentProfile, Arm
 from taskgist.world.bodies.urdf import Shapes, read_urdf
 
 # --- What a profile names, held against what its model has: every name that is missing, with the one that was meant.
-
-FREE, HINGE, SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 
 
 def name_problems(spec: mujoco.MjSpec, profile: AgentProfile, where: str) -> Iterator[InputError]:

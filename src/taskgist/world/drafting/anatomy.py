@@ -27,9 +27,8 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.world.bodies.agent import subtree
-from taskgist.world.bodies.fingers import Plain, Unclear, measured_hand
+from taskgist.world.bodies.fingers import HINGE, SLIDE, Plain, Unclear, measured_hand
 
-HINGE, SLIDE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 FREE = int(mujoco.mjtJoint.mjJNT_FREE)
 LEAST_TO_HAND = 3
 """Joints that lead to a hand, at least (ours)."""

@@ -16,12 +16,12 @@ import numpy as np
 
 from taskgist.common.text import clean_name
 from taskgist.errors import InputError
-from taskgist.world.bodies.fingers import Plain
+from taskgist.world.bodies.fingers import HINGE, SLIDE, Plain
 from taskgist.world.bodies.markup import asking_mujoco, parse_markup
 from taskgist.world.bodies.model_files import add_model, find_file, is_urdf, name_problems, read_file, read_model
 from taskgist.world.bodies.profile import examine_profile
 from taskgist.world.bodies.urdf import Shapes
-from taskgist.world.drafting.anatomy import HINGE, SLIDE, Anatomy, anatomy
+from taskgist.world.drafting.anatomy import Anatomy, anatomy
 from taskgist.world.drafting.eye import Sensor, eye_lines
 from taskgist.world.drafting.limbs import arm_lines, hand_lines, joint_lines
 from taskgist.world.drafting.lines import Lines, listed, toml_value
