@@ -19,7 +19,7 @@ from taskgist_lab.evaluation.sheets import Sheet
 from tools.markdown import filled, sheet_lines
 
 PAGE = Path(__file__).parents[1] / "docs" / "research" / "performing.md"
-NAMES = ("shares", "times", "gates", "faults")
+NAMES = ("shares", "task", "times", "gates", "faults")
 """Names of the tables' places on the page, in their order."""
 
 

@@ -24,7 +24,7 @@ SURFACE: dict[str, set[str]] = {
     "perform": {
         *("task", "where", "--knowledge", "-k", "--robot", "--for", "--object", "--out", "-o", "--ways"),
         *("--attention", "--allow", "--prefer", "--means", "--helpers", "--spare", "--seed", "--at", "--replace"),
-        *("--trajectory", "--plan", "--positions", "--picture", "--film", "--pddl"),
+        *("--trajectory", "--plan", "--positions", "--picture", "--film", "--pddl", "--rule"),
     },
     "explain": {"task", "--knowledge", "-k", "--why", "--of", "--band", "--rule"},
     "agent check": {"profile", "--out", "-o", "--replace"},
@@ -38,7 +38,7 @@ SURFACE: dict[str, set[str]] = {
     },
     "evaluate": {
         *("experiments", "--pool", "--demonstrations", "-n", "--seed", "--runs"),
-        *("--source", "--processes", "--out", "-o", "--replace", "--rooms", "--robot", "--task", "--kept"),
+        *("--source", "--processes", "--out", "-o", "--replace", "--rooms", "--robot", "--task", "--kept", "--rule"),
     },
     "map": {
         *("where", "--agent", "--ability", "--level", "--where", "--size"),

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
-from taskgist.cli.common import about, console, print_json
-from taskgist.common.text import clean_name
+from taskgist.cli.common import about, console, print_json, task_named
 from taskgist.facts.tree import HypothesisTree, TreeOf
 from taskgist.language.clauses import compared, oddness, supported
 from taskgist.learning.background import NEUTRAL
 from taskgist.learning.clauses import ClausePosterior, LiteralSupport, Support, WeighedClause
-from taskgist.learning.task_clauses import Odd, learn_task, odd_demonstrations
+from taskgist.learning.task_clauses import BAYES, Odd, learn_task, odd_demonstrations
+from taskgist.learning.understanding import literal_to_json
 
 if TYPE_CHECKING:  # with MuJoCo
     from taskgist.learning.knowledge import Knowledge
@@ -26,7 +26,7 @@ def explain_clauses(
 ) -> None:
     """Print what a task means by whole clauses, however it is spelled; errors name where the knowledge is kept."""
     with about(where, {"of": "--of"}):
-        learned = learn_task(known, task if task in known.tasks else clean_name(task), tree, of)
+        learned = learn_task(known, task_named(known, task), tree, of)
     odd = odd_demonstrations(known, learned, tree, of)
     whose = known.experience(learned.task, of).tree_of
     if as_json:
@@ -73,7 +73,7 @@ def clauses_document(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf)
     return {
         "task": learned.task,
         "of": of,
-        "rule": "bayes",
+        "rule": BAYES,
         "clause": {**_clause(learned.best), "literals": [_literal(each) for each in learned.alone]},
         "alternatives": [_clause(each) for each in alternatives(learned)],
         "usual": [_literal(each) for each in learned.usual],
@@ -102,9 +102,7 @@ def _clause(clause: WeighedClause) -> dict[str, Any]:
 
 
 def _literal(each: LiteralSupport) -> dict[str, Any]:
-    literal = each.literal
-    named = {"node": literal.node, "title": literal.title, "text": str(literal)}
-    return {**named, "values": list(literal.values), "but": literal.but, **_support(each.support)}
+    return {**literal_to_json(each.literal), **_support(each.support)}
 
 
 def _support(support: Support) -> dict[str, Any]:

@@ -25,10 +25,11 @@ from rich.text import Text
 from taskgist.cli.app import INTERRUPTED, show_where
 from taskgist.cli.found import files
 from taskgist.common.files import check_no_input, check_replaceable, keeping_inputs, shown_path
-from taskgist.common.text import COMMANDS, escaped, escaped_in_json
+from taskgist.common.text import COMMANDS, clean_name, escaped, escaped_in_json
 from taskgist.errors import InputError, RecordingError, TaskgistError
 
 if TYPE_CHECKING:  # recordings and scenes bring numpy and MuJoCo, which not every command needs
+    from taskgist.learning.knowledge import Knowledge
     from taskgist.recording.recording import Recording
     from taskgist.world.stage import Stage
 
@@ -47,6 +48,9 @@ KnowledgeOption = Annotated[
 ]
 KNOWLEDGE = "knowledge.db"
 ReplaceOption = Annotated[bool, typer.Option("--replace", help="Replace files that are there already.")]
+RuleOption = Annotated[
+    str, typer.Option(help="How to learn: paper (what demonstrations agree in) or bayes (what is no chance).")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
 NO_OPTIONS: Mapping[str, str] = MappingProxyType({})
 
@@ -74,6 +78,11 @@ errors = SafeConsole(stderr=True, highlight=False, soft_wrap=True, markup=False,
 def print_json(document: Any) -> None:
     """Print one JSON document on standard output."""
     sys.stdout.write(escaped_in_json(json.dumps(document, ensure_ascii=False, indent=2)) + "\n")
+
+
+def task_named(known: Knowledge, name: str) -> str:
+    """A task as it is known, however its name is spelled; as it is spelled if none is known by it."""
+    return name if name in known.tasks else clean_name(name)
 
 
 @contextmanager

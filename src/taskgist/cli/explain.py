@@ -11,8 +11,17 @@ import typer
 from rich.text import Text
 
 from taskgist.cli.clauses import explain_clauses
-from taskgist.cli.common import KNOWLEDGE, JsonOption, KnowledgeOption, about, command, console, print_json
-from taskgist.common.text import clean_name
+from taskgist.cli.common import (
+    KNOWLEDGE,
+    JsonOption,
+    KnowledgeOption,
+    RuleOption,
+    about,
+    command,
+    console,
+    print_json,
+    task_named,
+)
 from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
@@ -20,14 +29,13 @@ from taskgist.facts.tree import HypothesisTree, Node, TreeOf, tree_of
 from taskgist.language.sentences import asked, indifference, meaning, why
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Context
+from taskgist.learning.task_clauses import BAYES, DEFAULT_RULE, RULES
 from taskgist.learning.understanding import Judgement, Understanding, clause_of, questions_of
 from taskgist.settings import BANDS, DEFAULT, Learning
 
 if TYPE_CHECKING:  # with MuJoCo
     from taskgist.learning.knowledge import Knowledge
 
-PAPER, BAYES = RULES = ("paper", "bayes")
-"""Rules by which a task is understood: the largest consistent subtree, or whole clauses compared with all else."""
 STYLES = {
     Verdict.RELEVANT: "green",
     Verdict.IRRELEVANT: "dim",
@@ -160,7 +168,7 @@ def understood(
 ) -> Understanding:
     """What is known of a task, however its name is spelled; errors name where the knowledge is kept."""
     with about(where, {"of": "--of"}):
-        return known.understand(task if task in known.tasks else clean_name(task), tree, settings, of)
+        return known.understand(task_named(known, task), tree, settings, of)
 
 
 @command
@@ -172,9 +180,7 @@ def explain(
         str, typer.Option(help="Whose tree: target (what changes for the target agent) or performer (for itself).")
     ] = "target",
     band: Annotated[str, typer.Option(help=f"Confusion band: {', '.join(BANDS)}.")] = DEFAULT.learning.band,
-    rule: Annotated[
-        str, typer.Option(help="How to learn: paper (what demonstrations agree in) or bayes (what is no chance).")
-    ] = PAPER,
+    rule: RuleOption = DEFAULT_RULE,
     as_json: JsonOption = False,
 ) -> None:
     """Explain what a task means, and why.

@@ -16,6 +16,7 @@ from taskgist.cli.common import (
     JsonOption,
     KnowledgeOption,
     ReplaceOption,
+    RuleOption,
     WhereArgument,
     about,
     command,
@@ -23,8 +24,8 @@ from taskgist.cli.common import (
     open_stage,
     print_json,
     progress_bar,
+    task_named,
 )
-from taskgist.cli.explain import understood
 from taskgist.cli.performance_files import check_files, check_pddl, write_files, write_pddl
 from taskgist.cli.performance_request import (
     attention_of,
@@ -37,13 +38,14 @@ from taskgist.cli.performance_request import (
     when_and_where,
 )
 from taskgist.common.text import one_or_list
-from taskgist.errors import InputError
+from taskgist.errors import InputError, UnknownNameError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import Unknown
 from taskgist.language.phrases import listed
 from taskgist.learning.explanation import Context
-from taskgist.learning.understanding import Clause, clause_of
+from taskgist.learning.task_clauses import DEFAULT_RULE, RULES, learned_clause
+from taskgist.learning.understanding import Clause
 from taskgist.settings import DEFAULT
 
 if TYPE_CHECKING:  # with MuJoCo, which a wrong name should not wait for
@@ -109,6 +111,7 @@ def perform(
             "that is not in the room is placed.",
         ),
     ] = None,
+    rule: RuleOption = DEFAULT_RULE,
     replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> int:
@@ -121,6 +124,9 @@ def perform(
     Of several agents the clause must hold for each: one place for all. Several objects are brought one after the
     other, and what is done is not undone. A robot that is not in the room is placed there: --robot pr2 --at 1,0.5,90.
 
+    --rule says by which rule the task is understood, as in explain. What whole clauses (bayes) tell as usual
+    circumstances is wanted beside the clause where it can be had, and told where it cannot.
+
     Example: taskgist perform hide room.toml --robot PR2 --for P2 --object cup
 
     Example: taskgist perform give room.toml --robot J --for P2 --object cup
@@ -129,6 +135,8 @@ def perform(
 
     Example: taskgist perform hide r.toml --robot J --for P2 --for P3 --object cup
     """
+    if rule not in RULES:
+        raise UnknownNameError("rule", rule, RULES, where="--rule")
     assumed = attention_of(attention)
     files = {
         "--out": out,
@@ -141,7 +149,7 @@ def perform(
     asked = {option: path for option, path in files.items() if path is not None}
     check_files(asked, ways, replace=replace, inputs=[where, Path(knowledge)])
     check_pddl(pddl, replace=replace)
-    clause = _clause(knowledge, task)
+    clause = _clause(knowledge, task, rule)
     time_s, place = when_and_where(at or [])
     stage = open_stage(where, time_s, confirmed=False)  # whoever is planned for holds still, and looks as is assumed
     from taskgist.pipeline.performing import perform as performed
@@ -191,15 +199,17 @@ def perform(
     return OK if outcome.performances else FAILED
 
 
-def _clause(knowledge: str, task: str) -> Clause:
+def _clause(knowledge: str, task: str, rule: str) -> Clause:
     from taskgist.store.address import shown
     from taskgist.store.database import load
 
     tree = with_predicates(STANDARD_TREE)
     known = load(knowledge, expected=Context.of(DEFAULT, tree))
-    clause = clause_of(understood(known, shown(knowledge), task, tree))
+    with about(shown(knowledge)):
+        clause = learned_clause(known, task_named(known, task), rule, tree)
     if not clause.literals:
-        hint = "its demonstrations have nothing in common; see taskgist explain"
+        other = next(each for each in RULES if each != rule)
+        hint = f"its demonstrations have nothing in common by this rule; see taskgist explain, or give --rule {other}"
         raise InputError(
             "nothing was learned of this task", where=shown(knowledge), field="task", value=task, hint=hint
         )
@@ -208,10 +218,11 @@ def _clause(knowledge: str, task: str) -> Clause:
 
 def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> None:
     """Print what was chosen and done, way by way, and the files that were written; or why there is none."""
-    from taskgist.language.performing import assumed, chosen, cost, not_as_demonstrated, refused, steps, would_help
+    from taskgist.language.performing import as_usual, assumed, chosen, cost, refused, steps, would_help
 
     tree, request = with_predicates(STANDARD_TREE), outcome.request
-    for note in not_as_demonstrated(outcome.goal, tree):
+    console.print(Text(f"{request.clause}{f'   by the rule {request.clause.rule}' if request.clause.rule else ''}"))
+    for note in _notes(outcome):
         console.print(Text("note ", style="yellow") + Text(note))
     for number, found in enumerate(outcome.performances):
         plan, count = found.plan, len(outcome.performances)
@@ -221,6 +232,8 @@ def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> No
         console.print(f"  audited in {len(found.execution.recording.times_s)} frames and between them: clean")
         so = f"what {request.clause.task} means for {listed(request.targets)} is so"
         console.print(f"  judged by its facts: {so}; {_strict(found)}")
+        if told := as_usual(found.usual, tree):
+            console.print(f"  {told}")
         for path in written[number].values():
             console.print(f"  saved {path}")
     if outcome.performances:
@@ -231,6 +244,14 @@ def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> No
         console.print(f"  {sentence}")
     for sentence in would_help(outcome.helps):
         console.print(Text("  what would help: ", style="yellow") + Text(sentence))
+
+
+def _notes(outcome: Outcome) -> tuple[str, ...]:
+    """What is not as it was demonstrated, or usually is."""
+    from taskgist.language.performing import not_as_demonstrated, not_had
+
+    tree = with_predicates(STANDARD_TREE)
+    return (*not_as_demonstrated(outcome.goal, tree), *not_had(outcome.dropped, tree))
 
 
 def _strict(found: Performance) -> str:
@@ -251,19 +272,22 @@ def outcome_document(
         written: Of each way, the files that were written, by kind.
         problem: The folder with the problem for other planners; None: there is none.
     """
-    from taskgist.language.performing import assumed, not_as_demonstrated, reason, refused, why_not, would_help
+    from taskgist.language.performing import assumed, reason, refused, why_not, would_help
 
     request, tree, search = outcome.request, with_predicates(STANDARD_TREE), outcome.search
     return {
         "task": request.clause.task,
+        "rule": request.clause.rule,
+        "clause": request.clause.to_json(),
         "performer": request.performer,
         "target": one_or_list(request.targets),
         "object": one_or_list(request.things),
         "attention": request.attention,
         "assumed": assumed(request),
-        "notes": list(not_as_demonstrated(outcome.goal, tree)),
+        "notes": list(_notes(outcome)),
         "given": [{"literal": str(each.literal), "holds": _known(each.holds)} for each in outcome.goal.given],
         "wanted": [str(literal) for literal in outcome.goal.controllable],
+        "dropped": [{"literal": str(each.literal), "why": each.why} for each in outcome.dropped],
         "ways": [_way_document(found, files) for found, files in zip(outcome.performances, written, strict=True)],
         "search": {
             "places": search.places,
@@ -308,6 +332,7 @@ def _way_document(found: Performance, files: Mapping[str, Path]) -> dict[str, An
         "duration_s": round(plan.duration_s, 3),
         "audit": found.audit.to_json(),
         "strict": _known(found.strict),
+        "usual": [{"literal": str(literal), "holds": _known(holds)} for literal, holds in found.usual.items()],
         "files": {name: str(path) for name, path in files.items()},
     }
 

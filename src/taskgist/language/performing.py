@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING
 
 from taskgist.facts import vocabulary as v
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import UNKNOWN
-from taskgist.language.phrases import listed, phrase
-from taskgist.learning.understanding import Literal
+from taskgist.language.phrases import listed, phrase_of
+from taskgist.learning.literals import SetLiteral
+from taskgist.learning.understanding import AnyLiteral, Literal
 
 if TYPE_CHECKING:  # with NumPy, and words need none
-    from taskgist.planning.goal import Goal
+    from taskgist.planning.goal import Dropped, Goal, Truth
     from taskgist.planning.helping import Help
     from taskgist.planning.judging import Reason
     from taskgist.planning.plan import Action, PhaseName, Plan
@@ -125,6 +126,18 @@ def not_as_demonstrated(goal: Goal, tree: HypothesisTree) -> tuple[str, ...]:
     return (*told, *(f"{each.literal} is not judged: {each.why}" for each in goal.unjudged))
 
 
+def not_had(dropped: Sequence[Dropped], tree: HypothesisTree) -> tuple[str, ...]:
+    """Usual circumstances that could not be asked for, and why."""
+    return tuple(f"usually {_said(each.literal, tree)}, which is not asked for here: {each.why}" for each in dropped)
+
+
+def as_usual(usual: Mapping[AnyLiteral, Truth], tree: HypothesisTree) -> str:
+    """Which usual circumstances are so, and which are not, where a task was performed; empty if there are none."""
+    parts = (("as usual", True), ("not as usual, where", False), ("of what is usual it is not known whether", UNKNOWN))
+    told = ((how, [_said(literal, tree) for literal, holds in usual.items() if holds is truth]) for how, truth in parts)
+    return "; ".join(f"{how} {listed(said)}" for how, said in told if said)
+
+
 def refused(
     request: Request, goal: Goal, search: Search, spoiled: Sequence[str], tree: HypothesisTree
 ) -> tuple[str, ...]:
@@ -142,7 +155,9 @@ def refused(
 
 def why_not(tried: Tried, tree: HypothesisTree) -> str:
     """Why another way than moving the thing alone does not do."""
-    return f"it fails that {_said(tried.why, tree)}" if isinstance(tried.why, Literal) else reason(tried.why, tree)
+    if isinstance(tried.why, Literal | SetLiteral):
+        return f"it fails that {_said(tried.why, tree)}"
+    return reason(tried.why, tree)
 
 
 def reason(why: Reason, tree: HypothesisTree) -> str:
@@ -190,9 +205,9 @@ def would_help(helps: Sequence[Help]) -> tuple[str, ...]:
     return tuple(told)
 
 
-def _said(literal: Literal, tree: HypothesisTree) -> str:
+def _said(literal: AnyLiteral, tree: HypothesisTree) -> str:
     """A literal in words."""
-    return phrase(tree.node(literal.node), literal.value)
+    return phrase_of(tree.node(literal.node), literal)
 
 
 def _found(value: object) -> str:

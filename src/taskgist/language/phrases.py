@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from taskgist.facts import vocabulary as v
 from taskgist.facts.tree import Instant, Node, TreeOf
 from taskgist.facts.values import NEGLIGIBLE
+from taskgist.learning.understanding import AnyLiteral
 
 # Phrases of changes: comparisons (level 2) and natures (level 1) in plain English.
 
@@ -90,6 +91,9 @@ EFFORTS = {
     "Displacement_Effort": "takes going elsewhere",
     "No_Possible_Known_Effort": "is not possible by any known effort",
 }
+
+NEVER = (v.REACH_EFFORTS[-1], v.SEE_EFFORTS[-1])
+"""The end of each effort ladder: more than any known effort."""
 
 ACTIONS = {
     "Pan_Head": "turning the head",
@@ -221,6 +225,27 @@ def phrase(node: Node, value: str) -> str:
     if node.instant is not None and state:
         return state(value, node.instant)
     return CHANGES.get(f"{subtree}.{part}", {}).get(value) or f"{plain(node.title)} is {plain(value)}"
+
+
+def phrase_of(node: Node, literal: AnyLiteral) -> str:
+    """What it means that a literal holds, without a full stop, also where its node may have several values.
+
+    Args:
+        node: Its node, of any tree.
+        literal: The literal: "it is not so that the object ends in a hand".
+    """
+    if literal.value is not None:
+        return phrase(node, literal.value)
+    first, last = literal.values[0], literal.values[-1]
+    match literal.bound:
+        case "≥":
+            rest = ", or is not possible" if last in NEVER else ""
+            return f"{phrase(node, first)}, or more{rest}"
+        case "≤":
+            return f"{phrase(node, last)}, or less"
+        case "to":
+            return f"{plain(node.title)} is {plain(first)}, {plain(last)}, or between"
+    return f"it is not so that {phrase(node, first)}"
 
 
 def topic(node: Node, of: TreeOf) -> str:

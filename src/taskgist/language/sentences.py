@@ -7,10 +7,10 @@ from collections.abc import Iterable
 from fractions import Fraction
 from typing import cast
 
-from taskgist.language.phrases import ABILITIES, AGENTS, listed, phrase, topic
+from taskgist.language.phrases import ABILITIES, AGENTS, listed, phrase, phrase_of, topic
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Explanation
-from taskgist.learning.understanding import Choice, Judgement, Literal, Question, Understanding, clause_of
+from taskgist.learning.understanding import AnyLiteral, Choice, Judgement, Question, Understanding, clause_of
 
 
 def meaning(understanding: Understanding) -> str:
@@ -88,11 +88,11 @@ SPOKEN_ORDER = ("see", "visibility", "reach", "grasp", "hands", "placement", "mo
 """What people say first about a task; a user's own predicates come last."""
 
 
-def _spoken(understanding: Understanding, literals: Iterable[Literal]) -> list[str]:
+def _spoken(understanding: Understanding, literals: Iterable[AnyLiteral]) -> list[str]:
     """Phrases of literals in the order in which people would say them; joint angles are left to the clause."""
     said = [literal for literal in literals if ".state." not in literal.node]
     said.sort(key=lambda literal: _place(literal.node))
-    phrases = [phrase(understanding.tree.node(literal.node), literal.value) for literal in said]
+    phrases = [phrase_of(understanding.tree.node(literal.node), literal) for literal in said]
     told = _joined(list(dict.fromkeys(phrases)))
     if "target objects" not in understanding.each_of:
         return told

@@ -18,10 +18,14 @@ from .explanation import explanation_from_json as explanation_from_json
 from .explanation import merged as merged
 from .knowledge import Knowledge as Knowledge
 from .literals import SetLiteral as SetLiteral
+from .task_clauses import DEFAULT_RULE as DEFAULT_RULE
+from .task_clauses import RULES as RULES
 from .task_clauses import Odd as Odd
 from .task_clauses import learn_task as learn_task
+from .task_clauses import learned_clause as learned_clause
 from .task_clauses import odd_demonstrations as odd_demonstrations
 from .understanding import Answer as Answer
+from .understanding import AnyLiteral as AnyLiteral
 from .understanding import Choice as Choice
 from .understanding import Clause as Clause
 from .understanding import Judgement as Judgement

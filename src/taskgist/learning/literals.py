@@ -22,7 +22,7 @@ from functools import cached_property, lru_cache
 
 from taskgist.facts import vocabulary as v
 from taskgist.facts.tree import HypothesisTree, Instant, Leaf, Node, Nodes
-from taskgist.facts.values import UNKNOWN, ScoreAttribute, Unknown, score_bins
+from taskgist.facts.values import NEGLIGIBLE, UNKNOWN, ScoreAttribute, Unknown, score_bins
 from taskgist.learning.estimate import canonical_key
 from taskgist.settings import DEFAULT, Settings
 
@@ -59,6 +59,11 @@ class SetLiteral:
         """Whether it is one value alone."""
         return len(self.values) == 1 and not self.but and not self.bound
 
+    @property
+    def value(self) -> str | None:
+        """The one value that the node must have; None where it may have several."""
+        return self.values[0] if self.is_value else None
+
     def __str__(self) -> str:
         return f"({self.title} {self.told})"
 
@@ -70,6 +75,8 @@ class SetLiteral:
             return f"= {first} to {last}"
         if self.bound:
             return f"{self.bound} {last if self.bound == '≤' else first}"
+        if first == NEGLIGIBLE and not self.but:
+            return first
         return f"{'≠' if self.but else '='} {first}"
 
     @property

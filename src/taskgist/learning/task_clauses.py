@@ -1,4 +1,7 @@
-"""What a known task means by whole clauses, what it was compared with, and which of its demonstrations look odd."""
+"""What a known task means by whole clauses, what it was compared with, and which of its demonstrations look odd.
+
+And what it means by either rule, as one clause, which planning takes.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from taskgist.common.frozen import FrozenMap
+from taskgist.errors import UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, TreeOf
 from taskgist.learning.background import Background, shipped_background
@@ -15,8 +19,13 @@ from taskgist.learning.evidence import evidence_of
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.knowledge import Knowledge
-from taskgist.learning.understanding import Answer, in_force
+from taskgist.learning.understanding import PAPER, Answer, Clause, clause_of, in_force, several_of
 
+BAYES = "bayes"
+RULES = (PAPER, BAYES)
+"""Rules by which a task is understood: the largest consistent subtree, or whole clauses compared with all else."""
+DEFAULT_RULE = PAPER
+"""The one that speaks where none is named."""
 LIKELY = 0.5
 """What a task is about holds where its posterior probability is greater."""
 FEWEST = 3
@@ -65,6 +74,39 @@ def _told(own: Experience, answers: Mapping[str, Answer]) -> Told:
             relevant[node] = value
     irrelevant = frozenset(node for node, answer in answers.items() if answer.verdict is Verdict.IRRELEVANT)
     return Told(FrozenMap(relevant), irrelevant)
+
+
+def learned_clause(
+    knowledge: Knowledge,
+    task: str,
+    rule: str = DEFAULT_RULE,
+    tree: HypothesisTree = STANDARD_TREE,
+    of: TreeOf = "target",
+) -> Clause:
+    """What a task means by a rule, as one clause whichever it is.
+
+    Args:
+        knowledge: Experience of the task, and of others.
+        task: Its name.
+        rule: One of ``RULES``.
+        tree: The nodes that it may be about.
+        of: For whom: its target agents, or who performs it; as ``Knowledge.experience``.
+
+    Returns:
+        The clause; of whole clauses the best one, usual circumstances kept apart. It has no literals where nothing was
+        learned.
+
+    Raises:
+        UnknownNameError: The task, or the rule, is not known.
+        KnowledgeError: It is not known of who performs it.
+    """
+    if rule not in RULES:
+        raise UnknownNameError("rule", rule, RULES)
+    if rule == PAPER:
+        return clause_of(knowledge.understand(task, tree, of=of))
+    own, learned = knowledge.experience(task, of), learn_task(knowledge, task, tree, of)
+    usual = tuple(each.literal for each in learned.usual)
+    return Clause(own.task, learned.best.literals, several_of(own), own.tree_of, usual, rule)
 
 
 @dataclass(frozen=True)

@@ -31,9 +31,10 @@ or number, as joint angles do, is irrelevant then: two bodies always differ ther
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 from taskgist.common.frozen import FrozenMap, Json
 from taskgist.errors import KnowledgeError, UnknownNameError
@@ -43,6 +44,7 @@ from taskgist.facts.values import NEGLIGIBLE, UNKNOWN, Unknown
 from taskgist.learning.estimate import Estimate, Rule, Verdict, canonical_key, weigh
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import ROLES, Explanation, Role
+from taskgist.learning.literals import SetLiteral
 from taskgist.settings import DEFAULT, Learning
 
 # Answers: what a person said about a predicate that the demonstrations left open (6.4).
@@ -183,8 +185,13 @@ class Understanding:
     @property
     def each_of(self) -> tuple[Role, ...]:
         """Of which roles some demonstration had several: what the task means holds for each of them."""
-        explanations = self.experience.explanations.values()
-        return tuple(role for role, field in ROLES.items() if any(len(getattr(e, field)) > 1 for e in explanations))
+        return several_of(self.experience)
+
+
+def several_of(experience: Experience) -> tuple[Role, ...]:
+    """Of which roles some demonstration had several."""
+    explanations = experience.explanations.values()
+    return tuple(role for role, field in ROLES.items() if any(len(getattr(e, field)) > 1 for e in explanations))
 
 
 def understand(
@@ -347,6 +354,10 @@ def _question(understanding: Understanding, judgement: Judgement) -> Question:
 # initial ones; the clause of the paper is both together.
 
 
+PAPER = "paper"
+"""The name of this rule."""
+
+
 @dataclass(frozen=True)
 class Literal:
     """One predicate of a clause: this node must have this value."""
@@ -360,6 +371,21 @@ class Literal:
         relation = "" if self.value == NEGLIGIBLE else "= "
         return f"({self.title} {relation}{self.value})"
 
+    @property
+    def values(self) -> tuple[str, ...]:
+        """The values that it names, as a ``SetLiteral`` has them."""
+        return (self.value,)
+
+    @property
+    def but(self) -> bool:
+        """Whether all other values are meant, as a ``SetLiteral`` may."""
+        return False
+
+    @property
+    def bound(self) -> str:
+        """How an interval is told, as a ``SetLiteral`` may be one; this is none."""
+        return ""
+
     def holds(self, nodes: Nodes) -> bool | Unknown:
         """Whether it holds where the nodes are as given; unknown where its node is missing or unknown."""
         if self.node not in nodes or isinstance(value := nodes[self.node].value, Unknown):
@@ -367,29 +393,38 @@ class Literal:
         return value == self.value
 
 
+AnyLiteral = Literal | SetLiteral
+"""One value of a node, as the paper's rule learns them; or a set of its values, as whole clauses have them."""
+
+
 @dataclass(frozen=True)
 class Clause:
-    """The learned meaning of a task.
+    """The learned meaning of a task, by whichever rule it was learned.
 
     Args:
         task: Name of the task.
         literals: Its predicates, in the canonical order of the tree.
         each_of: Roles of which demonstrations had several: the predicates hold for each of them.
         tree_of: For whom they hold: the target agents, or who performs it.
+        usual: Usual circumstances, which are no part of the meaning: final states that were always so in the
+            demonstrations, and usually are so anyway. The paper's rule does not tell them from meaning, and has none.
+        rule: By which rule it was learned; empty if by none. It makes no clause another one.
     """
 
     task: str
-    literals: tuple[Literal, ...]
+    literals: tuple[AnyLiteral, ...]
     each_of: tuple[Role, ...] = ()
     tree_of: TreeOf = "target"
+    usual: tuple[AnyLiteral, ...] = ()
+    rule: str = field(default="", compare=False)
 
     @property
-    def effects(self) -> tuple[Literal, ...]:
+    def effects(self) -> tuple[AnyLiteral, ...]:
         """What the task brings about."""
         return tuple(literal for literal in self.literals if literal.instant != 1)
 
     @property
-    def preconditions(self) -> tuple[Literal, ...]:
+    def preconditions(self) -> tuple[AnyLiteral, ...]:
         """How the world was at the start of each demonstration."""
         return tuple(literal for literal in self.literals if literal.instant == 1)
 
@@ -406,6 +441,22 @@ class Clause:
         """Whether all predicates hold: false if one surely does not, else unknown if one is unknown."""
         return conjunction(literal.holds(nodes) for literal in self.literals)
 
+    def to_json(self) -> dict[str, Any]:
+        """Plain data: text, effects, preconditions and usual circumstances."""
+        parts = {"effects": self.effects, "preconditions": self.preconditions, "usual": self.usual}
+        return {"text": str(self), **{name: list(map(literal_to_json, part)) for name, part in parts.items()}}
+
+
+def literal_to_json(literal: AnyLiteral) -> dict[str, Any]:
+    """A literal as plain data."""
+    return {
+        "node": literal.node,
+        "title": literal.title,
+        "text": str(literal),
+        "values": list(literal.values),
+        "but": literal.but,
+    }
+
 
 def clause_of(understanding: Understanding) -> Clause:
     """The clause of the largest consistent subtree."""
@@ -418,7 +469,7 @@ def clause_of(understanding: Understanding) -> Clause:
         if each.node.name not in (parents_of_preconditions if each.node.instant == 1 else parents_of_effects)
     )
     literals = tuple(_literal(each) for each in deepest)
-    return Clause(understanding.task, literals, understanding.each_of, understanding.experience.tree_of)
+    return Clause(understanding.task, literals, understanding.each_of, understanding.experience.tree_of, rule=PAPER)
 
 
 def conjunction(truths: Iterator[bool | Unknown]) -> bool | Unknown:

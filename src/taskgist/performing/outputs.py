@@ -211,6 +211,8 @@ def plan_document(plan: Plan, execution: Execution) -> Document:
     return {
         "format": FORMAT,
         "task": plan.task,
+        "rule": plan.clause.rule,
+        "clause": plan.clause.to_json(),
         "performer": plan.performer,
         "target": one_or_list(plan.targets),
         "object": one_or_list(plan.things),

@@ -7,28 +7,33 @@ and the next one is asked for; only what is clean and judged true is returned::
     outcome = perform(scene, Request(clause, "PR2", "P2", "tape"))
     for performance in outcome.performances:
         write(performance.execution.recording, "done.mcap")
+
+Usual circumstances of the clause (the thing ends at rest, on a support) are respected where they can be had: they are
+wanted beside it, but for those that the start rules out. Where nothing comes through so, it is tried again by the
+clause alone. They spoil no performance: whether each holds in it is told.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from taskgist.common.extras import door
+from taskgist.common.frozen import FrozenMap
 from taskgist.common.workers import Progress, silent
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.tree import HypothesisTree
+from taskgist.facts.tree import HypothesisTree, Nodes
 from taskgist.facts.values import Unknown
 from taskgist.learning.explanation import Explanation
-from taskgist.learning.understanding import conjunction
+from taskgist.learning.understanding import AnyLiteral, conjunction
 from taskgist.performing.audit import audit
 from taskgist.performing.execution import Execution, carried_out
 from taskgist.performing.findings import Audit, MotionLimits
 from taskgist.pipeline.explain import explain_recording
-from taskgist.planning.goal import Goal
+from taskgist.planning.goal import Dropped, Goal
 from taskgist.planning.helping import Help
 from taskgist.planning.one_by_one import OneByOne
 from taskgist.planning.pddl import Pddl
@@ -39,6 +44,10 @@ from taskgist.planning.requests import Request, Search
 from taskgist.settings import DEFAULT, Planning, Settings
 from taskgist.world.scene import Scene
 from taskgist.world.state import State
+
+NONE_SO = "no way was found in which it is so"
+NONE_WITH_ALL = "no way was found in which all usual circumstances are so"
+"""Why usual circumstances are dropped that the start does not rule out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +60,7 @@ class Performance:
         audit: What the audit looked at; it is clean.
         explanation: The facts of what happened.
         strict: Whether the whole clause holds, given literals among it.
+        usual: Whether each usual circumstance of the clause holds in what happened.
     """
 
     plan: Plan
@@ -58,6 +68,7 @@ class Performance:
     audit: Audit
     explanation: Explanation
     strict: bool | Unknown
+    usual: FrozenMap[AnyLiteral, bool | Unknown]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +83,7 @@ class Outcome:
         spoiled: Why plans were thrown away after they were carried out, a sentence for each.
         planner: What planned it.
         helps: If nothing came through: changes of the room with which it would.
+        dropped: Usual circumstances that could not be had.
     """
 
     request: Request
@@ -81,6 +93,7 @@ class Outcome:
     spoiled: tuple[str, ...]
     planner: OneByOne
     helps: tuple[Help, ...] = ()
+    dropped: tuple[Dropped, ...] = ()
 
     def pddl(self) -> Pddl:
         """The same problem for other planners, with the plans that came through as sequences of its actions."""
@@ -116,23 +129,31 @@ def perform(
         InputError: OMPL or toppra, the extra ``planning``, is not installed, and robots perform or may help.
     """
     state = scene.initial if state is None else state
-    planner = OneByOne(scene, state, request, tree=tree, settings=settings, predicates=predicates)
-    if not all(moves_itself(scene.agent(name)) for name in planner.may_act):
-        planners()  # before any long work
-    found, spoiled = list[Performance](), list[str]()
-    for plan in planner.plans(progress):
-        progress("carrying the plan out", 1.0)
-        tried = _tried(planner, plan, tree, settings, predicates)
-        if isinstance(tried, Performance):
-            found.append(tried)
-        else:
-            spoiled.append(tried)
-        if len(found) == ways:
+    found, spoiled, dropped = list[Performance](), list[str](), tuple[Dropped, ...]()
+    alone = replace(request, clause=replace(request.clause, usual=()))
+    for asked in (request, alone):
+        planner = OneByOne(scene, state, asked, tree=tree, settings=settings, predicates=predicates)
+        if not all(moves_itself(scene.agent(name)) for name in planner.may_act):
+            planners()  # before any long work
+        spoiled.clear()
+        for plan in planner.plans(progress):
+            progress("carrying the plan out", 1.0)
+            tried = _tried(planner, plan, request.clause.usual, tree, settings, predicates)
+            if isinstance(tried, Performance):
+                found.append(tried)
+            else:
+                spoiled.append(tried)
+            if len(found) == ways:
+                break
+        dropped += planner.goal.dropped
+        if found or not planner.goal.usual:
             break
+        why = NONE_SO if len(planner.goal.usual) == 1 else NONE_WITH_ALL
+        dropped += tuple(Dropped(literal, why) for literal in planner.goal.usual)
     if not found:
         progress("what would help", 1.0)
     helps = () if found else planner.helps()
-    return Outcome(request, planner.goal, tuple(found), planner.search, tuple(spoiled), planner, helps)
+    return Outcome(request, planner.goal, tuple(found), planner.search, tuple(spoiled), planner, helps, dropped)
 
 
 def planners() -> None:
@@ -146,7 +167,12 @@ def planners() -> None:
 
 
 def _tried(
-    planner: OneByOne, plan: Plan, tree: HypothesisTree, settings: Settings, predicates: Sequence[Predicate]
+    planner: OneByOne,
+    plan: Plan,
+    usual: Sequence[AnyLiteral],
+    tree: HypothesisTree,
+    settings: Settings,
+    predicates: Sequence[Predicate],
 ) -> Performance | str:
     """A plan carried out, audited and judged; a sentence if it does not come through."""
     scene, request = planner.scene, planner.request
@@ -178,8 +204,10 @@ def _tried(
             value = nodes[failed.node].value if failed.node in nodes else "not observed"
             whose = f" for {explanation.called(explanation.part(aim.agent, aim.thing))}" if explanation.parts else ""
             return f"judged by its facts {failed} fails{whose}: it is {value}"
-    strict = conjunction(request.clause.holds(each.nodes) for each in explanation.parts or (explanation,))
-    return Performance(plan, execution, found, explanation, strict)
+    parts: Sequence[Nodes] = [each.nodes for each in explanation.parts or (explanation,)]
+    strict = conjunction(request.clause.holds(nodes) for nodes in parts)
+    so = FrozenMap({literal: conjunction(literal.holds(nodes) for nodes in parts) for literal in usual})
+    return Performance(plan, execution, found, explanation, strict, so)
 
 
 def limits_of(performer: Performer | None, planning: Planning) -> MotionLimits:

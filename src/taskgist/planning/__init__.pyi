@@ -1,3 +1,4 @@
+from .goal import Dropped as Dropped
 from .goal import Given as Given
 from .goal import Goal as Goal
 from .goal import Impossible as Impossible

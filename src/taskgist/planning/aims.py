@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import UNKNOWN, Observation, Raw
-from taskgist.learning.understanding import Clause, Literal
+from taskgist.learning.understanding import AnyLiteral, Clause
 from taskgist.observe.attributes import resting_snapshot
 from taskgist.planning.goal import Goal, Impossible, Wanted, is_taken
 from taskgist.planning.judging import Judge, Verdict
@@ -78,7 +78,7 @@ def goal_of_all(aims: Sequence[Aim]) -> Goal:
     Args:
         aims: Of one or more target agents with one or more things.
     """
-    wanted, known = list[Wanted](), set[Literal]()
+    wanted, known = list[Wanted](), set[AnyLiteral]()
     for each in (each for aim in aims for each in aim.goal.wanted):
         if not known.issuperset(each.literals):
             wanted.append(each)
@@ -100,6 +100,8 @@ def goal_of_all(aims: Sequence[Aim]) -> Goal:
         wanted=tuple(wanted),
         impossible=tuple(impossible.values()),
         unjudged=tuple(unjudged),
+        usual=tuple(dict.fromkeys(each for aim in aims for each in aim.goal.usual)),
+        dropped=tuple(dict.fromkeys(each for aim in aims for each in aim.goal.dropped)),
     )
 
 

@@ -25,22 +25,27 @@ whatever a comparison or nature means, also a user's own, its inversion means th
 **Who controls what.** The performer moves the thing. So it decides about placement, motion, visibility and efforts; of
 the target agent's hands only about what it puts into them or takes out of them; of the target agent's posture nothing.
 A literal that holds only if the target agent itself does something is *given*: told with its truth at the start.
+
+**Usual circumstances** of a clause are wanted like its literals, one after the other, as far as this start admits them
+beside those and the ones before. One that it rules out is dropped, and told; one that is not the performer's to decide
+is not asked for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from taskgist.common.frozen import FrozenMap
 from taskgist.facts import vocabulary as v
 from taskgist.facts.tree import HypothesisTree, Nodes, Snapshot, Subtree
-from taskgist.learning.understanding import Clause, Literal
+from taskgist.learning.understanding import AnyLiteral, Clause
 from taskgist.planning.inversion import inverted
 from taskgist.planning.wanted import (
     HANDS,
     MOTION,
     Aspect,
+    Dropped,
     Given,
     Impossible,
     Span,
@@ -51,9 +56,11 @@ from taskgist.planning.wanted import (
 )
 from taskgist.settings import DEFAULT, Settings
 
-__all__ = ["Given", "Goal", "Impossible", "Span", "Truth", "Unjudged", "Wanted", "is_taken"]
+__all__ = ["Dropped", "Given", "Goal", "Impossible", "Span", "Truth", "Unjudged", "Wanted", "is_taken"]
 
 POSTURE = "posture"
+Found = Given | Wanted | Impossible | Unjudged
+"""What may become of a literal."""
 CHEAPEST_FIRST = (
     "placement",
     MOTION,
@@ -76,6 +83,8 @@ class Goal:
         wanted: What the performer is to bring about, the cheapest to judge first.
         impossible: What cannot be brought about from this start.
         unjudged: Literals that cannot be judged here.
+        usual: Usual circumstances that are wanted, too; they stand in ``wanted`` beside the literals.
+        dropped: Usual circumstances that this start rules out.
     """
 
     clause: Clause
@@ -83,6 +92,8 @@ class Goal:
     wanted: tuple[Wanted, ...]
     impossible: tuple[Impossible, ...]
     unjudged: tuple[Unjudged, ...]
+    usual: tuple[AnyLiteral, ...] = ()
+    dropped: tuple[Dropped, ...] = ()
 
     @classmethod
     def of(cls, clause: Clause, start: Snapshot, tree: HypothesisTree, settings: Settings = DEFAULT) -> Goal:
@@ -98,43 +109,63 @@ class Goal:
         Raises:
             FactsError: The start has a value that an attribute cannot take.
         """
-        owners = {node.name: subtree for subtree in tree.subtrees for node in subtree.nodes()}
-        known = {name: start[name] for name in tree.attributes if name in start}
+        known = FrozenMap({name: start[name] for name in tree.attributes if name in start})
         at_rest = tree.instantiate(known, known, settings)  # every node if nothing happens
-        found: list[Given | Wanted | Impossible | Unjudged] = []
-        by_attribute: dict[str, list[Literal]] = {}
-        for literal in clause.literals:
-            subtree = owners.get(literal.node)
-            if subtree is None:
-                found.append(Unjudged(literal, f"the tree has no node {literal.node}"))
-            elif (name := _attribute_of(subtree, literal.node)) not in known:
-                found.append(Unjudged(literal, f"nobody observes {name} in a state"))
-            elif literal.instant == 1 or name == POSTURE:
-                found.append(given(literal, at_rest))
-            else:
-                by_attribute.setdefault(subtree.attribute.name, []).append(literal)
-        for name in sorted(by_attribute, key=_order):
-            subtrees = tuple(subtree for subtree in tree.subtrees if subtree.attribute.name == name)
-            aspect = Aspect(tree.attributes[name], subtrees, tuple(by_attribute[name]), FrozenMap(known), settings)
-            found += inverted(aspect, at_rest)
-        if is_taken(found):
-            found = [one for each in found for one in _left_to_the_taker(each, at_rest)]
+        found = _sorted_out(clause.literals, known, at_rest, tree, settings)
+        usual, dropped = list[AnyLiteral](), list[Dropped]()
+        for literal in clause.usual:
+            more = _sorted_out((*clause.literals, *usual, literal), known, at_rest, tree, settings)
+            against = next((each for each in more if isinstance(each, Impossible) and literal in each.literals), None)
+            if against is not None:
+                dropped.append(Dropped(literal, against.why))
+            elif any(isinstance(each, Wanted) and literal in each.literals for each in more):
+                usual.append(literal)
+                found = more
         return cls(
             clause,
             given=tuple(each for each in found if isinstance(each, Given)),
             wanted=tuple(each for each in found if isinstance(each, Wanted)),
             impossible=tuple(each for each in found if isinstance(each, Impossible)),
             unjudged=tuple(each for each in found if isinstance(each, Unjudged)),
+            usual=tuple(usual),
+            dropped=tuple(dropped),
         )
 
     @property
-    def controllable(self) -> tuple[Literal, ...]:
-        """All literals that the performer is to make true, each once, in the order of ``wanted``."""
-        return tuple(dict.fromkeys(literal for wanted in self.wanted for literal in wanted.literals))
+    def controllable(self) -> tuple[AnyLiteral, ...]:
+        """All literals of the clause that the performer is to make true, each once, in the order of ``wanted``."""
+        wanted = dict.fromkeys(literal for wanted in self.wanted for literal in wanted.literals)
+        return tuple(literal for literal in wanted if literal not in self.usual)
 
     def wants(self, attribute: str) -> Wanted | None:
         """What is wanted of an attribute; None if nothing is."""
         return next((each for each in self.wanted if each.attribute == attribute), None)
+
+
+def _sorted_out(
+    literals: Sequence[AnyLiteral], known: Snapshot, at_rest: Nodes, tree: HypothesisTree, settings: Settings
+) -> list[Found]:
+    """What becomes of each literal: given, wanted, impossible or not to be judged, the cheapest to judge first."""
+    owners = {node.name: subtree for subtree in tree.subtrees for node in subtree.nodes()}
+    found: list[Found] = []
+    by_attribute: dict[str, list[AnyLiteral]] = {}
+    for literal in literals:
+        subtree = owners.get(literal.node)
+        if subtree is None:
+            found.append(Unjudged(literal, f"the tree has no node {literal.node}"))
+        elif (name := _attribute_of(subtree, literal.node)) not in known:
+            found.append(Unjudged(literal, f"nobody observes {name} in a state"))
+        elif literal.instant == 1 or name == POSTURE:
+            found.append(given(literal, at_rest))
+        else:
+            by_attribute.setdefault(subtree.attribute.name, []).append(literal)
+    for name in sorted(by_attribute, key=_order):
+        subtrees = tuple(subtree for subtree in tree.subtrees if subtree.attribute.name == name)
+        aspect = Aspect(tree.attributes[name], subtrees, tuple(by_attribute[name]), known, settings)
+        found += inverted(aspect, at_rest)
+    if is_taken(found):
+        found = [one for each in found for one in _left_to_the_taker(each, at_rest)]
+    return found
 
 
 def _order(attribute: str) -> tuple[int, str]:
@@ -154,16 +185,14 @@ def _attribute_of(subtree: Subtree, node: str) -> str:
     return subtree.attribute.name
 
 
-def is_taken(found: Iterable[Given | Wanted | Impossible | Unjudged]) -> bool:
+def is_taken(found: Iterable[Found]) -> bool:
     """Whether the target agent is to hold the thing in the end, whatever final value of its hands is chosen."""
     hands = next((each for each in found if isinstance(each, Wanted) and each.attribute == HANDS), None)
     values = () if hands is None else hands.values or ()
     return bool(values) and all(isinstance(each, Mapping) and v.HOLDING_OBJECT in each.values() for each in values)
 
 
-def _left_to_the_taker(
-    found: Given | Wanted | Impossible | Unjudged, at_rest: Nodes
-) -> Iterable[Given | Wanted | Impossible | Unjudged]:
+def _left_to_the_taker(found: Found, at_rest: Nodes) -> Iterable[Found]:
     """What was found; but that the thing moves in the other's hand is up to that one, and not impossible."""
     if isinstance(found, Impossible) and found.attribute == MOTION:
         return [given(literal, at_rest) for literal in found.literals]

@@ -16,7 +16,7 @@ from taskgist.common.frozen import FrozenMap
 from taskgist.facts import vocabulary as v
 from taskgist.facts.tree import Nodes
 from taskgist.facts.values import UNKNOWN, Observation, Raw, ScoreAttribute, SidedAttribute, SymbolAttribute
-from taskgist.learning.understanding import Literal
+from taskgist.learning.understanding import AnyLiteral
 from taskgist.planning.wanted import (
     HANDS,
     MOTION,
@@ -64,7 +64,7 @@ def inverted(aspect: Aspect, at_rest: Nodes) -> Iterator[Given | Wanted | Imposs
     yield wanted if wanted.values else Impossible(aspect.attribute.name, rest.literals, aspect.initial)
 
 
-def _unknown_at_the_start(literal: Literal, aspect: Aspect) -> Unjudged:
+def _unknown_at_the_start(literal: AnyLiteral, aspect: Aspect) -> Unjudged:
     return Unjudged(literal, f"what {aspect.attribute.name} was at the start is not known")
 
 

@@ -27,7 +27,7 @@ from taskgist.errors import InputError, UnknownNameError
 from taskgist.facts.predicates import Predicate
 from taskgist.facts.tree import Snapshot
 from taskgist.facts.values import UNKNOWN, Observation, Raw
-from taskgist.learning.understanding import Literal
+from taskgist.learning.understanding import AnyLiteral
 from taskgist.moving.gaze import aimed, subject_place
 from taskgist.observe.attributes import LADDERS, RESTING, effort_observations, predicate_observation
 from taskgist.perspective.effort import ABILITIES, Ability
@@ -58,7 +58,7 @@ class Verdict:
     """
 
     holds: Truth
-    failed: Literal | None = None
+    failed: AnyLiteral | None = None
     values: Mapping[str, Raw] = field(default_factory=FrozenMap)
     judge: int = 0
 
@@ -70,7 +70,7 @@ class EndFails(NamedTuple):
     """Why the end of an action will not do: with an agent where it is then, a literal fails."""
 
     agent: str
-    literal: Literal
+    literal: AnyLiteral
 
     def __str__(self) -> str:
         return f"with {self.agent} where it is in the end, {self.literal} fails"

@@ -27,6 +27,7 @@ from functools import cached_property
 from itertools import islice
 from typing import Any
 
+from taskgist.learning.understanding import Clause
 from taskgist.perspective.effort import EFFORT_NAMES, NO_KNOWN_LEVEL
 from taskgist.planning.actions import Actions
 from taskgist.planning.endings import Endings, Judged
@@ -312,6 +313,7 @@ class _Export:
             goal = [f"  (:goal (and (moved {never}) (not (moved {never}))))"]
         task = re.sub(r"[^a-z0-9]+", "-", self._request.clause.task.lower()).strip("-") or "task"
         lines = [
+            *_about(self._request.clause),
             f"(define (problem {task}-for-{names('agent', self._request.target)})",
             "  (:domain bringing)",
             "  (:objects",
@@ -376,6 +378,19 @@ def _place_of(places: Sequence[_Place], candidate: Candidate) -> _Place:
 
 def _at(place: _Place, candidate: Candidate) -> bool:
     return place.candidate is not None and bool((place.candidate.pose == candidate.pose).all())
+
+
+ASCII = {"←": "<-", "≠": "!=", "≤": "<=", "≥": ">=", "≈": "about"}
+"""Signs of clauses that not every reader of PDDL takes."""
+
+
+def _about(clause: Clause) -> Iterator[str]:
+    """What the problem is about, as comments: the rule by which it was learned, and each literal."""
+    yield f"; {clause.head} <-{f' by the rule {clause.rule}' if clause.rule else ''}"
+    for literals, what in ((clause.literals, ""), (clause.usual, "usually ")):
+        for literal in literals:
+            text = "".join(ASCII.get(sign, sign) for sign in str(literal))
+            yield f";   {what}{text}"
 
 
 def _domain(used: Sequence[int], sliding: Sequence[int]) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 
 from taskgist.common.arrays import Array
 from taskgist.common.frozen import FrozenMap
+from taskgist.learning.understanding import Clause
 from taskgist.moving.acting import RATE_HZ
 from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.planning.placing import Candidate
@@ -179,7 +180,7 @@ class Plan(About):
     """What is done to perform a task, by a robot or a person, and by those who help.
 
     Attributes:
-        task: Its name.
+        clause: What it is to make true.
         performer: Who performs it.
         target: For whom.
         thing: With what.
@@ -190,7 +191,7 @@ class Plan(About):
         also_with: Further things.
     """
 
-    task: str
+    clause: Clause
     performer: str
     target: str
     thing: str
@@ -199,6 +200,11 @@ class Plan(About):
     notes: tuple[str, ...] = ()
     also_for: tuple[str, ...] = ()
     also_with: tuple[str, ...] = ()
+
+    @property
+    def task(self) -> str:
+        """Name of the task."""
+        return self.clause.task
 
     @property
     def phases(self) -> tuple[Phase, ...]:

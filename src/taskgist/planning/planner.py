@@ -15,7 +15,7 @@ from taskgist.facts.predicates import Predicate
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import Raw
-from taskgist.learning.understanding import Literal
+from taskgist.learning.understanding import AnyLiteral
 from taskgist.perspective.effort import NO_KNOWN_LEVEL
 from taskgist.planning.actions import Actions
 from taskgist.planning.aims import Aim, aims_of, goal_of_all
@@ -212,7 +212,7 @@ class Planner:
         yield from sorted(islice(wanted, SPARED_AMONG), key=spent)
         yield from wanted
 
-    def _note(self, goal: Goal, literal: Literal, values: Mapping[str, Raw], candidate: Candidate) -> None:
+    def _note(self, goal: Goal, literal: AnyLiteral, values: Mapping[str, Raw], candidate: Candidate) -> None:
         """Keep the nearest miss of a literal."""
         for wanted in goal.wanted:
             if literal in wanted.literals and wanted.attribute in values:
@@ -227,7 +227,7 @@ class Planner:
         if self._endings.target_takes or actions[-1].taker in request.targets:
             efforts |= self._endings.target_levels(actions[-1].candidate)
         return Plan(
-            task=request.clause.task,
+            clause=request.clause,
             performer=request.performer,
             target=request.target,
             thing=request.thing,

@@ -10,7 +10,7 @@ from typing import NamedTuple, get_args
 
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.facts.values import Raw
-from taskgist.learning.understanding import Clause, Literal
+from taskgist.learning.understanding import AnyLiteral, Clause
 from taskgist.planning.judging import Attention, Reason
 from taskgist.planning.placing import Candidate
 from taskgist.planning.plan import About, Purpose
@@ -127,8 +127,8 @@ class Search:
 
     thing: str = ""
     places: int = 0
-    missed: Counter[Literal] = field(default_factory=Counter)
-    nearest: dict[Literal, Missed] = field(default_factory=dict)
+    missed: Counter[AnyLiteral] = field(default_factory=Counter)
+    nearest: dict[AnyLiteral, Missed] = field(default_factory=dict)
     out_of_hand: int = 0
     not_taken: Counter[str] = field(default_factory=Counter)
     unknown: int = 0
@@ -153,4 +153,4 @@ class Tried:
 
     what: str
     places: int
-    why: Reason | Literal
+    why: Reason | AnyLiteral

@@ -28,7 +28,7 @@ import numpy as np
 
 from taskgist.common.workers import Progress
 from taskgist.errors import SceneError
-from taskgist.learning.understanding import Literal
+from taskgist.learning.understanding import AnyLiteral
 from taskgist.planning.actions import Actions, WhyNot, after
 from taskgist.planning.endings import NOT_KNOWN, Endings, Judged, laden
 from taskgist.planning.judging import Reason
@@ -86,7 +86,7 @@ class _Trial:
 
     places: int = 0
     tried: int = 0
-    why: Reason | Literal = ""
+    why: Reason | AnyLiteral = ""
     blocked: tuple[int, tuple[str, ...]] | None = None
     flat: int | None = None
 

@@ -16,7 +16,7 @@ from taskgist.common.frozen import FrozenMap
 from taskgist.facts import vocabulary as v
 from taskgist.facts.tree import Nodes, Snapshot, Subtree
 from taskgist.facts.values import NOT_OBSERVED, UNKNOWN, Attribute, Observation, Raw, Unknown, Value
-from taskgist.learning.understanding import Literal
+from taskgist.learning.understanding import AnyLiteral
 from taskgist.perspective.effort import NO_KNOWN_ACTION, NO_KNOWN_LEVEL
 from taskgist.settings import Settings
 
@@ -35,12 +35,12 @@ class Given:
         found: What its node is then.
     """
 
-    literal: Literal
+    literal: AnyLiteral
     holds: Truth
     found: Value
 
 
-def given(literal: Literal, at_rest: Nodes) -> Given:
+def given(literal: AnyLiteral, at_rest: Nodes) -> Given:
     """A literal with what its node is if nothing happens."""
     return Given(literal, literal.holds(at_rest), at_rest[literal.node].value)
 
@@ -57,7 +57,7 @@ class Impossible:
     """
 
     attribute: str
-    literals: tuple[Literal, ...]
+    literals: tuple[AnyLiteral, ...]
     start: Raw
     reason: str = ""
 
@@ -72,7 +72,7 @@ class Impossible:
             return f"what is performed ends at rest: {wanted} cannot be"
         now = f"{self.attribute} is {_shown(self.start)}" if level is None else f"{aspect} is at level {level}"
         end = {v.BECOMES_DIFFICULT: "it cannot become more difficult", v.BECOMES_EASIER: "it cannot become easier"}
-        return f"{now} already: {end.get(self.literals[0].value, f'{wanted} cannot come about')}"
+        return f"{now} already: {end.get(self.literals[0].value or '', f'{wanted} cannot come about')}"
 
 
 def _shown(raw: Raw) -> str:
@@ -85,7 +85,15 @@ def _shown(raw: Raw) -> str:
 class Unjudged:
     """A literal that cannot be judged here, and a sentence why."""
 
-    literal: Literal
+    literal: AnyLiteral
+    why: str
+
+
+@dataclass(frozen=True)
+class Dropped:
+    """A usual circumstance that is not asked for, because it cannot be had here, and a sentence why."""
+
+    literal: AnyLiteral
     why: str
 
 
@@ -118,7 +126,7 @@ class Aspect:
 
     attribute: Attribute
     subtrees: tuple[Subtree, ...]
-    literals: tuple[Literal, ...]
+    literals: tuple[AnyLiteral, ...]
     start: Snapshot = field(repr=False)
     settings: Settings = field(repr=False)
 
@@ -139,7 +147,7 @@ class Aspect:
         nodes = self.nodes(found)
         return tuple(literal.holds(nodes) for literal in self.literals)
 
-    def of(self, literals: Iterable[Literal]) -> Aspect:
+    def of(self, literals: Iterable[AnyLiteral]) -> Aspect:
         """The same for other literals on it."""
         return Aspect(self.attribute, self.subtrees, tuple(literals), self.start, self.settings)
 
@@ -164,7 +172,7 @@ class Wanted:
         return self.aspect.attribute.name
 
     @property
-    def literals(self) -> tuple[Literal, ...]:
+    def literals(self) -> tuple[AnyLiteral, ...]:
         """The literals, in the order of the clause."""
         return self.aspect.literals
 
@@ -244,5 +252,5 @@ def _actions(aspect: Aspect, level: int) -> Sequence[str]:
     ends = {0: v.NO_ACTION, NO_KNOWN_LEVEL: NO_KNOWN_ACTION}
     if level in ends:
         return [ends[level]]
-    named = {literal.value for literal in aspect.literals} - set(ends.values())
+    named = {value for literal in aspect.literals for value in literal.values} - set(ends.values())
     return [*sorted(named), ANOTHER_ACTION]

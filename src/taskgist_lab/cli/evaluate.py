@@ -21,6 +21,8 @@ from taskgist.cli.common import (
 )
 from taskgist.common.workers import Progress
 from taskgist.errors import InputError, UnknownNameError
+from taskgist.learning.task_clauses import RULES
+from taskgist.learning.understanding import PAPER
 from taskgist.pipeline.shipped import TASKS
 from taskgist_lab.evaluation.clause_learning import clause_learning
 from taskgist_lab.evaluation.experiments import demonstrations_needed, transfer
@@ -85,6 +87,9 @@ def evaluate(
         Path | None,
         typer.Option("--kept", help="perform: file of trials: reused, extended, made if missing."),
     ] = None,
+    rule: Annotated[
+        str, typer.Option("--rule", help=f"perform: rule by which the tasks are learned: {' or '.join(RULES)}.")
+    ] = PAPER,
     processes: Annotated[
         int | None, typer.Option("--processes", help="Processes; one for each core by default.")
     ] = None,
@@ -108,8 +113,9 @@ def evaluate(
     judged by the task that a demonstration was played as, and by all that it fulfils.
 
     perform: in how many random rooms that can be solved robots perform the tasks of the study, how cleanly for a second
-    auditor, and in what time of the processor. The tasks cover, clear and relay are hide and show by these means alone,
-    in rooms that are made for it. Half a minute for each room, task and robot.
+    auditor, whether what was performed is the task by lines of sight and distances, and in what time of the processor.
+    The tasks cover, clear and relay are hide and show by these means alone, in rooms that are made for it. Half a
+    minute for each room, task and robot.
 
     The demonstrations are generated. Every number is a mean over random orders, with its spread. The first run makes
     the demonstrations, which takes minutes; --pool keeps them.
@@ -125,6 +131,7 @@ def evaluate(
         ([source], "source", LEARNED_FROM),
         (robots, "robot that is measured", ROBOTS),
         (tasks, "task of the study", (*TASKS, *TASK_OF)),
+        ([rule], "rule", RULES),
     ):
         for name in given or ():
             if name not in known:
@@ -138,6 +145,7 @@ def evaluate(
                 seed=seed,
                 tasks=[task for task in (*TASKS, *TASK_OF) if (task in tasks if tasks else task in TASKS)],
                 robots=[robot for robot in ROBOTS if not robots or robot in robots],
+                rule=rule,
                 processes=processes,
                 kept=kept,
                 progress=progress,

@@ -308,7 +308,7 @@ def _clause(columns: tuple[tuple[Value, ...], ...]) -> Values:
         for number, outcome in enumerate(zip(*columns, strict=True), start=1)
     ]
     clause = clause_of(understand(Experience.of("any", explanations)))
-    return {literal.node: literal.value for literal in clause.literals}
+    return {each.node: each.value for each in clause.literals if each.value is not None}
 
 
 # --- In how many displacements each predicate of the paper's clauses is learned all the same.

@@ -227,8 +227,8 @@ def test_an_interval_is_wilsons() -> None:
 def test_trials_are_tallied_by_what_can_be_solved() -> None:
     of = partial(Trial, 0, "perform-1-0000-0", "hide", "jido")
     trials = (
-        of(True, "", "found", controllable=True, strict=True, cpu_s=2.0),
-        of(True, "", "found", controllable=True, faults=("jump of it: 1",), cpu_s=4.0),
+        of(True, "", "found", controllable=True, strict=True, is_task=True, as_usual=False, cpu_s=2.0),
+        of(True, "", "found", controllable=True, is_task=False, faults=("jump of it: 1",), cpu_s=4.0),
         of(True, "", "performer", why=("3 × blocked",), cpu_s=9.0),
         of(False, "", "start", cpu_s=0.1),
     )
@@ -239,11 +239,13 @@ def test_trials_are_tallied_by_what_can_be_solved() -> None:
         Share(1, 2),
         Share(1, 2),
     )
+    assert (tally.is_task, tally.as_usual) == (Share(1, 2), Share(0, 1))
     assert (tally.cpu_s, tally.refusal_s) == ((3.0, 3.9), (4.55, 9.0))
     assert TrialsFound.of_json(json.loads(json.dumps(TrialsFound(1, trials).to_json()))) == TrialsFound(1, trials)
     assert set(MARK.findall(PAGE.read_text(encoding="utf-8"))) == parts(TrialsFound(1, trials)).keys()
-    shown, _, gates, faults = sheets(TrialsFound(1, trials))
+    shown, task, _, gates, faults = sheets(TrialsFound(1, trials))
     assert "2 of 3, 67%" in shown.rows[0][3]
+    assert "1 of 2, 50%" in task.rows[0][2]
     assert gates.rows[0][gates.header.index("performer")] == "1"
     assert faults.rows == (("jido: jump of it", "1"),)
 
@@ -258,6 +260,8 @@ def test_trials_that_are_kept_are_not_made_anew(tmp_path: Path) -> None:
     assert found.trials == (made,)
     with pytest.raises(InputError, match="another seed"):
         performed_trials(count=1, seed=6, tasks=("hide",), robots=("jido",), kept=kept)
+    with pytest.raises(InputError, match="by another rule; give --rule paper"):
+        performed_trials(count=1, seed=5, tasks=("hide",), robots=("jido",), rule="bayes", kept=kept)
     kept.write_text("[]")
     with pytest.raises(InputError, match="holds no trials"):
         performed_trials(count=1, seed=5, tasks=("hide",), robots=("jido",), kept=kept)

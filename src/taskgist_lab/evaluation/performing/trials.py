@@ -1,9 +1,11 @@
 """Trials: robots perform the six tasks in rooms that nobody developed on; how often, how cleanly, how long.
 
-A trial is a room, a task and a robot. The clause is that of the shipped study. Whether the task can be performed there
-is for ``solvable`` to say, before the robot is asked; then ``pipeline.performing.perform`` is asked once, with the
-processor's time measured, and what it returns is looked at again: by the second auditor, which shares no code with the
-first, and by the facts of the recording::
+A trial is a room, a task and a robot. The clause is that of the shipped study, by the rule that is asked for. Whether
+the task can be performed there is for ``solvable`` to say, before the robot is asked; then
+``pipeline.performing.perform`` is asked once, with the processor's time measured, and what it returns is looked at
+again: by the second auditor, which shares no code with the first, by the facts of the recording, and by the task's own
+geometric check, by lines of sight and distances alone (``generator.intentions``). For a clause that is too weak is
+performed with ease, and what was done is the task no more::
 
     found = performed_trials(count=10, seed=2000, tasks=TASKS, robots=ROBOTS)
     for sheet in sheets(found): ...
@@ -11,8 +13,9 @@ first, and by the facts of the recording::
 ``TASK_OF`` has three more "tasks": a thing is covered, the view to it cleared, or another robot helps; no other means
 is allowed then, and the rooms are made for it (``means_rooms``), which no sampling proves to be solvable.
 
-Tasks that take a thing away begin with it before the target agent. An arrangement of things with which the clause
-cannot come true from the start (nothing is easier to reach than what is at hand) is drawn anew, a few times.
+Tasks that take a thing away begin with it before the target agent. An arrangement of things with which the paper's
+clause cannot come true from the start (nothing is easier to reach than what is at hand) is drawn anew, a few times;
+so rooms are the same by whichever rule their tasks are learned.
 """
 
 from __future__ import annotations
@@ -23,7 +26,7 @@ import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -31,14 +34,16 @@ import numpy as np
 
 from taskgist.common.files import reading, writing
 from taskgist.common.workers import Progress, in_order, silent
-from taskgist.errors import InputError, TaskgistError
+from taskgist.errors import InputError, SceneError, TaskgistError
 from taskgist.facts.values import Unknown
-from taskgist.learning import Knowledge, clause_of
-from taskgist.learning.understanding import Clause
+from taskgist.learning import Knowledge
+from taskgist.learning.task_clauses import learned_clause
+from taskgist.learning.understanding import PAPER, Clause, conjunction
 from taskgist.pipeline.explain import explain_all
 from taskgist.pipeline.performing import Outcome, perform
 from taskgist.pipeline.shipped import TASKS, shipped_study
 from taskgist.planning.requests import Request
+from taskgist.recording.recording import Recording
 from taskgist.world.scene import Scene
 from taskgist_lab.evaluation.performing.means_rooms import TASK_OF
 from taskgist_lab.evaluation.performing.means_rooms import room_for as room_for_means
@@ -47,6 +52,7 @@ from taskgist_lab.evaluation.performing.second_audit import second_audit
 from taskgist_lab.evaluation.performing.solvable import Solvable, goal_of, solvable
 from taskgist_lab.evaluation.sheets import NONE, Sheet
 from taskgist_lab.evaluation.values import Result, rounded
+from taskgist_lab.generator.intentions import CHECKS
 from taskgist_lab.paper.displacements import wilson
 
 ROBOTS = ("pr2", "jido")
@@ -88,6 +94,9 @@ class Trial:
         faults: What the second auditor says of the returned plan.
         controllable: Whether all that was wanted holds by the facts of the recording; None without a plan.
         strict: Whether the whole clause holds; None without a plan, or if that is unknown.
+        is_task: Whether what was performed passes the task's own geometric check; None without a plan.
+        as_usual: Whether all usual circumstances of the clause hold; None without a plan, if that is unknown, or if
+            there are none.
         means: How the thing got there.
         carrier: What carries it in the end.
         cpu_s: The processor's time that it took.
@@ -105,6 +114,8 @@ class Trial:
     faults: tuple[str, ...] = ()
     controllable: bool | None = None
     strict: bool | None = None
+    is_task: bool | None = None
+    as_usual: bool | None = None
     means: str = ""
     carrier: str = ""
     cpu_s: float = 0.0
@@ -120,11 +131,19 @@ class Trial:
         return self.found and not self.faults
 
 
-def clauses() -> dict[str, Clause]:
-    """What the shipped study teaches, by task."""
+@cache
+def _study() -> Knowledge:
     paths = [path for paths in shipped_study().values() for path in paths]
-    known = Knowledge().add(*explain_all(paths, processes=1))
-    found = {task: clause_of(known.understand(task)) for task in TASKS}
+    return Knowledge().add(*explain_all(paths, processes=1))
+
+
+def clauses(rule: str = PAPER) -> dict[str, Clause]:
+    """What the shipped study teaches by a rule, by task; and by means.
+
+    Raises:
+        UnknownNameError: There is no such rule.
+    """
+    found = {task: learned_clause(_study(), task, rule) for task in TASKS}
     return found | {means: found[task] for means, task in TASK_OF.items()}
 
 
@@ -138,8 +157,17 @@ def room_for(task: str, clause: Clause, robot: str, *, seed: int, number: int) -
     return room, scene
 
 
-def trial(task: str, clause: Clause, robot: str, *, seed: int, number: int) -> Trial:
-    """Have a robot perform a task in a room, and look at what comes of it."""
+def trial(task: str, clause: Clause, robot: str, *, seed: int, number: int, arranged_by: Clause | None = None) -> Trial:
+    """Have a robot perform a task in a room, and look at what comes of it.
+
+    Args:
+        task: The task, or a means.
+        clause: What it means.
+        robot: Profile of the robot.
+        seed: Seed of the rooms.
+        number: Number of the room.
+        arranged_by: The clause that must be possible from the start; None: the same.
+    """
     for means in TASK_OF:
         if task == means:
             scene = room_for_means(means, robot, seed, number)
@@ -147,7 +175,7 @@ def trial(task: str, clause: Clause, robot: str, *, seed: int, number: int) -> T
             allow = ("shelf",) if means == "relay" else None  # the other side of the counter
             request = Request(clause, ROBOT, TARGET, THING, means=(means, "slide"), allow=allow)
             return tried(number, scene.name, scene, task, clause, robot, possible, request)
-    room, scene = room_for(task, clause, robot, seed=seed, number=number)
+    room, scene = room_for(task, arranged_by or clause, robot, seed=seed, number=number)
     possible = solvable(scene, clause, ROBOT, TARGET, THING)
     return tried(number, room.name, scene, task, clause, robot, possible)
 
@@ -192,17 +220,30 @@ def tried(
         for performer, thing in acted
         for fault in second_audit(scene, performer, thing, recording.times_s, recording.qpos, found.execution.holds)
     ]
-    literals = [literal for wanted in outcome.goal.wanted for literal in wanted.literals]
+    as_usual = conjunction(iter(found.usual.values()))
     return about(
         gate=FOUND,
         spoiled=outcome.spoiled,
         faults=tuple(fault.text for fault in faults),
-        controllable=all(literal.holds(found.explanation.nodes) is True for literal in literals),
+        controllable=all(each.holds(found.explanation.nodes) is True for each in outcome.goal.controllable),
         strict=None if isinstance(found.strict, Unknown) else found.strict,
+        is_task=is_task(TASK_OF.get(task, task), recording),
+        as_usual=None if isinstance(as_usual, Unknown) or not found.usual else as_usual,
         means=found.plan.candidate.means,
         carrier=found.plan.candidate.carrier,
         cpu_s=cpu_s,
     )
+
+
+def is_task(task: str, recording: Recording) -> bool | None:
+    """Whether a recording passes a task's own geometric check; None if there is none of it."""
+    if task not in CHECKS:
+        return None
+    try:
+        CHECKS[task](recording)
+    except SceneError:
+        return False
+    return True
 
 
 def refusal(outcome: Outcome) -> tuple[str, tuple[str, ...]]:
@@ -231,10 +272,12 @@ class TrialsFound(Result):
     Attributes:
         seed: Seed of the rooms.
         trials: All of them.
+        rule: By which rule their clauses were learned.
     """
 
     seed: int
     trials: tuple[Trial, ...]
+    rule: str = PAPER
 
     def of(self, task: str | None = None, robot: str | None = None) -> list[Trial]:
         """Those of a task and of a robot; None: of all."""
@@ -255,7 +298,7 @@ class TrialsFound(Result):
         """From plain data, as ``to_json`` gives them."""
         lists = ("why", "spoiled", "faults")
         trials = (Trial(**{**each, **{name: tuple(each[name]) for name in lists}}) for each in document["trials"])
-        return cls(document["seed"], tuple(trials))
+        return cls(document["seed"], tuple(trials), document.get("rule", PAPER))
 
     def to_json(self) -> dict[str, Any]:
         """Plain data: shares by task and robot, and every trial."""
@@ -264,7 +307,7 @@ class TrialsFound(Result):
             for task in self.tasks
             for robot in self.robots
         ]
-        return {"seed": self.seed, "rows": rows, "trials": [asdict(each) for each in self.trials]}
+        return {"seed": self.seed, "rule": self.rule, "rows": rows, "trials": [asdict(each) for each in self.trials]}
 
 
 @dataclass(frozen=True)
@@ -293,6 +336,12 @@ class Share:
         return {"count": self.count, "of": self.of, "low": rounded(low), "high": rounded(high)}
 
 
+def _share(truths: Iterable[bool | None]) -> Share:
+    """Those that are true, of those that are known."""
+    known = [truth for truth in truths if truth is not None]
+    return Share(sum(known), len(known))
+
+
 @dataclass(frozen=True)
 class Tally:
     """What some trials come to.
@@ -303,6 +352,8 @@ class Tally:
         clean: Of all returned plans, those in which the second auditor finds nothing.
         controllable: Of these, those in which all that is wanted holds.
         strict: Of these, those in which the whole clause holds.
+        is_task: Of those that were checked, those that pass the task's own geometric check.
+        as_usual: Of those of which it is known, those in which all usual circumstances hold.
         unsolvable_found: Plans where the sampling found none: it is no proof.
         cpu_s: Median, and 95 % quantile, of the time where a plan was found; NaN without.
         refusal_s: Median, and most, of the time that a refusal took.
@@ -313,6 +364,8 @@ class Tally:
     clean: Share
     controllable: Share
     strict: Share
+    is_task: Share
+    as_usual: Share
     unsolvable_found: int
     cpu_s: tuple[float, float]
     refusal_s: tuple[float, float]
@@ -331,6 +384,8 @@ class Tally:
             Share(sum(each.clean for each in found), len(found)),
             Share(sum(each.controllable is True for each in found), len(found)),
             Share(sum(each.strict is True for each in found), len(found)),
+            _share([each.is_task for each in found]),
+            _share([each.as_usual for each in found]),
             sum(not each.solvable for each in found),
             (rounded(np.median(times)), rounded(np.quantile(times, 0.95))),
             (rounded(np.median(refused)), rounded(max(refused))),
@@ -338,9 +393,8 @@ class Tally:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        shares = {
-            name: getattr(self, name).to_json() for name in ("solvable", "found", "clean", "controllable", "strict")
-        }
+        names = ("solvable", "found", "clean", "controllable", "strict", "is_task", "as_usual")
+        shares = {name: getattr(self, name).to_json() for name in names}
         times = {"cpu_s": self.cpu_s, "refusal_s": self.refusal_s}
         told = {name: [None if math.isnan(each) else each for each in pair] for name, pair in times.items()}
         return {**shares, "unsolvable_found": self.unsolvable_found, **told}
@@ -352,6 +406,7 @@ def performed_trials(
     seed: int,
     tasks: Sequence[str] = TASKS,
     robots: Sequence[str] = ROBOTS,
+    rule: str = PAPER,
     processes: int | None = None,
     kept: Path | None = None,
     progress: Progress = silent,
@@ -363,30 +418,33 @@ def performed_trials(
         seed: Their seed.
         tasks: Which tasks.
         robots: Profiles of the robots.
+        rule: By which rule the tasks are learned.
         processes: Processes; None: one for each core.
         kept: A file that need not exist: its trials are not made anew, and each new one is written to it as it comes.
         progress: Told how far it is.
 
     Raises:
-        InputError: The number of processes is less than one; the file holds something else, or trials of another seed.
+        InputError: The number of processes is less than one; the file holds something else, or trials of another seed
+            or rule.
+        UnknownNameError: There is no such rule.
     """
     jobs = [(number, task, robot) for number in range(count) for task in tasks for robot in robots]
-    known = {(each.number, each.task, each.robot): each for each in (_kept(kept, seed).trials if kept else ())}
+    known = {(each.number, each.task, each.robot): each for each in (_kept(kept, seed, rule).trials if kept else ())}
     missing = [job for job in jobs if job not in known]
     progress("learns the tasks from the study", 0.0)
-    for each in each_trial(missing, seed, processes):
+    for each in each_trial(missing, seed, processes, rule):
         known[each.number, each.task, each.robot] = each
         done = sum(job in known for job in jobs)
         progress(f"{each.task}, {each.robot}: {done} of {len(jobs)}", done / len(jobs))
         if kept:
-            _keep(TrialsFound(seed, tuple(known.values())), kept)
-    return TrialsFound(seed, tuple(known[job] for job in jobs))
+            _keep(TrialsFound(seed, tuple(known.values()), rule), kept)
+    return TrialsFound(seed, tuple(known[job] for job in jobs), rule)
 
 
-def _kept(path: Path, seed: int) -> TrialsFound:
+def _kept(path: Path, seed: int, rule: str) -> TrialsFound:
     """The trials of a file; none if there is no such file."""
     if not path.exists():
-        return TrialsFound(seed, ())
+        return TrialsFound(seed, (), rule)
     try:
         with reading(path, is_input=False) as stream:
             found = TrialsFound.of_json(json.load(stream)["perform"])
@@ -396,6 +454,9 @@ def _kept(path: Path, seed: int) -> TrialsFound:
     if found.seed != seed:
         hint = f"give --seed {found.seed}, or another file"
         raise InputError("holds trials of another seed", where=str(path), field="seed", value=seed, hint=hint)
+    if found.rule != rule:
+        hint = f"give --rule {found.rule}, or another file"
+        raise InputError("holds trials by another rule", where=str(path), field="rule", value=rule, hint=hint)
     return found
 
 
@@ -404,18 +465,26 @@ def _keep(found: TrialsFound, path: Path) -> None:
         stream.write(json.dumps({"perform": found.to_json()}).encode())
 
 
-def each_trial(jobs: Sequence[tuple[int, str, str]], seed: int, processes: int | None = None) -> Iterator[Trial]:
+def each_trial(
+    jobs: Sequence[tuple[int, str, str]], seed: int, processes: int | None = None, rule: str = PAPER
+) -> Iterator[Trial]:
     """Trials as they come, for each number of a room, task and robot."""
     if not jobs:
         return iter(())
-    meanings = clauses()
+    meanings, arranging = clauses(rule), clauses(PAPER)
     _warm_up(meanings, jobs, seed)
-    return in_order(partial(_trial_of, meanings, jobs, seed), len(jobs), processes)
+    return in_order(partial(_trial_of, meanings, arranging, jobs, seed), len(jobs), processes)
 
 
-def _trial_of(meanings: Mapping[str, Clause], jobs: Sequence[tuple[int, str, str]], seed: int, index: int) -> Trial:
+def _trial_of(
+    meanings: Mapping[str, Clause],
+    arranging: Mapping[str, Clause],
+    jobs: Sequence[tuple[int, str, str]],
+    seed: int,
+    index: int,
+) -> Trial:
     number, task, robot = jobs[index]
-    return trial(task, meanings[task], robot, seed=seed, number=number)
+    return trial(task, meanings[task], robot, seed=seed, number=number, arranged_by=arranging[task])
 
 
 def _warm_up(meanings: Mapping[str, Clause], jobs: Sequence[tuple[int, str, str]], seed: int) -> None:
@@ -431,18 +500,25 @@ def _warm_up(meanings: Mapping[str, Clause], jobs: Sequence[tuple[int, str, str]
 
 def sheets(found: TrialsFound) -> Iterator[Sheet]:
     """All that was found, as tables."""
+    rooms = {each.room.rsplit("-", 1)[0] for each in found.trials}
     groups = [(task, robot) for task in found.tasks for robot in found.robots]
     groups += [("all", robot) for robot in found.robots]
     tallies = {group: Tally.of(found.of(None if group[0] == "all" else group[0], group[1])) for group in groups}
     rows = tuple(
-        (*group, each.solvable.text, each.found.text, each.clean.text, each.controllable.text, each.strict.text)
+        (*group, *(share.text for share in (each.solvable, each.found, each.clean, each.controllable, each.strict)))
         for group, each in tallies.items()
     )
     yield Sheet(
-        f"Tasks performed in {len({each.room.rsplit('-', 1)[0] for each in found.trials})} arrangements of rooms",
+        f"Tasks performed in {len(rooms)} arrangements of rooms, learned by the rule {found.rule}",
         ("task", "robot", "solvable", "found of solvable", "second audit clean", "controllable", "strict clause"),
         rows,
         "In brackets: 95 % intervals (Wilson). Audit, controllable and strict: of all plans that were returned.",
+    )
+    yield Sheet(
+        "Is what was performed the task?",
+        ("task", "robot", "by its own geometric check", "as usual"),
+        tuple((*group, each.is_task.text, each.as_usual.text) for group, each in tallies.items()),
+        "Lines of sight and distances, which no facts are asked for; usual circumstances, where a clause has some.",
     )
     times = tuple((*group, *(_seconds(each.cpu_s)), *(_seconds(each.refusal_s))) for group, each in tallies.items())
     header = ("task", "robot", "found: median", "95 %", "refused: median", "most")
