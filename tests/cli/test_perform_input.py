@@ -38,6 +38,8 @@ REFUSED = {
     f"perform hide {ROOM} --robot P2 --for P2 --object cup -k k.db": "--for: a task is performed for another",
     f"perform hide {ROOM} {ASKED} -k k.db --attention tv": "no attention 'tv' (known: performer, stays,",
     f"perform hide {ROOM} {ASKED} -k k.db --allow tabel": "no support 'tabel'; did you mean 'table'?",
+    f"perform hide {ROOM} {ASKED} -k k.db --rule bays": "--rule: no rule 'bays'; did you mean 'bayes'?",
+    f"perform hid {ROOM} {ASKED} -k k.db --rule bayes": "no task 'hid'; did you mean 'hide'?",
     f"perform hid {ROOM} {ASKED} -k k.db": "no task 'hid'; did you mean 'hide'?",
     f"perform hide {ROOM} {ASKED} -k empty.db": "no task 'hide'",
     f"perform hide {ROOM} {ASKED} -k none.db": "none.db",

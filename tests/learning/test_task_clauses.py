@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from taskgist.learning import Answer, Context, Knowledge, Verdict
+import pytest
+
+from taskgist.errors import UnknownNameError
+from taskgist.learning import RULES, Answer, Context, Knowledge, Verdict, clause_of, learned_clause
 from taskgist.learning.background import shipped_background
 from taskgist.learning.task_clauses import learn_task, odd_demonstrations
 from tests.learning.learning_samples import STUDY, explained, study
@@ -39,6 +42,30 @@ def test_answers_fix_literals_until_they_are_withdrawn() -> None:
     relevant = irrelevant.answer(answered(Verdict.RELEVANT, 2))
     assert all(node in {each.node for each in one.literals} for one in learn_task(relevant, "hide").clauses)
     assert learn_task(relevant.answer(answered(None, 3)), "hide") == learn_task(known, "hide")
+
+
+def test_both_rules_give_one_shape_of_meaning() -> None:
+    known = knowledge("hide", "give")
+    paper, bayes = (learned_clause(known, "hide", rule) for rule in RULES)
+    assert paper == clause_of(known.understand("hide"))
+    assert (paper.rule, paper.usual) == ("paper", ())
+    learned = learn_task(known, "hide")
+    assert bayes.literals == learned.best.literals
+    assert bayes.usual == tuple(each.literal for each in learned.usual)
+    assert (bayes.rule, bayes.head, bayes.preconditions) == ("bayes", paper.head, ())
+    for each in known.explanations:
+        assert bayes.holds(each.nodes) is learned.best.holds(each.nodes)
+    document = bayes.to_json()
+    assert [each["text"] for each in document["effects"]] == [str(each) for each in learned.best.literals]
+    with pytest.raises(UnknownNameError, match=r"no rule 'bays'; did you mean 'bayes'\?"):
+        learned_clause(known, "hide", "bays")
+
+
+def test_nothing_is_learned_where_there_is_nothing_to_compare_with() -> None:
+    known = Knowledge().add(
+        *(replace(each, context=Context("other", "tree")) for each in knowledge("hide").explanations)
+    )
+    assert not learned_clause(known, "hide", "bayes").literals
 
 
 def test_a_mislabelled_demonstration_is_odd_and_looks_like_what_it_is() -> None:

@@ -14,12 +14,14 @@ from taskgist.errors import InputError
 from taskgist.facts import vocabulary as v
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import NEGLIGIBLE
-from taskgist.language.performing import chosen, refused, steps
+from taskgist.language.performing import as_usual, chosen, not_had, refused, steps
+from taskgist.learning.literals import SetLiteral
 from taskgist.learning.understanding import Clause, Literal
 from taskgist.performing.audit import audit
 from taskgist.performing.findings import Audit
 from taskgist.pipeline import performing
 from taskgist.pipeline.performing import Outcome, perform
+from taskgist.planning.one_by_one import OneByOne
 from taskgist.planning.requests import Request
 from taskgist.world import Scene, Stage
 from taskgist_lab.simulator.room import TABLE, Person, Room, Thing, on_table
@@ -145,6 +147,77 @@ def test_a_refusal_counts_every_place_once() -> None:
     told = refused(outcome.request, outcome.goal, search, outcome.spoiled, STANDARD_TREE)
     assert told[0] == f"{search.wanted} of {search.places} places would do"
     assert "sees next to nothing" in told[1]
+
+
+# --- Clauses of sets of values, as whole clauses have them, and usual circumstances.
+
+
+def among(node: str, *values: str, but: bool = False, bound: str = "") -> SetLiteral:
+    found = STANDARD_TREE.node(node)
+    return SetLiteral(found.name, found.title, values, but, bound, instant=found.instant)
+
+
+ON_SUPPORT, MOVING = among("placement.status.2", v.ON_SUPPORT), among("motion.status.2", v.MOVING)
+HARDER_TO_SEE = (
+    among("placement.status.2", v.IN_HAND, but=True),
+    among("hands.class", v.MANIP_GAINED, but=True),
+    among("see.effort.2", *v.SEE_EFFORTS[2:], bound="≥"),
+)
+
+
+def test_sets_of_values_are_performed_and_usual_circumstances_respected() -> None:
+    meaning = Clause("hide", HARDER_TO_SEE, usual=(ON_SUPPORT, MOVING), rule="bayes")
+    outcome = perform(scene("jido"), Request(meaning, "R", "P2", "cup"))
+    (found,) = outcome.performances
+    nodes = found.explanation.nodes
+    assert found.audit.clean
+    assert found.strict is True
+    assert nodes["see.effort.2"].value in v.SEE_EFFORTS[2:]
+    assert nodes["placement.status.2"].value == v.ON_SUPPORT
+    assert found.usual == {ON_SUPPORT: True, MOVING: False}
+    assert outcome.goal.controllable == HARDER_TO_SEE
+    (dropped,) = outcome.dropped
+    assert not_had(outcome.dropped, STANDARD_TREE) == (
+        f"usually the object ends moving, which is not asked for here: {dropped.why}",
+    )
+    told = "as usual the object ends on a support; not as usual, where the object ends moving"
+    assert as_usual(found.usual, STANDARD_TREE) == told
+    assert found.plan.clause == meaning
+
+
+def test_other_planners_are_told_what_it_is_about(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("taskgist.planning.pddl.MOST", 20)
+    meaning = Clause("hide", HARDER_TO_SEE, usual=(ON_SUPPORT,), rule="bayes")
+    request = Request(meaning, "R", "P2", "cup", allow=("white_box",), means=("move",))
+    told = OneByOne(scene("jido"), scene("jido").initial, request).pddl().problem
+    assert told.isascii()
+    assert told.startswith(
+        "; Task(hide) <- by the rule bayes\n;   (Object_Final_Status != In_Hand)\n"
+        ";   (Relative_Hand_Status != Manip_Gained)\n;   (Effort_to_See >= Head_Torso_Effort)\n"
+        ";   usually (Object_Final_Status = On_Support)\n(define "
+    )
+
+
+def test_usual_circumstances_are_left_where_nothing_is_found_with_them() -> None:
+    """There is no container here."""
+    inside = among("placement.status.2", v.INSIDE_CONTAINER)
+    meaning = Clause("put away", (among("reach.class", v.BECOMES_DIFFICULT),), usual=(inside,))
+    outcome = perform(scene("jido"), Request(meaning, "R", "P2", "cup", means=("move",)))
+    (found,) = outcome.performances
+    assert found.strict is True
+    assert found.usual == {inside: False}
+    assert [(each.literal, each.why) for each in outcome.dropped] == [(inside, "no way was found in which it is so")]
+    assert not outcome.goal.usual
+
+
+def test_a_set_that_fails_everywhere_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("taskgist.planning.planner.MOST_PLACES", 100)
+    meaning = Clause("hide", HARDER_TO_SEE)
+    outcome = perform(scene("jido"), Request(meaning, "R", "P2", "cup", allow=("white_box",), means=("move",)))
+    assert not outcome.performances
+    told = refused(outcome.request, outcome.goal, outcome.search, outcome.spoiled, STANDARD_TREE)
+    said = "seeing the object takes turning head and torso afterwards, or more, or is not possible"
+    assert f"it fails that {said}, the nearest with effort level" in told[1]
 
 
 @cache
