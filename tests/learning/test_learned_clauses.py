@@ -194,6 +194,20 @@ def test_what_always_was_so_but_usually_is_stands_apart() -> None:
     assert not unlike.usual
 
 
+def test_what_else_was_always_so_is_told_once_and_never_of_what_is_said_or_usual() -> None:
+    """Of a branch the deepest: that it becomes harder to see is said by the effort, and not by the nature above."""
+    constant = {"see.nature": "Not_Supportive", "motion.status.2": "Static", "posture.class": "Maintained"}
+    others = [{**USUAL, **constant, "see.nature": "Supportive"}, {**USUAL, "motion.status.2": "Moving"}] * 2
+    others += [{**USUAL, "posture.class": "Changed"}] * 2
+    posterior = learned([{**RARE, **constant}] * 5, others)
+    assert [each.node for each in posterior.best.literals] == ["see.effort.2"]
+    assert [each.literal.node for each in posterior.usual] == ["placement.status.2"]
+    assert [each.literal.node for each in posterior.always] == ["posture.class", "motion.status.2"]
+    assert all(each.support.k == each.support.n == 5 for each in posterior.always)
+    varied = learned([{**RARE, **constant}] * 5 + [{**RARE, "motion.status.2": "Moving"}], others)
+    assert [each.literal.node for each in varied.always] == ["posture.class"]
+
+
 def test_what_was_told_to_be_irrelevant_is_in_no_clause() -> None:
     evidence = Evidence.of({"task": [RARE] * 5, "other": [USUAL] * 10})
     posterior = learn_clauses(evidence, "task", told=Told(irrelevant=frozenset({"see.effort.2"})))

@@ -52,6 +52,7 @@ def test_both_rules_give_one_shape_of_meaning() -> None:
     learned = learn_task(known, "hide")
     assert bayes.literals == learned.best.literals
     assert bayes.usual == tuple(each.literal for each in learned.usual)
+    assert bayes.circumstances == (*bayes.usual, *(each.literal for each in learned.always))
     assert (bayes.rule, bayes.head, bayes.preconditions) == ("bayes", paper.head, ())
     for each in known.explanations:
         assert bayes.holds(each.nodes) is learned.best.holds(each.nodes)

@@ -14,7 +14,7 @@ from taskgist.errors import InputError
 from taskgist.facts import vocabulary as v
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import NEGLIGIBLE
-from taskgist.language.performing import as_usual, chosen, not_had, refused, steps
+from taskgist.language.performing import as_shown, chosen, not_had, refused, steps
 from taskgist.learning.literals import SetLiteral
 from taskgist.learning.understanding import Clause, Literal
 from taskgist.performing.audit import audit
@@ -174,14 +174,17 @@ def test_sets_of_values_are_performed_and_usual_circumstances_respected() -> Non
     assert found.strict is True
     assert nodes["see.effort.2"].value in v.SEE_EFFORTS[2:]
     assert nodes["placement.status.2"].value == v.ON_SUPPORT
-    assert found.usual == {ON_SUPPORT: True, MOVING: False}
+    assert found.circumstances == {ON_SUPPORT: True, MOVING: False}
     assert outcome.goal.controllable == HARDER_TO_SEE
     (dropped,) = outcome.dropped
     assert not_had(outcome.dropped, STANDARD_TREE) == (
-        f"usually the object ends moving, which is not asked for here: {dropped.why}",
+        f"in all demonstrations the object ends moving, which is not asked for here: {dropped.why}",
     )
-    told = "as usual the object ends on a support; not as usual, where the object ends moving"
-    assert as_usual(found.usual, STANDARD_TREE) == told
+    told = (
+        "as in all demonstrations the object ends on a support; "
+        "otherwise than in all demonstrations, where the object ends moving"
+    )
+    assert as_shown(found.circumstances, STANDARD_TREE) == told
     assert found.plan.clause == meaning
 
 
@@ -205,9 +208,18 @@ def test_usual_circumstances_are_left_where_nothing_is_found_with_them() -> None
     outcome = perform(scene("jido"), Request(meaning, "R", "P2", "cup", means=("move",)))
     (found,) = outcome.performances
     assert found.strict is True
-    assert found.usual == {inside: False}
+    assert found.circumstances == {inside: False}
     assert [(each.literal, each.why) for each in outcome.dropped] == [(inside, "no way was found in which it is so")]
-    assert not outcome.goal.usual
+    assert not outcome.goal.circumstances
+
+
+def test_what_was_always_so_is_left_before_what_is_usual() -> None:
+    inside, free = among("placement.status.2", v.INSIDE_CONTAINER), among("hands.status.2", v.FREE_OF_OBJECT)
+    meaning = Clause("put away", (among("reach.class", v.BECOMES_DIFFICULT),), usual=(free,), always=(inside,))
+    outcome = perform(scene("jido"), Request(meaning, "R", "P2", "cup", means=("move",)))
+    assert outcome.goal.circumstances == (free,)
+    assert [each.literal for each in outcome.dropped] == [inside]
+    assert outcome.performances[0].circumstances == {free: True, inside: False}
 
 
 def test_a_set_that_fails_everywhere_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None:

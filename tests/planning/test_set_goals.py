@@ -113,13 +113,13 @@ ON_SUPPORT, STATIC = literal("placement.status.2", v.ON_SUPPORT), literal("motio
 
 def test_usual_circumstances_are_wanted_and_no_part_of_the_clause() -> None:
     goal = goal_of(HARDER, usual=(ON_SUPPORT, STATIC))
-    assert goal.usual == (ON_SUPPORT, STATIC)
+    assert goal.circumstances == (ON_SUPPORT, STATIC)
     assert {each.attribute: each.values for each in goal.wanted if each.attribute != "see.effort"} == {
         "placement": (v.ON_SUPPORT,),
         "motion": (v.STATIC,),
     }
     assert goal.controllable == (HARDER,)
-    assert goal_of_all([Aim("P2", "cup", goal), Aim("P3", "cup", goal)]).usual == goal.usual
+    assert goal_of_all([Aim("P2", "cup", goal), Aim("P3", "cup", goal)]).circumstances == goal.circumstances
 
 
 def test_what_the_start_or_the_clause_rules_out_is_dropped_alone() -> None:
@@ -129,22 +129,22 @@ def test_what_the_start_or_the_clause_rules_out_is_dropped_alone() -> None:
     goal = goal_of(gets, usual=(moving, empty, STATIC))
     assert [each.literal for each in goal.dropped] == [empty]
     assert "(Relative_Hand_Status = Manip_Gained) and (Final_Hand_Status = Free_of_Object)" in goal.dropped[0].why
-    assert goal.usual == (STATIC,), "that it moves is up to whoever has it in hand"
+    assert goal.circumstances == (STATIC,), "that it moves is up to whoever has it in hand"
     assert not goal.impossible
     lost = goal_of(HARDER, usual=(moving, ON_SUPPORT))
     assert [each.literal for each in lost.dropped] == [moving]
     assert lost.dropped[0].why == "what is performed ends at rest: (Object_Final_Motion_Status = Moving) cannot be"
-    assert lost.usual == (ON_SUPPORT,)
+    assert lost.circumstances == (ON_SUPPORT,)
 
 
 def test_two_that_exclude_each_other_are_not_both_wanted() -> None:
     goal = goal_of(HARDER, usual=(ON_SUPPORT, literal("placement.status.2", v.INSIDE_CONTAINER)))
-    assert goal.usual == (ON_SUPPORT,)
+    assert goal.circumstances == (ON_SUPPORT,)
     assert len(goal.dropped) == 1
 
 
 def test_what_is_not_up_to_the_performer_is_not_asked_for() -> None:
     stands = Literal("posture.value.2", "Final_Posture", "Standing", 2)
     goal = goal_of(HARDER, usual=(stands,))
-    assert (goal.usual, goal.dropped, goal.given) == ((), (), ())
+    assert (goal.circumstances, goal.dropped, goal.given) == ((), (), ())
     assert goal.wanted == goal_of(HARDER).wanted

@@ -124,8 +124,8 @@ def perform(
     Of several agents the clause must hold for each: one place for all. Several objects are brought one after the
     other, and what is done is not undone. A robot that is not in the room is placed there: --robot pr2 --at 1,0.5,90.
 
-    --rule says by which rule the task is understood, as in explain. What whole clauses (bayes) tell as usual
-    circumstances is wanted beside the clause where it can be had, and told where it cannot.
+    --rule says by which rule the task is understood, as in explain. Beside a whole clause (bayes) what is usual, and
+    what else was so in all demonstrations, is wanted where it can be had, and told where it cannot.
 
     Example: taskgist perform hide room.toml --robot PR2 --for P2 --object cup
 
@@ -218,7 +218,7 @@ def _clause(knowledge: str, task: str, rule: str) -> Clause:
 
 def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> None:
     """Print what was chosen and done, way by way, and the files that were written; or why there is none."""
-    from taskgist.language.performing import as_usual, assumed, chosen, cost, refused, steps, would_help
+    from taskgist.language.performing import as_shown, assumed, chosen, cost, refused, steps, would_help
 
     tree, request = with_predicates(STANDARD_TREE), outcome.request
     console.print(Text(f"{request.clause}{f'   by the rule {request.clause.rule}' if request.clause.rule else ''}"))
@@ -232,7 +232,7 @@ def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> No
         console.print(f"  audited in {len(found.execution.recording.times_s)} frames and between them: clean")
         so = f"what {request.clause.task} means for {listed(request.targets)} is so"
         console.print(f"  judged by its facts: {so}; {_strict(found)}")
-        if told := as_usual(found.usual, tree):
+        if told := as_shown(found.circumstances, tree):
             console.print(f"  {told}")
         for path in written[number].values():
             console.print(f"  saved {path}")
@@ -332,7 +332,9 @@ def _way_document(found: Performance, files: Mapping[str, Path]) -> dict[str, An
         "duration_s": round(plan.duration_s, 3),
         "audit": found.audit.to_json(),
         "strict": _known(found.strict),
-        "usual": [{"literal": str(literal), "holds": _known(holds)} for literal, holds in found.usual.items()],
+        "circumstances": [
+            {"literal": str(literal), "holds": _known(holds)} for literal, holds in found.circumstances.items()
+        ],
         "files": {name: str(path) for name, path in files.items()},
     }
 

@@ -127,14 +127,22 @@ def not_as_demonstrated(goal: Goal, tree: HypothesisTree) -> tuple[str, ...]:
 
 
 def not_had(dropped: Sequence[Dropped], tree: HypothesisTree) -> tuple[str, ...]:
-    """Usual circumstances that could not be asked for, and why."""
-    return tuple(f"usually {_said(each.literal, tree)}, which is not asked for here: {each.why}" for each in dropped)
+    """Circumstances that could not be asked for, and why."""
+    return tuple(
+        f"in all demonstrations {_said(each.literal, tree)}, which is not asked for here: {each.why}"
+        for each in dropped
+    )
 
 
-def as_usual(usual: Mapping[AnyLiteral, Truth], tree: HypothesisTree) -> str:
-    """Which usual circumstances are so, and which are not, where a task was performed; empty if there are none."""
-    parts = (("as usual", True), ("not as usual, where", False), ("of what is usual it is not known whether", UNKNOWN))
-    told = ((how, [_said(literal, tree) for literal, holds in usual.items() if holds is truth]) for how, truth in parts)
+def as_shown(circumstances: Mapping[AnyLiteral, Truth], tree: HypothesisTree) -> str:
+    """Which circumstances are so, and which are not, where a task was performed; empty if there are none."""
+    parts = (
+        ("as in all demonstrations", True),
+        ("otherwise than in all demonstrations, where", False),
+        ("it is not known whether as in all demonstrations", UNKNOWN),
+    )
+    so = [(how, [literal for literal, holds in circumstances.items() if holds is truth]) for how, truth in parts]
+    told = ((how, [_said(literal, tree) for literal in literals]) for how, literals in so)
     return "; ".join(f"{how} {listed(said)}" for how, said in told if said)
 
 

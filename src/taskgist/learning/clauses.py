@@ -123,6 +123,10 @@ class ClausePosterior:
     """Usual circumstances: final states that were always so, and that usually are so in the background."""
     compared: FrozenMap[str, int]
     """Demonstrations by kind of background."""
+    always: tuple[LiteralSupport, ...] = ()
+    """What else was always so, final states and changes, of those in one branch of the tree the deepest. It is not so
+    usual that nobody would do otherwise, nor so rare beside the clause that it says more. Who recognises a task does
+    without it; who performs the task had better do the same."""
 
     @property
     def best(self) -> WeighedClause:
@@ -182,6 +186,7 @@ def learn_clauses(
         alone=tuple(map(search.alone, found[0].members)),
         usual=search.usual(found[0]),
         compared=FrozenMap({name: kind.count for name, kind in evidence.kinds.items() if name != task}),
+        always=search.always(found[0]),
     )
 
 
@@ -261,6 +266,7 @@ class _Search:
 
     def __init__(self, evidence: Evidence, task: str, tree: HypothesisTree, told: Told) -> None:
         own = evidence.kind(task)
+        self._tree = tree
         self._n = own.count
         self._own = (1 << own.count) - 1
         others = [kind for name, kind in evidence.kinds.items() if name != task and kind.count]
@@ -303,13 +309,28 @@ class _Search:
 
     def usual(self, best: _Found) -> tuple[LiteralSupport, ...]:
         """Final states that always were so, and usually are, but for those of the best clause."""
+        constant = self._constant(best)
+        return tuple(each for each in constant if each.literal.instant == 2 and each.support.chance >= USUAL)
+
+    def always(self, best: _Found) -> tuple[LiteralSupport, ...]:
+        """What else was always so: the deepest values of each branch, but for what is said or usual."""
+        constant, usual = self._constant(best), self.usual(best)
+        above = {name for each in (*constant, *usual) for name in self._ancestors(each.literal.node)}
+        above |= {name for index in best.members for name in self._ancestors(self._candidates[index].literal.node)}
+        return tuple(each for each in constant if each not in usual and each.literal.node not in above)
+
+    def _ancestors(self, node: str) -> Iterator[str]:
+        return (each.name for each in self._tree.ancestors(node))
+
+    def _constant(self, best: _Found) -> list[LiteralSupport]:
+        """Values that nodes always had, but for those of the best clause."""
         said = {self._candidates[index].literal.node for index in best.members}
         single = (
             self.alone(index)
             for index, candidate in enumerate(self._candidates)
-            if candidate.literal.node not in said and candidate.literal.is_value and candidate.literal.instant == 2
+            if candidate.literal.node not in said and candidate.literal.is_value
         )
-        return tuple(each for each in single if each.support.k == each.support.n > 0 and each.support.chance >= USUAL)
+        return [each for each in single if each.support.k == each.support.n > 0]
 
     def _support(self, true: int, false: int) -> Support:
         k, misses = ((bits & self._own).bit_count() for bits in (true, false))

@@ -93,7 +93,7 @@ def learned_clause(
         of: For whom: its target agents, or who performs it; as ``Knowledge.experience``.
 
     Returns:
-        The clause; of whole clauses the best one, usual circumstances kept apart. It has no literals where nothing was
+        The clause; of whole clauses the best one, circumstances kept apart. It has no literals where nothing was
         learned.
 
     Raises:
@@ -105,8 +105,8 @@ def learned_clause(
     if rule == PAPER:
         return clause_of(knowledge.understand(task, tree, of=of))
     own, learned = knowledge.experience(task, of), learn_task(knowledge, task, tree, of)
-    usual = tuple(each.literal for each in learned.usual)
-    return Clause(own.task, learned.best.literals, several_of(own), own.tree_of, usual, rule)
+    usual, always = (tuple(each.literal for each in part) for part in (learned.usual, learned.always))
+    return Clause(own.task, learned.best.literals, several_of(own), own.tree_of, usual, always, rule)
 
 
 @dataclass(frozen=True)

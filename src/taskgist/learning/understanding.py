@@ -408,6 +408,8 @@ class Clause:
         tree_of: For whom they hold: the target agents, or who performs it.
         usual: Usual circumstances, which are no part of the meaning: final states that were always so in the
             demonstrations, and usually are so anyway. The paper's rule does not tell them from meaning, and has none.
+        always: What else was always so in the demonstrations, and is not rare enough beside the literals to be meant.
+            Who recognises the task does without it; who performs it keeps to it, and to what is usual, where it can.
         rule: By which rule it was learned; empty if by none. It makes no clause another one.
     """
 
@@ -416,7 +418,13 @@ class Clause:
     each_of: tuple[Role, ...] = ()
     tree_of: TreeOf = "target"
     usual: tuple[AnyLiteral, ...] = ()
+    always: tuple[AnyLiteral, ...] = ()
     rule: str = field(default="", compare=False)
+
+    @property
+    def circumstances(self) -> tuple[AnyLiteral, ...]:
+        """What was always so in the demonstrations and is no part of the meaning, the usual first."""
+        return (*self.usual, *self.always)
 
     @property
     def effects(self) -> tuple[AnyLiteral, ...]:
@@ -442,8 +450,13 @@ class Clause:
         return conjunction(literal.holds(nodes) for literal in self.literals)
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data: text, effects, preconditions and usual circumstances."""
-        parts = {"effects": self.effects, "preconditions": self.preconditions, "usual": self.usual}
+        """Plain data: text, effects, preconditions and circumstances."""
+        parts = {
+            "effects": self.effects,
+            "preconditions": self.preconditions,
+            "usual": self.usual,
+            "always": self.always,
+        }
         return {"text": str(self), **{name: list(map(literal_to_json, part)) for name, part in parts.items()}}
 
 

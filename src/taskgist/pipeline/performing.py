@@ -8,9 +8,10 @@ and the next one is asked for; only what is clean and judged true is returned::
     for performance in outcome.performances:
         write(performance.execution.recording, "done.mcap")
 
-Usual circumstances of the clause (the thing ends at rest, on a support) are respected where they can be had: they are
-wanted beside it, but for those that the start rules out. Where nothing comes through so, it is tried again by the
-clause alone. They spoil no performance: whether each holds in it is told.
+Circumstances of the clause (usually the thing ends on a support; in all demonstrations it was out of view) are
+respected where they can be had: they are wanted beside it, but for those that the start rules out. Where nothing comes
+through so, it is tried again with the usual ones, and at last by the clause alone. They spoil no performance: whether
+each holds in it is told.
 """
 
 from __future__ import annotations
@@ -46,8 +47,8 @@ from taskgist.world.scene import Scene
 from taskgist.world.state import State
 
 NONE_SO = "no way was found in which it is so"
-NONE_WITH_ALL = "no way was found in which all usual circumstances are so"
-"""Why usual circumstances are dropped that the start does not rule out."""
+NONE_WITH_ALL = "no way was found in which all these circumstances are so"
+"""Why circumstances are dropped that the start does not rule out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +61,7 @@ class Performance:
         audit: What the audit looked at; it is clean.
         explanation: The facts of what happened.
         strict: Whether the whole clause holds, given literals among it.
-        usual: Whether each usual circumstance of the clause holds in what happened.
+        circumstances: Whether each circumstance of the clause holds in what happened.
     """
 
     plan: Plan
@@ -68,7 +69,7 @@ class Performance:
     audit: Audit
     explanation: Explanation
     strict: bool | Unknown
-    usual: FrozenMap[AnyLiteral, bool | Unknown]
+    circumstances: FrozenMap[AnyLiteral, bool | Unknown]
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +84,7 @@ class Outcome:
         spoiled: Why plans were thrown away after they were carried out, a sentence for each.
         planner: What planned it.
         helps: If nothing came through: changes of the room with which it would.
-        dropped: Usual circumstances that could not be had.
+        dropped: Circumstances that could not be had.
     """
 
     request: Request
@@ -130,26 +131,31 @@ def perform(
     """
     state = scene.initial if state is None else state
     found, spoiled, dropped = list[Performance](), list[str](), tuple[Dropped, ...]()
-    alone = replace(request, clause=replace(request.clause, usual=()))
-    for asked in (request, alone):
-        planner = OneByOne(scene, state, asked, tree=tree, settings=settings, predicates=predicates)
+    clause = request.clause
+    while True:
+        planner = OneByOne(
+            scene, state, replace(request, clause=clause), tree=tree, settings=settings, predicates=predicates
+        )
         if not all(moves_itself(scene.agent(name)) for name in planner.may_act):
             planners()  # before any long work
         spoiled.clear()
         for plan in planner.plans(progress):
             progress("carrying the plan out", 1.0)
-            tried = _tried(planner, plan, request.clause.usual, tree, settings, predicates)
+            tried = _tried(planner, plan, request.clause.circumstances, tree, settings, predicates)
             if isinstance(tried, Performance):
                 found.append(tried)
             else:
                 spoiled.append(tried)
             if len(found) == ways:
                 break
-        dropped += planner.goal.dropped
-        if found or not planner.goal.usual:
+        dropped += tuple(each for each in planner.goal.dropped if each not in dropped)
+        kept = planner.goal.circumstances
+        if found or not kept:
             break
-        why = NONE_SO if len(planner.goal.usual) == 1 else NONE_WITH_ALL
-        dropped += tuple(Dropped(literal, why) for literal in planner.goal.usual)
+        always = tuple(each for each in kept if each in clause.always)
+        why = NONE_SO if len(kept) == 1 else NONE_WITH_ALL
+        dropped += tuple(Dropped(literal, why) for literal in always or kept)
+        clause = replace(clause, usual=clause.usual if always else (), always=())
     if not found:
         progress("what would help", 1.0)
     helps = () if found else planner.helps()
@@ -169,7 +175,7 @@ def planners() -> None:
 def _tried(
     planner: OneByOne,
     plan: Plan,
-    usual: Sequence[AnyLiteral],
+    circumstances: Sequence[AnyLiteral],
     tree: HypothesisTree,
     settings: Settings,
     predicates: Sequence[Predicate],
@@ -206,7 +212,7 @@ def _tried(
             return f"judged by its facts {failed} fails{whose}: it is {value}"
     parts: Sequence[Nodes] = [each.nodes for each in explanation.parts or (explanation,)]
     strict = conjunction(request.clause.holds(nodes) for nodes in parts)
-    so = FrozenMap({literal: conjunction(literal.holds(nodes) for nodes in parts) for literal in usual})
+    so = FrozenMap({literal: conjunction(literal.holds(nodes) for nodes in parts) for literal in circumstances})
     return Performance(plan, execution, found, explanation, strict, so)
 
 

@@ -100,7 +100,7 @@ def goal_of_all(aims: Sequence[Aim]) -> Goal:
         wanted=tuple(wanted),
         impossible=tuple(impossible.values()),
         unjudged=tuple(unjudged),
-        usual=tuple(dict.fromkeys(each for aim in aims for each in aim.goal.usual)),
+        circumstances=tuple(dict.fromkeys(each for aim in aims for each in aim.goal.circumstances)),
         dropped=tuple(dict.fromkeys(each for aim in aims for each in aim.goal.dropped)),
     )
 

@@ -26,9 +26,9 @@ whatever a comparison or nature means, also a user's own, its inversion means th
 the target agent's hands only about what it puts into them or takes out of them; of the target agent's posture nothing.
 A literal that holds only if the target agent itself does something is *given*: told with its truth at the start.
 
-**Usual circumstances** of a clause are wanted like its literals, one after the other, as far as this start admits them
-beside those and the ones before. One that it rules out is dropped, and told; one that is not the performer's to decide
-is not asked for.
+**Circumstances** of a clause, usual ones and what else was always so, are wanted like its literals, one after the
+other, as far as this start admits them beside those and the ones before. One that it rules out is dropped, and told;
+one that is not the performer's to decide is not asked for.
 """
 
 from __future__ import annotations
@@ -83,8 +83,8 @@ class Goal:
         wanted: What the performer is to bring about, the cheapest to judge first.
         impossible: What cannot be brought about from this start.
         unjudged: Literals that cannot be judged here.
-        usual: Usual circumstances that are wanted, too; they stand in ``wanted`` beside the literals.
-        dropped: Usual circumstances that this start rules out.
+        circumstances: Those that are wanted, too; they stand in ``wanted`` beside the literals.
+        dropped: Circumstances that this start rules out.
     """
 
     clause: Clause
@@ -92,7 +92,7 @@ class Goal:
     wanted: tuple[Wanted, ...]
     impossible: tuple[Impossible, ...]
     unjudged: tuple[Unjudged, ...]
-    usual: tuple[AnyLiteral, ...] = ()
+    circumstances: tuple[AnyLiteral, ...] = ()
     dropped: tuple[Dropped, ...] = ()
 
     @classmethod
@@ -112,14 +112,14 @@ class Goal:
         known = FrozenMap({name: start[name] for name in tree.attributes if name in start})
         at_rest = tree.instantiate(known, known, settings)  # every node if nothing happens
         found = _sorted_out(clause.literals, known, at_rest, tree, settings)
-        usual, dropped = list[AnyLiteral](), list[Dropped]()
-        for literal in clause.usual:
-            more = _sorted_out((*clause.literals, *usual, literal), known, at_rest, tree, settings)
+        kept, dropped = list[AnyLiteral](), list[Dropped]()
+        for literal in clause.circumstances:
+            more = _sorted_out((*clause.literals, *kept, literal), known, at_rest, tree, settings)
             against = next((each for each in more if isinstance(each, Impossible) and literal in each.literals), None)
             if against is not None:
                 dropped.append(Dropped(literal, against.why))
             elif any(isinstance(each, Wanted) and literal in each.literals for each in more):
-                usual.append(literal)
+                kept.append(literal)
                 found = more
         return cls(
             clause,
@@ -127,7 +127,7 @@ class Goal:
             wanted=tuple(each for each in found if isinstance(each, Wanted)),
             impossible=tuple(each for each in found if isinstance(each, Impossible)),
             unjudged=tuple(each for each in found if isinstance(each, Unjudged)),
-            usual=tuple(usual),
+            circumstances=tuple(kept),
             dropped=tuple(dropped),
         )
 
@@ -135,7 +135,7 @@ class Goal:
     def controllable(self) -> tuple[AnyLiteral, ...]:
         """All literals of the clause that the performer is to make true, each once, in the order of ``wanted``."""
         wanted = dict.fromkeys(literal for wanted in self.wanted for literal in wanted.literals)
-        return tuple(literal for literal in wanted if literal not in self.usual)
+        return tuple(literal for literal in wanted if literal not in self.circumstances)
 
     def wants(self, attribute: str) -> Wanted | None:
         """What is wanted of an attribute; None if nothing is."""

@@ -387,7 +387,7 @@ ASCII = {"←": "<-", "≠": "!=", "≤": "<=", "≥": ">=", "≈": "about"}
 def _about(clause: Clause) -> Iterator[str]:
     """What the problem is about, as comments: the rule by which it was learned, and each literal."""
     yield f"; {clause.head} <-{f' by the rule {clause.rule}' if clause.rule else ''}"
-    for literals, what in ((clause.literals, ""), (clause.usual, "usually ")):
+    for literals, what in ((clause.literals, ""), (clause.usual, "usually "), (clause.always, "always shown ")):
         for literal in literals:
             text = "".join(ASCII.get(sign, sign) for sign in str(literal))
             yield f";   {what}{text}"

@@ -91,7 +91,7 @@ class Unjudged:
 
 @dataclass(frozen=True)
 class Dropped:
-    """A usual circumstance that is not asked for, because it cannot be had here, and a sentence why."""
+    """A circumstance that is not asked for, because it cannot be had here, and a sentence why."""
 
     literal: AnyLiteral
     why: str

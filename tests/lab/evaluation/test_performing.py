@@ -227,7 +227,7 @@ def test_an_interval_is_wilsons() -> None:
 def test_trials_are_tallied_by_what_can_be_solved() -> None:
     of = partial(Trial, 0, "perform-1-0000-0", "hide", "jido")
     trials = (
-        of(True, "", "found", controllable=True, strict=True, is_task=True, as_usual=False, cpu_s=2.0),
+        of(True, "", "found", controllable=True, strict=True, is_task=True, as_shown=False, cpu_s=2.0),
         of(True, "", "found", controllable=True, is_task=False, faults=("jump of it: 1",), cpu_s=4.0),
         of(True, "", "performer", why=("3 × blocked",), cpu_s=9.0),
         of(False, "", "start", cpu_s=0.1),
@@ -239,7 +239,7 @@ def test_trials_are_tallied_by_what_can_be_solved() -> None:
         Share(1, 2),
         Share(1, 2),
     )
-    assert (tally.is_task, tally.as_usual) == (Share(1, 2), Share(0, 1))
+    assert (tally.is_task, tally.as_shown) == (Share(1, 2), Share(0, 1))
     assert (tally.cpu_s, tally.refusal_s) == ((3.0, 3.9), (4.55, 9.0))
     assert TrialsFound.of_json(json.loads(json.dumps(TrialsFound(1, trials).to_json()))) == TrialsFound(1, trials)
     assert set(MARK.findall(PAGE.read_text(encoding="utf-8"))) == parts(TrialsFound(1, trials)).keys()

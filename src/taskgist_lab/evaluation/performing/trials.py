@@ -95,7 +95,7 @@ class Trial:
         controllable: Whether all that was wanted holds by the facts of the recording; None without a plan.
         strict: Whether the whole clause holds; None without a plan, or if that is unknown.
         is_task: Whether what was performed passes the task's own geometric check; None without a plan.
-        as_usual: Whether all usual circumstances of the clause hold; None without a plan, if that is unknown, or if
+        as_shown: Whether all circumstances of the clause hold; None without a plan, if that is unknown, or if
             there are none.
         means: How the thing got there.
         carrier: What carries it in the end.
@@ -115,7 +115,7 @@ class Trial:
     controllable: bool | None = None
     strict: bool | None = None
     is_task: bool | None = None
-    as_usual: bool | None = None
+    as_shown: bool | None = None
     means: str = ""
     carrier: str = ""
     cpu_s: float = 0.0
@@ -220,7 +220,7 @@ def tried(
         for performer, thing in acted
         for fault in second_audit(scene, performer, thing, recording.times_s, recording.qpos, found.execution.holds)
     ]
-    as_usual = conjunction(iter(found.usual.values()))
+    as_shown = conjunction(iter(found.circumstances.values()))
     return about(
         gate=FOUND,
         spoiled=outcome.spoiled,
@@ -228,7 +228,7 @@ def tried(
         controllable=all(each.holds(found.explanation.nodes) is True for each in outcome.goal.controllable),
         strict=None if isinstance(found.strict, Unknown) else found.strict,
         is_task=is_task(TASK_OF.get(task, task), recording),
-        as_usual=None if isinstance(as_usual, Unknown) or not found.usual else as_usual,
+        as_shown=None if isinstance(as_shown, Unknown) or not found.circumstances else as_shown,
         means=found.plan.candidate.means,
         carrier=found.plan.candidate.carrier,
         cpu_s=cpu_s,
@@ -353,7 +353,7 @@ class Tally:
         controllable: Of these, those in which all that is wanted holds.
         strict: Of these, those in which the whole clause holds.
         is_task: Of those that were checked, those that pass the task's own geometric check.
-        as_usual: Of those of which it is known, those in which all usual circumstances hold.
+        as_shown: Of those of which it is known, those in which all circumstances hold.
         unsolvable_found: Plans where the sampling found none: it is no proof.
         cpu_s: Median, and 95 % quantile, of the time where a plan was found; NaN without.
         refusal_s: Median, and most, of the time that a refusal took.
@@ -365,7 +365,7 @@ class Tally:
     controllable: Share
     strict: Share
     is_task: Share
-    as_usual: Share
+    as_shown: Share
     unsolvable_found: int
     cpu_s: tuple[float, float]
     refusal_s: tuple[float, float]
@@ -385,7 +385,7 @@ class Tally:
             Share(sum(each.controllable is True for each in found), len(found)),
             Share(sum(each.strict is True for each in found), len(found)),
             _share([each.is_task for each in found]),
-            _share([each.as_usual for each in found]),
+            _share([each.as_shown for each in found]),
             sum(not each.solvable for each in found),
             (rounded(np.median(times)), rounded(np.quantile(times, 0.95))),
             (rounded(np.median(refused)), rounded(max(refused))),
@@ -393,7 +393,7 @@ class Tally:
 
     def to_json(self) -> dict[str, Any]:
         """Plain data."""
-        names = ("solvable", "found", "clean", "controllable", "strict", "is_task", "as_usual")
+        names = ("solvable", "found", "clean", "controllable", "strict", "is_task", "as_shown")
         shares = {name: getattr(self, name).to_json() for name in names}
         times = {"cpu_s": self.cpu_s, "refusal_s": self.refusal_s}
         told = {name: [None if math.isnan(each) else each for each in pair] for name, pair in times.items()}
@@ -516,9 +516,9 @@ def sheets(found: TrialsFound) -> Iterator[Sheet]:
     )
     yield Sheet(
         "Is what was performed the task?",
-        ("task", "robot", "by its own geometric check", "as usual"),
-        tuple((*group, each.is_task.text, each.as_usual.text) for group, each in tallies.items()),
-        "Lines of sight and distances, which no facts are asked for; usual circumstances, where a clause has some.",
+        ("task", "robot", "by its own geometric check", "as in all demonstrations"),
+        tuple((*group, each.is_task.text, each.as_shown.text) for group, each in tallies.items()),
+        "Lines of sight and distances, which no facts are asked for; what was always so, where a clause says it.",
     )
     times = tuple((*group, *(_seconds(each.cpu_s)), *(_seconds(each.refusal_s))) for group, each in tallies.items())
     header = ("task", "robot", "found: median", "95 %", "refused: median", "most")
