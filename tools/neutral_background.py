@@ -1,9 +1,11 @@
 """The neutral manipulations that are shipped: explained effects of what people do for nobody.
 
     python -m tools.neutral_background --pool neutral.json.gz
+    python -m tools.neutral_background --count 3 -o few.json.gz
 
-The pool keeps the demonstrations, so that it can be run again; without it they are made anew, which takes ten minutes.
-What happens to fulfil a task of the paper, such as what falls into a bin and is hidden there, is left out.
+The pool keeps the demonstrations, so that it can be run again; without it they are made anew, which takes a quarter of
+an hour. What happens to fulfil a task of the paper, such as what falls into a bin and is hidden there, is left out. So
+are the kinds of manipulations that are for judging only (``JUDGING_ONLY`` in ``evaluation.pool``).
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from pathlib import Path
 
 from taskgist.common.files import writing
 from taskgist.learning.background import SHIPPED, Background
-from taskgist_lab.evaluation.pool import Pool, Wanted, kept_pool
+from taskgist_lab.evaluation.pool import BACKGROUND, Pool, Wanted, kept_pool
 from taskgist_lab.evaluation.values import CLEAN
 
 SEED, COUNT = 500, 60
@@ -26,11 +28,14 @@ def main() -> None:
     """Write the file."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--pool", type=Path, help="file of judged demonstrations: reused, extended, made if missing")
-    pool = kept_pool(parser.parse_args().pool, Wanted("neutral", SEED, COUNT, (CLEAN,)))
+    parser.add_argument("--count", type=int, default=COUNT, help=f"demonstrations of each manipulation ({COUNT})")
+    parser.add_argument("-o", "--output", type=Path, default=SHIPPED, help="file that is written (the shipped one)")
+    asked = parser.parse_args()
+    pool = kept_pool(asked.pool, Wanted(BACKGROUND, SEED, asked.count, (CLEAN,)))
     background = neutral(pool)
-    write(background, SHIPPED)
+    write(background, asked.output)
     count = sum(map(len, background.manipulations.values()))
-    print(f"{SHIPPED}: {count} of {len(pool.samples)} manipulations")
+    print(f"{asked.output}: {count} of {len(pool.samples)} manipulations")
 
 
 def neutral(pool: Pool) -> Background:

@@ -108,16 +108,18 @@ class HoldUp:
     Attributes:
         place_m: Where its middle shall be, (3,).
         seconds: How long it is held.
+        looks_at: What the performer looks at then, as a subject of ``gaze``; None: the target agent.
     """
 
     place_m: tuple[float, float, float]
     seconds: float
+    looks_at: str | None = None
 
     def play(self, acting: Acting) -> None:
-        """Carry it there, look at the target agent, hold still."""
+        """Carry it there, look at somebody or something, hold still."""
         goal, _ = carried_to(acting, np.array(self.place_m))
         carry_to(acting, goal, lower=False)
-        acting.look(acting.target)
+        acting.look(self.looks_at or acting.target)
         acting.wait(self.seconds)
 
 

@@ -31,14 +31,14 @@ from taskgist_lab.evaluation.noise import CONDITIONS
 from taskgist_lab.evaluation.performing.means_rooms import TASK_OF
 from taskgist_lab.evaluation.performing.trials import ROBOTS, TrialsFound, performed_trials
 from taskgist_lab.evaluation.performing.trials import sheets as trial_sheets
-from taskgist_lab.evaluation.pool import BACKGROUND, HELD_OUT_EVERY, SOURCES, Pool, Wanted, kept_pool
+from taskgist_lab.evaluation.pool import BACKGROUND, HELD_OUT_EVERY, SOURCES, UNFAMILIAR, Pool, Wanted, kept_pool
 from taskgist_lab.evaluation.robustness import compared, makers, robustness
 from taskgist_lab.evaluation.sheets import Sheet, sheets_of
 from taskgist_lab.evaluation.values import CLEAN, Result
 
 HELD_OUT_SEED = 1000
 """Seed of the demonstrations that nothing was developed on; smaller ones are for development."""
-LEARNED_FROM = tuple(name for name in SOURCES if name != BACKGROUND)
+LEARNED_FROM = tuple(name for name in SOURCES if name not in (BACKGROUND, UNFAMILIAR))
 """Sources of demonstrations of the paper's tasks."""
 Experiment = Callable[[Coded, int, int, Progress], Result]
 

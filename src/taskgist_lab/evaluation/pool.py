@@ -348,10 +348,13 @@ def _known(tasks: Collection[str]) -> tuple[str, ...]:
     return tuple(task for task in INTUITION if task in tasks)
 
 
-NEUTRAL = tuple(task for task in TASKS if task not in INTUITION)
-"""Manipulations that nobody performs for another: lift, tap, drop, dump, throw, move."""
-BACKGROUND = "neutral"
-"""Name of the source of these."""
+JUDGING_ONLY = ("pour", "inspect", "tidy")
+"""Manipulations that are kept out of the shipped background: what is called none of the known tasks is judged by
+kinds that nothing was compared with."""
+NEUTRAL = tuple(task for task in TASKS if task not in {*INTUITION, *JUDGING_ONLY})
+"""Manipulations that nobody performs for another and that the shipped background is made of."""
+BACKGROUND, UNFAMILIAR = "neutral", "unfamiliar"
+"""Names of the sources of these and of those that are for judging only."""
 
 SOURCES: Mapping[str, Source] = MappingProxyType(
     {
@@ -359,6 +362,7 @@ SOURCES: Mapping[str, Source] = MappingProxyType(
         for each in (
             Source("generator", "generated demonstrations in random rooms", _known(TASKS), simulate),
             Source(BACKGROUND, "generated manipulations that are no task of the paper", NEUTRAL, simulate),
+            Source(UNFAMILIAR, "generated manipulations of kinds that no background holds", JUDGING_ONLY, simulate),
             Source(
                 "study",
                 "the paper's study, all displaced by up to 3 cm and 5°",

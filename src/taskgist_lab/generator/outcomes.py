@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import combinations
 from typing import Literal
@@ -192,6 +193,14 @@ HIDDEN_SHARE = 0.2
 """What comes into view was in view to no more before."""
 NEARER_SHARE, NEARER_TO_EACH = 0.6, 0.85
 """What is held before the eyes is at most this share as far from them as it was; before those of several, from each."""
+SAME_DISTANCE_M = 0.08
+"""What is only hidden is no farther off than that: what is taken ``FARTHER_M`` farther is put away, too."""
+LOW_RAD = math.radians(40.0)
+"""What is before the eyes is no lower than that, as seen from them: what lies on a table before somebody is lower."""
+FACE_GROWS = 2.5
+"""A face is turned to somebody if so many times as much of the thing's area faces the eye as before."""
+FACE_LINES = 40
+"""Lines across a thing, in both directions, by which its area is measured."""
 When = Literal["beginning", "end"]
 """Of the labelled task."""
 
@@ -238,7 +247,9 @@ def check_seen_before(recording: Recording) -> None:
 
 
 def check_before_eyes(recording: Recording) -> None:
-    """Refuse a demonstration in which the thing is not brought much nearer to the target agent's eye, and in view.
+    """Refuse a demonstration in which the thing is not brought before the target agent's eye.
+
+    There it is in view, much nearer than before, and no more than ``LOW_RAD`` below the eye.
 
     Raises:
         SceneError: It is not.
@@ -251,14 +262,56 @@ def check_before_eyes(recording: Recording) -> None:
         before, after = (_from_eye_m(recording, pair, time) for time in (label.start_s, label.end_s))
         if after > share * before:
             raise _missed(recording, pair, "is not brought before the eyes", after / before)
+        below = math.asin(-float(_from_eye(recording, pair, label.end_s)[2]) / after)
+        if below > LOW_RAD:
+            raise _missed(recording, pair, "is below the eyes", below)
 
 
 def _from_eye_m(recording: Recording, pair: Pair, time_s: float) -> float:
     """Distance of a thing from a target agent's eye."""
+    return float(np.linalg.norm(_from_eye(recording, pair, time_s)))
+
+
+def _from_eye(recording: Recording, pair: Pair, time_s: float) -> Array:
+    """Where a thing is from a target agent's eye, metres, (3,)."""
     (agent, thing), scene = pair, recording.scene
     stage = Stage(scene, recording.at(time_s))
     place = stage.body_position(scene.object_body(thing))
-    return float(np.linalg.norm(place - stage.eye(scene.agent(agent)).position))
+    return np.asarray(place - stage.eye(scene.agent(agent)).position)
+
+
+def check_turned_to_eyes(recording: Recording) -> None:
+    """Refuse a demonstration in which the thing does not turn its face to the target agent's eye.
+
+    Of its area ``FACE_GROWS`` times as much faces the eye, unhidden, as before. The area does not depend on how far off
+    the eye is: what only comes nearer does not turn.
+
+    Raises:
+        SceneError: It does not.
+    """
+    label = recording.label
+    assert label is not None
+    check_shown(recording)
+    for pair in label.pairs:
+        before, after = (_facing_m2(recording, pair, time) for time in (label.start_s, label.end_s))
+        if after < FACE_GROWS * before:
+            raise _missed(recording, pair, "is not turned to the eyes", after / max(before, 1e-6))
+
+
+def _facing_m2(recording: Recording, pair: Pair, time_s: float) -> float:
+    """Area of a thing that faces a target agent's eye and that nothing hides, across the line of sight."""
+    (agent, thing), scene = pair, recording.scene
+    stage = Stage(scene, recording.at(time_s))
+    eye, exclude = stage.eye(scene.agent(agent)).position, scene.agent(agent).eye_exclude_body
+    points = object_points(stage, thing, SUPPORT_SPACING_M)
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    radius_m = float(np.linalg.norm(points - middle, axis=1).max())
+    ahead = normalized(middle - eye)
+    across = normalized(np.cross(ahead, (0.0, 0.0, 1.0)))
+    offsets = radius_m * np.linspace(-1.0, 1.0, FACE_LINES)
+    grid = (middle + offsets[:, None, None] * across + offsets[None, :, None] * np.cross(across, ahead)).reshape(-1, 3)
+    geoms, _ = stage.cast(eye, normalized(grid - eye), exclude_body=exclude)
+    return float(np.isin(geoms, scene.seen_geoms(thing)).mean() * (2 * radius_m) ** 2)
 
 
 def check_farther(recording: Recording) -> None:
@@ -267,14 +320,36 @@ def check_farther(recording: Recording) -> None:
     Raises:
         SceneError: It is not.
     """
-    label, scene = recording.label, recording.scene
+    label = recording.label
     assert label is not None
-    for agent, thing in label.pairs:
-        places = [recording.at(time).qpos[scene.object_slice(thing)][:2] for time in (label.start_s, label.end_s)]
-        pelvis = scene.initial.qpos[scene.base_slice(agent)][:2]
-        before, after = (float(np.linalg.norm(place - pelvis)) for place in places)
-        if after - before < FARTHER_M:
-            raise _missed(recording, (agent, thing), "is not farther off in the end", after - before)
+    for pair in label.pairs:
+        farther = _farther_m(recording, pair)
+        if farther < FARTHER_M:
+            raise _missed(recording, pair, "is not farther off in the end", farther)
+
+
+def check_keeps_distance(recording: Recording) -> None:
+    """Refuse a demonstration at whose end the thing is more than ``SAME_DISTANCE_M`` farther from the target agent.
+
+    Raises:
+        SceneError: It is.
+    """
+    label = recording.label
+    assert label is not None
+    for pair in label.pairs:
+        farther = _farther_m(recording, pair)
+        if farther > SAME_DISTANCE_M:
+            raise _missed(recording, pair, "is farther off in the end", farther)
+
+
+def _farther_m(recording: Recording, pair: Pair) -> float:
+    """How much farther from a target agent's pelvis a thing is in the end than before, over the floor."""
+    (agent, thing), label, scene = pair, recording.label, recording.scene
+    assert label is not None
+    places = [recording.at(time).qpos[scene.object_slice(thing)][:2] for time in (label.start_s, label.end_s)]
+    pelvis = scene.initial.qpos[scene.base_slice(agent)][:2]
+    before, after = (float(np.linalg.norm(place - pelvis)) for place in places)
+    return after - before
 
 
 def _check_in_view(recording: Recording, when: When) -> None:

@@ -14,6 +14,7 @@ from taskgist.common.workers import Progress, in_order, silent
 from taskgist.errors import InputError, RecordingError, SceneError, UnknownNameError
 from taskgist.recording.mcap import write
 from taskgist.recording.recording import Recording
+from taskgist_lab.generator.handling import INSPECT, POUR, STACK, TIDY, TURN
 from taskgist_lab.generator.moving_about import MOVE
 from taskgist_lab.generator.other_tasks import DROP, DUMP, LIFT, TAP, THROW
 from taskgist_lab.generator.outcomes import check_motion, check_room
@@ -25,7 +26,10 @@ from taskgist_lab.simulator.demonstration import demonstrate
 
 # --- All ways, by task.
 
-ALL = (SHOW, HIDE, MAKE_ACCESSIBLE, GIVE, PUT_AWAY, HIDE_AWAY, LIFT, TAP, DROP, DUMP, THROW, MOVE)
+ALL = (
+    *(SHOW, HIDE, MAKE_ACCESSIBLE, GIVE, PUT_AWAY, HIDE_AWAY),
+    *(LIFT, TAP, DROP, DUMP, THROW, MOVE, TURN, STACK, POUR, INSPECT, TIDY),
+)
 WAYS: Mapping[str, tuple[Way, ...]] = MappingProxyType({ways[0].task: ways for ways in ALL})
 """The ways of each task."""
 TASKS = tuple(WAYS)

@@ -30,7 +30,8 @@ from taskgist_lab.generator.arrangement import (
 )
 from taskgist_lab.generator.furnishing import on_top
 from taskgist_lab.generator.offering_means import move_away, turn_towards
-from taskgist_lab.generator.outcomes import check_before_eyes, check_comes_into_view, check_shown
+from taskgist_lab.generator.outcomes import check_before_eyes, check_comes_into_view, check_turned_to_eyes
+from taskgist_lab.generator.reaching import NEARER_M, check_accessible, check_given
 from taskgist_lab.generator.rooms import around_a_table
 from taskgist_lab.generator.things import (
     CARTONS,
@@ -150,17 +151,16 @@ def _moved_away(setting: Setting) -> Means:
 SHOW = (
     Way("show", "hold-up", _up, _held_up, check_before_eyes),
     Way("show", "on-top", _behind_a_pedestal, _on_top, check_comes_into_view),
-    Way("show", "turn", _edge_on, _turned, check_shown),
+    Way("show", "turn", _edge_on, _turned, check_turned_to_eyes),
     Way("show", "move-occluder", _behind_a_carton, _moved_away, check_comes_into_view),
 )
 
 FAR_SHARE, MAKING_ACCESSIBLE_NEAR_SHARE = 0.60, 0.32
 """From how far from the pelvis on one leans, or gets up, to reach things on a table, and up to where arms alone reach
 them, as shares of the stature: arms are 0.40 of it, and shoulders are above tables (ours)."""
-ACCESSIBLE_EDGE_M, NEARER_M = 0.14, 0.30
-"""How far inside the edge of the table something is put before somebody, at least; and how much nearer to it than
-before, if it does not come within the reach of its arms."""
-BETWEEN_M, BETWEEN_SHARE = (0.45, 0.90), 0.43
+ACCESSIBLE_EDGE_M = 0.14
+"""How far inside the edge of the table something is put before somebody, at least."""
+BETWEEN_M, BETWEEN_SHARE = (0.45, 0.80), 0.43
 """What is only uncovered is so far from the other; and, as ``zones.HANDY_SHARE``, from the performer."""
 # --- Ways to make something accessible: put it near, lift it onto something, move away or take off what blocks.
 
@@ -265,10 +265,10 @@ def _cleared(setting: Setting) -> Means:
 
 
 MAKE_ACCESSIBLE = (
-    Way("make accessible", "put-near", _out_of_reach, _put_near, check_shown),
-    Way("make accessible", "lift-onto", _with_a_pedestal, _lifted_onto, check_shown),
-    Way("make accessible", "take-off-cover", _covered, _cleared, check_shown),
-    Way("make accessible", "move-blocker", _behind_something, _cleared, check_shown),
+    Way("make accessible", "put-near", _out_of_reach, _put_near, check_accessible),
+    Way("make accessible", "lift-onto", _with_a_pedestal, _lifted_onto, check_accessible),
+    Way("make accessible", "take-off-cover", _covered, _cleared, check_accessible),
+    Way("make accessible", "move-blocker", _behind_something, _cleared, check_accessible),
 )
 
 
@@ -333,7 +333,13 @@ def _from_the_hand(setting: Setting, *, taking: str) -> Means:
 
 
 GIVE = tuple(
-    Way("give", f"{start}to-the-{taking}-hand", partial(_room, taking=taking), partial(means, taking=taking))
+    Way(
+        "give",
+        f"{start}to-the-{taking}-hand",
+        partial(_room, taking=taking),
+        partial(means, taking=taking),
+        check_given,
+    )
     for start, means in (("", _handed_over), ("from-the-hand-", _from_the_hand))
     for taking in ("left", "right")
 )

@@ -23,6 +23,7 @@ from taskgist_lab.generator.hiding_means import (
 from taskgist_lab.generator.outcomes import (
     check_farther,
     check_hidden,
+    check_keeps_distance,
     check_seen_before,
     check_shown,
     check_stands,
@@ -42,12 +43,18 @@ HIDING_LEAST_M = 0.55
 """What something is hidden behind is so far from the performer, at least: room for the thing and a hand before it."""
 
 
+BEFORE_IT_M = (0.10, 0.40)
+"""How much nearer to the target agent than the thing it stands: so the thing behind it is hardly farther off."""
+
+
 def _hiding_with_an_occluder(rng: np.random.Generator) -> Setting:
     arrangement = around_a_table(rng)
     acting, watching = arrangement.performer, arrangement.target
     thing = arrangement.put(any_of(rng, SMALL, but=TALL), handy(acting))
     off = (off_the_way(person, thing, least_m=OFF_M) for person in (acting, watching))
-    beyond = both(handy(acting), apart(acting, HIDING_LEAST_M), *off)
+    reached = distance_m(watching, np.array(thing.position_m))
+    same = apart(watching, reached - BEFORE_IT_M[1], reached - BEFORE_IT_M[0])
+    beyond = both(handy(acting), apart(acting, HIDING_LEAST_M), same, *off)
     occluder = arrangement.put(any_of(rng, OCCLUDERS), beyond, yaw_rad=across(arrangement))
     arrangement.add_distractors(4, where=off_the_way(acting, thing, occluder))
     roles = arrangement.roles(thing, arrangement.hand_past(occluder, thing), watches=0.5)
@@ -106,6 +113,16 @@ def check_from_view_to_hidden(recording: Recording) -> None:
     check_hidden(recording)
 
 
+def check_hidden_at_hand(recording: Recording) -> None:
+    """As ``check_from_view_to_hidden``, of what keeps its distance from the target agent.
+
+    Raises:
+        SceneError: It is farther off in the end, or what that check finds.
+    """
+    check_from_view_to_hidden(recording)
+    check_keeps_distance(recording)
+
+
 def check_put_out_of_view(recording: Recording) -> None:
     """As ``check_from_view_to_hidden``, of what has been put down.
 
@@ -116,9 +133,19 @@ def check_put_out_of_view(recording: Recording) -> None:
     check_stands(recording)
 
 
+def check_put_behind(recording: Recording) -> None:
+    """As ``check_hidden_at_hand``, of what has been put down.
+
+    Raises:
+        SceneError: So it is, or the thing would fall.
+    """
+    check_hidden_at_hand(recording)
+    check_stands(recording)
+
+
 HIDE = (
-    Way("hide", "behind", _hiding_with_an_occluder, _hiding_behind, check_put_out_of_view),
-    Way("hide", "inside", _hiding_with_a_bin, _hiding_inside, check_from_view_to_hidden),
+    Way("hide", "behind", _hiding_with_an_occluder, _hiding_behind, check_put_behind),
+    Way("hide", "inside", _hiding_with_a_bin, _hiding_inside, check_hidden_at_hand),
     Way("hide", "under-cover", _with_a_cover, _under, check_from_view_to_hidden),
     Way("hide", "behind-back", _standing, _behind_the_back, check_from_view_to_hidden),
 )
