@@ -10,7 +10,8 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import TREES_OF, HypothesisTree, TreeOf
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Context, Explanation
-from taskgist.learning.understanding import Answer, Understanding, understand
+from taskgist.learning.answers import Answer
+from taskgist.learning.understanding import Understanding, understand
 from taskgist.settings import DEFAULT, Learning
 
 
