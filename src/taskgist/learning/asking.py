@@ -31,8 +31,9 @@ order stays.
 **What was asked** is not asked again: not in other words (another literal of the same worlds, or its complement), nor what
 follows from answers that hold. A question below ``LEAST_GAIN`` is not worth anybody's time: then nothing is left to ask.
 
-**Words.** Of two questions that tell about as much, the one about what must be is asked, and not that about what must not. Nobody can say whether a thing filled 2 % of an image: of scores it is only asked whether next to nothing was
-seen; of ladders, whether it takes at least, at most, or just this effort.
+**Words.** Nobody can say whether a thing filled 2 % of an image: of scores it is only asked whether next to nothing was
+seen; of ladders, whether it takes at least, at most, or just this effort. What must not be, and how great an effort must
+be, is asked only where it tells twice as much (``HARDER``), and what is nearly always so anyway is not asked (``EVIDENT``).
 """
 
 from __future__ import annotations
@@ -64,8 +65,9 @@ LEAST_GAIN = 0.002
 """Gain below which a question is not asked, bits for each demonstration."""
 EVIDENT = 0.95
 """Of what is so in this share of the background, or is not, nobody is asked whether it must be so."""
-NEGATIVE = 0.8
-"""What a question about what must not be is worth beside one that tells as much: people answer the other one sooner."""
+HARDER = 0.5
+"""What a question is worth that asks what must not be, or how great an effort must be, beside a plain one that tells as
+much: people mean such things less often than the literals' description lengths say, and find them harder to answer."""
 DECIDED = (Reply.YES, Reply.NO)
 SURE = 30.0
 """Natural logarithm of odds beyond which nothing changes."""
@@ -144,7 +146,12 @@ class Asking:
     def questions(self) -> tuple[SetQuestion, ...]:
         """The questions that are worth asking, the most useful one first; none: nothing is left to ask."""
         useful = [each for each in map(self.question, self.literals()) if each.gain >= LEAST_GAIN]
-        return tuple(sorted(useful, key=lambda each: (-round(_worth(each), EQUAL), each.literal.order)))
+        return tuple(sorted(useful, key=lambda each: (-round(self._worth(each), EQUAL), each.literal.order)))
+
+    def _worth(self, question: SetQuestion) -> float:
+        """Gain of a question, less where it is a harder one."""
+        plain = not (question.literal.but or self._vocabularies[question.literal.node].ladder)
+        return question.gain * (1.0 if plain else HARDER)
 
     def literals(self) -> Iterator[SetLiteral]:
         """What may be asked about, each once, so that it held in one half of the demonstrations, or more."""
@@ -242,11 +249,6 @@ class Asking:
         worlds = self._entailment.worlds(literal)
         left = worlds.bits & self._must.get(worlds.space, worlds.bits)
         return all(left & each.bits not in (0, left) for each in self._free if each.space == worlds.space)
-
-
-def _worth(question: SetQuestion) -> float:
-    """Gain of a question, less where it asks what must not be."""
-    return question.gain * (NEGATIVE if question.literal.but else 1.0)
 
 
 def _known(own: int, asked: int) -> Known:

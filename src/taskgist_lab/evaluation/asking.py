@@ -75,7 +75,12 @@ INTENTIONS: Mapping[str, tuple[tuple[str, tuple[str, ...]], ...]] = MappingProxy
             ("visibility.class", (v.INCREASED,)),
         ),
         "give": _HELD,
-        "put away": (("see.class", (v.REMAINS_SAME,)), *_FARTHER, *_STANDS),  # in view all the time
+        "put away": (  # in view all the time, farther off, and standing on something
+            ("see.class", (v.REMAINS_SAME,)),
+            *_FARTHER,
+            ("placement.nature", (v.supportive_of(v.ON_SUPPORT),)),
+            ("motion.status.2", (v.STATIC,)),
+        ),
         "hide away": (*_HIDDEN, *_FARTHER, *_STANDS),
     }
 )
