@@ -1,3 +1,6 @@
+from .answers import Answer as Answer
+from .answers import answer_from_json as answer_from_json
+from .answers import in_force as in_force
 from .clauses import ClausePosterior as ClausePosterior
 from .clauses import Support as Support
 from .clauses import WeighedClause as WeighedClause
@@ -24,7 +27,6 @@ from .task_clauses import Odd as Odd
 from .task_clauses import learn_task as learn_task
 from .task_clauses import learned_clause as learned_clause
 from .task_clauses import odd_demonstrations as odd_demonstrations
-from .understanding import Answer as Answer
 from .understanding import AnyLiteral as AnyLiteral
 from .understanding import Choice as Choice
 from .understanding import Clause as Clause
@@ -32,8 +34,6 @@ from .understanding import Judgement as Judgement
 from .understanding import Literal as Literal
 from .understanding import Question as Question
 from .understanding import Understanding as Understanding
-from .understanding import answer_from_json as answer_from_json
 from .understanding import clause_of as clause_of
-from .understanding import in_force as in_force
 from .understanding import questions_of as questions_of
 from .understanding import understand as understand

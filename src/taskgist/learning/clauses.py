@@ -38,7 +38,7 @@ are broken by length and by the literals' order.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from heapq import heappush, heapreplace, nsmallest
 
@@ -46,6 +46,7 @@ from taskgist.common.frozen import FrozenMap
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, Nodes
 from taskgist.facts.values import UNKNOWN, Unknown
+from taskgist.learning.entailment import entailment_of
 from taskgist.learning.evidence import Evidence, Kind
 from taskgist.learning.literals import SetLiteral, vocabularies
 from taskgist.learning.understanding import conjunction
@@ -150,10 +151,21 @@ class Told:
     Args:
         relevant: Values of nodes that it is about.
         irrelevant: Names of nodes that it is not about.
+        must: Literals that each clause has.
+        free: Literals that need not hold, and may fail: no clause has one that says that they hold, or that they fail.
     """
 
     relevant: FrozenMap[str, str] = field(default_factory=FrozenMap)
     irrelevant: frozenset[str] = frozenset()
+    must: tuple[SetLiteral, ...] = ()
+    free: tuple[SetLiteral, ...] = ()
+
+    def fixed(self, tree: HypothesisTree) -> tuple[SetLiteral, ...]:
+        """The literals that each clause has, in canonical order; of nodes that literals are not about, none."""
+        known = {vocabulary.node.name: vocabulary for vocabulary in vocabularies(tree)}
+        single = (known[node].literal((value,)) for node, value in self.relevant.items() if node in known)
+        literals = dict.fromkeys((*single, *(each for each in self.must if each.node in known)))
+        return tuple(sorted(literals, key=lambda each: each.order))
 
 
 NOTHING_TOLD = Told()
@@ -261,12 +273,20 @@ class _Found:
         return -round(self.score, EQUAL), len(self.members), self.members
 
 
-class _Search:
-    """The search for the clauses of one task. Its own demonstrations are the lowest bits, the background follows."""
+class Counting:
+    """Counts how often conjunctions hold. The task's own demonstrations are the lowest bits, the background follows.
 
-    def __init__(self, evidence: Evidence, task: str, tree: HypothesisTree, told: Told) -> None:
+    Args:
+        evidence: Demonstrations of the task, of other tasks, and neutral ones.
+        task: The task.
+
+    Raises:
+        UnknownNameError: There is no evidence of this task.
+    """
+
+    def __init__(self, evidence: Evidence, task: str) -> None:
         own = evidence.kind(task)
-        self._tree = tree
+        self._evidence, self._place = evidence, own
         self._n = own.count
         self._own = (1 << own.count) - 1
         others = [kind for name, kind in evidence.kinds.items() if name != task and kind.count]
@@ -274,20 +294,89 @@ class _Search:
             Kind(kind.start + (own.count if kind.start < own.start else 0), kind.count) for kind in others
         )
         self._all = (1 << evidence.size) - 1
+        self._masks = tuple((kind.start, (1 << kind.count) - 1, kind.count) for kind in self._kinds)
+
+    @property
+    def compares(self) -> bool:
+        """Whether there is a background at all."""
+        return bool(self._kinds)
+
+    def truth(self, literals: Iterable[SetLiteral]) -> tuple[int, int]:
+        """The demonstrations in which a conjunction holds, and those in which it fails."""
+        true, false = self._all, 0
+        for literal in literals:
+            holds, fails = (_moved(bits, self._place) for bits in self._evidence.truth(literal))
+            true, false = true & holds, false | fails
+        return true, false
+
+    def support(self, true: int, false: int) -> Support:
+        """How often something holds here, and by chance.
+
+        Args:
+            true: The demonstrations in which it holds, as ``truth`` gives them.
+            false: Those in which it fails.
+        """
+        k, misses = ((bits & self._own).bit_count() for bits in (true, false))
+        return Support(k, k + misses, self._chance(true, false))
+
+    def alike(self, truths: Iterable[int]) -> list[tuple[int, tuple[int, ...]]]:
+        """Demonstrations in groups in which the same conjunctions hold, and which these are, by index.
+
+        Args:
+            truths: The demonstrations in which each conjunction holds.
+        """
+        groups: list[tuple[int, tuple[int, ...]]] = [(self._all, ())]
+        for index, true in enumerate(truths):
+            split = [(bits & true, (*holding, index)) for bits, holding in groups]
+            split += [(bits & ~true, holding) for bits, holding in groups]
+            groups = [each for each in split if each[0]]
+        return groups
+
+    def share(self, bits: int) -> float:
+        """Share that some demonstrations are of all, the task's own and each kind of background weighing the same."""
+        parts = [(bits & self._own).bit_count() / self._n] if self._n else []
+        parts += [(bits >> start & whole).bit_count() / count for start, whole, count in self._masks]
+        return math.fsum(parts) / max(1, len(parts))
+
+    def _chance(self, true: int, false: int) -> float:
+        """Share of the background in which something holds, the kinds weighing the same; one half without any."""
+        if not self._kinds:
+            return 0.5
+        known_everywhere = (true | false) == self._all
+        total = 0.0
+        for start, whole, known in self._masks:
+            hits = (true >> start & whole).bit_count()
+            if not known_everywhere:
+                known = hits + (false >> start & whole).bit_count()
+            total += (hits + SMOOTHING) / (known + 2 * SMOOTHING)
+        return total / len(self._masks)
+
+
+class _Search(Counting):
+    """The search for the clauses of one task."""
+
+    def __init__(self, evidence: Evidence, task: str, tree: HypothesisTree, told: Told) -> None:
+        super().__init__(evidence, task)
+        self._tree = tree
+        fixed = told.fixed(tree)
+        literals: list[SetLiteral] = []
+        for vocabulary in vocabularies(tree):
+            literals += (each for each in fixed if each.node == vocabulary.node.name)
+            if vocabulary.node.name not in told.irrelevant:
+                literals += vocabulary.literals(evidence.seen(vocabulary.node.name, task))
+        unlike = _left_free(told.free, tree)
         self._candidates = tuple(
-            _Candidate(literal, FOLLOWING_BITS + literal.bits, *(_moved(bits, own) for bits in evidence.truth(literal)))
-            for vocabulary in vocabularies(tree)
-            if vocabulary.node.name not in told.irrelevant
-            for literal in vocabulary.literals(_seen(evidence, vocabulary.node.name, task, told))
+            _Candidate(literal, FOLLOWING_BITS + literal.bits, *self.truth((literal,)))
+            for literal in _without_twins(literals)
+            if literal in fixed or not unlike(literal)
         )
         nodes = [candidate.literal.node for candidate in self._candidates]
         self._of_node = [{i for i, other in enumerate(nodes) if other == node} for node in nodes]
         total = max(1, len(self._kinds))
         self._floor = sum(SMOOTHING / (kind.count + 2 * SMOOTHING) for kind in self._kinds) / total
-        self._masks = tuple((kind.start, (1 << kind.count) - 1, kind.count) for kind in self._kinds)
         self._sizes = _by_size(self._kinds, self._n)
         self._likelihoods: dict[tuple[int, int], float] = {}
-        self._first = self._start(told)
+        self._first = self._start(fixed)
 
     def best(self) -> list[_Found]:
         """The best clauses, the very best first."""
@@ -305,7 +394,7 @@ class _Search:
     def alone(self, index: int) -> LiteralSupport:
         """One literal, and how often it holds."""
         candidate = self._candidates[index]
-        return LiteralSupport(candidate.literal, self._support(candidate.true, candidate.false))
+        return LiteralSupport(candidate.literal, self.support(candidate.true, candidate.false))
 
     def usual(self, best: _Found) -> tuple[LiteralSupport, ...]:
         """Final states that always were so, and usually are, but for those of the best clause."""
@@ -331,10 +420,6 @@ class _Search:
             if candidate.literal.node not in said and candidate.literal.is_value
         )
         return [each for each in single if each.support.k == each.support.n > 0]
-
-    def _support(self, true: int, false: int) -> Support:
-        k, misses = ((bits & self._own).bit_count() for bits in (true, false))
-        return Support(k, k + misses, self._chance(true, false))
 
     def _longer(self, beam: list[_Found]) -> list[_Found]:
         """The ``KEPT`` best clauses that are one literal longer than those of the beam."""
@@ -379,19 +464,14 @@ class _Search:
             return None
         return _Found(tuple(sorted(members)), true, false, bits, k, n, chance, self._score(k, n, chance, bits))
 
-    def _start(self, told: Told) -> _Found:
+    def _start(self, fixed: Collection[SetLiteral]) -> _Found:
         """The clause that all others lengthen: what was told to be relevant, or nothing."""
-        chosen = tuple(
-            index
-            for index, candidate in enumerate(self._candidates)
-            if candidate.literal.is_value and told.relevant.get(candidate.literal.node) == candidate.literal.values[0]
-        )
+        chosen = tuple(index for index, candidate in enumerate(self._candidates) if candidate.literal in fixed)
         if not chosen:
             return _Found((), self._all, 0, 0.0, self._n, self._n, 1.0, 0.0)
-        true, false, bits = self._all, 0, 0.0
-        for candidate in (self._candidates[index] for index in chosen):
-            true, false, bits = true & candidate.true, false | candidate.false, bits + candidate.bits
-        support = self._support(true, false)
+        true, false = self.truth(fixed)
+        bits = math.fsum(self._candidates[index].bits for index in chosen)
+        support = self.support(true, false)
         return _Found(chosen, true, false, bits, support.k, support.n, support.chance, clause_score(support, bits))
 
     def _score(self, k: int, n: int, chance: float, bits: float) -> float:
@@ -399,19 +479,6 @@ class _Search:
         if (k, n) not in self._likelihoods:
             self._likelihoods[k, n] = _ln_likelihood(k, n - k, SLIPS)
         return self._likelihoods[k, n] - _ln_chance(k, n - k, chance) - LN_2 * bits
-
-    def _chance(self, true: int, false: int) -> float:
-        """Share of the background in which something holds, the kinds weighing the same; one half without any."""
-        if not self._kinds:
-            return 0.5
-        known_everywhere = (true | false) == self._all
-        total = 0.0
-        for start, whole, known in self._masks:
-            hits = (true >> start & whole).bit_count()
-            if not known_everywhere:
-                known = hits + (false >> start & whole).bit_count()
-            total += (hits + SMOOTHING) / (known + 2 * SMOOTHING)
-        return total / len(self._masks)
 
 
 def _by_size(kinds: Iterable[Kind], own: int) -> tuple[tuple[int, float], ...]:
@@ -430,10 +497,24 @@ def _by_size(kinds: Iterable[Kind], own: int) -> tuple[tuple[int, float], ...]:
     return tuple(found.values())
 
 
-def _seen(evidence: Evidence, node: str, task: str, told: Told) -> frozenset[str]:
-    """The values of a node that literals may name: those seen in the task's demonstrations, or told."""
-    also = {told.relevant[node]} if node in told.relevant else set[str]()
-    return evidence.seen(node, task) | also
+def _without_twins(literals: Iterable[SetLiteral]) -> list[SetLiteral]:
+    """Literals in canonical order, those once that say the same of their node; the first of them stays."""
+    found: dict[tuple[str, bool, tuple[str, ...]], SetLiteral] = {}
+    for literal in literals:
+        found.setdefault(literal.order, literal)
+    return [found[order] for order in found]
+
+
+def _left_free(free: Collection[SetLiteral], tree: HypothesisTree) -> Callable[[SetLiteral], bool]:
+    """Tells whether a literal says that one holds, or that it fails, which was said to be free."""
+    entailment = entailment_of(tree)
+    worlds = [entailment.worlds(each) for each in free]
+
+    def settles(literal: SetLiteral) -> bool:
+        own = entailment.worlds(literal)
+        return any(own.space == each.space and own.bits & each.bits in (0, own.bits) for each in worlds)
+
+    return settles
 
 
 def _moved(bits: int, own: Kind) -> int:

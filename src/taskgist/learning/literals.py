@@ -16,7 +16,7 @@ there.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -39,8 +39,9 @@ class SetLiteral:
     Args:
         node: Name of the node.
         title: Its title.
-        values: The values in the set, in canonical order; where ``but`` is true, the one value outside it.
-        but: Whether the set is all values but the one given.
+        values: The values in the set, in canonical order; where ``but`` is true, those outside it, which is one value
+            in what is learned, and may be more in what was told.
+        but: Whether the set is all values but those given.
         bound: How an interval of a ladder is told: "≤", "≥" or "to"; empty for all other sets.
         bits: Description length of the set, given its node.
         instant: 2 for a final state, None for a change.
@@ -71,13 +72,14 @@ class SetLiteral:
     def told(self) -> str:
         """The set in symbols: ``"= In_Hand"``, ``"≠ In_Hand"``, ``"≥ Whole_Body_Effort"``."""
         first, last = self.values[0], self.values[-1]
+        equal = "≠" if self.but else "="
         if self.bound == "to":
-            return f"= {first} to {last}"
+            return f"{equal} {first} to {last}"
         if self.bound:
             return f"{self.bound} {last if self.bound == '≤' else first}"
-        if first == NEGLIGIBLE and not self.but:
+        if first == NEGLIGIBLE and len(self.values) == 1 and not self.but:
             return first
-        return f"{'≠' if self.but else '='} {first}"
+        return f"{equal} {' or '.join(self.values)}"
 
     @property
     def order(self) -> tuple[str, bool, tuple[str, ...]]:
@@ -136,6 +138,26 @@ class Vocabulary:
             for high in rungs[at + 1 :]:
                 if low > 0 and high < last:
                     yield self._literal(self.ladder[low : high + 1], bound="to", bits=both_ends)
+
+    def literal(self, values: Iterable[str], *, but: bool = False) -> SetLiteral:
+        """The literal of any set of values, such as a person names; it is told as an interval where it is one.
+
+        Args:
+            values: The values in the set; where ``but`` is true, those outside it.
+            but: Whether the set is all values but those given.
+        """
+        named = tuple(sorted(set(values), key=lambda value: canonical_key(value, self.values)))
+        if self.ladder and set(named) < set(self.ladder):
+            inside = tuple(value for value in self.ladder if (value in named) != but)
+            low, high = self.ladder.index(inside[0]), self.ladder.index(inside[-1])
+            if len(inside) > 1 and high - low + 1 == len(inside):
+                bound = "≤" if low == 0 else "≥" if high == len(self.ladder) - 1 else "to"
+                return self._literal(inside, bound=bound, bits=math.log2(2 * (len(self.ladder) - 1)))
+        return self._literal(named, but=but, bits=math.log2(max(2, len(self.values))))
+
+    def complement(self, literal: SetLiteral) -> SetLiteral:
+        """The literal that holds where this one of its node fails."""
+        return self.literal(literal.values, but=not literal.but)
 
     def _literal(self, values: tuple[str, ...], *, bits: float, but: bool = False, bound: str = "") -> SetLiteral:
         return SetLiteral(self.node.name, self.node.title, values, but, bound, bits, self.node.instant)

@@ -5,21 +5,25 @@ And what it means by either rule, as one clause, which planning takes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from taskgist.common.frozen import FrozenMap
-from taskgist.errors import UnknownNameError
+from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, TreeOf
+from taskgist.learning.answers import Answer, Reply, in_force, replies_in_force
+from taskgist.learning.asking import Asking
 from taskgist.learning.background import Background, shipped_background
 from taskgist.learning.clauses import ClausePosterior, Told, learn_clauses
+from taskgist.learning.entailment import entailment_of
 from taskgist.learning.estimate import Verdict
-from taskgist.learning.evidence import evidence_of
+from taskgist.learning.evidence import Evidence, evidence_of
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.knowledge import Knowledge
-from taskgist.learning.understanding import PAPER, Answer, Clause, clause_of, in_force, several_of
+from taskgist.learning.literals import SetLiteral, vocabularies
+from taskgist.learning.understanding import PAPER, Clause, clause_of, several_of
 
 BAYES = "bayes"
 RULES = (PAPER, BAYES)
@@ -41,7 +45,8 @@ def learn_task(
 ) -> ClausePosterior:
     """What a task means, compared with the other tasks that are known and with neutral manipulations.
 
-    Answers fix literals: each clause has those about relevant nodes, and none about irrelevant ones.
+    Answers fix literals: each clause has those about relevant nodes and those that must hold, and none about irrelevant
+    nodes or what need not hold.
 
     Args:
         knowledge: Experience of the task, and of others.
@@ -53,27 +58,145 @@ def learn_task(
 
     Raises:
         UnknownNameError: The task is not known.
-        KnowledgeError: It is not known of who performs it.
+        KnowledgeError: It is not known of who performs it, or two answers contradict each other; names both.
     """
+    evidence = task_evidence(knowledge, task, of, background)
+    return learn_clauses(evidence, task, tree, told_of(knowledge, task, tree, of))
+
+
+def task_evidence(
+    knowledge: Knowledge, task: str, of: TreeOf = "target", background: Background | None = None
+) -> Evidence:
+    """The demonstrations of a task beside all that it is compared with; arguments and errors as ``learn_task``."""
     own = knowledge.experience(task, of)
-    answers = in_force(each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of))
     neutral = background or shipped_background()
     others = [each for (name, whose), each in knowledge.experiences.items() if whose == own.tree_of and name != task]
     comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
-    evidence = evidence_of([own, *others], neutral.kinds if comparable else {})
-    return learn_clauses(evidence, task, tree, _told(own, answers))
+    return evidence_of([own, *others], neutral.kinds if comparable else {})
 
 
-def _told(own: Experience, answers: Mapping[str, Answer]) -> Told:
-    """What answers fix; a relevant node without a value has the most frequent one."""
-    relevant = {}
-    for node, answer in answers.items():
+def told_of(knowledge: Knowledge, task: str, tree: HypothesisTree = STANDARD_TREE, of: TreeOf = "target") -> Told:
+    """What answers fix: literals that each clause has, and those that need not hold.
+
+    A relevant node without a value has the most frequent one. Answers on nodes that literals are not about say nothing.
+
+    Raises:
+        UnknownNameError: The task is not known.
+        KnowledgeError: It is not known of who performs it, or two answers contradict each other; names both.
+    """
+    own = knowledge.experience(task, of)
+    return own_told(
+        own, [each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of)], tree
+    )
+
+
+def own_told(own: Experience, answers: Iterable[Answer], tree: HypothesisTree = STANDARD_TREE) -> Told:
+    """As ``told_of``, by the experience of a task and the answers about it."""
+    answers = list(answers)
+    known = {each.node.name: each for each in vocabularies(tree)}
+    relevant: dict[str, str] = {}
+    stated: list[tuple[Answer, SetLiteral, Reply]] = []
+    irrelevant = {}
+    for node, answer in sorted(in_force(answers).items()):
         counts = own.counts.get(node, FrozenMap())
         value = answer.value or min(counts, key=lambda each: (-counts[each], each), default=None)
-        if answer.verdict is Verdict.RELEVANT and value is not None:
+        if answer.verdict is Verdict.IRRELEVANT:
+            irrelevant[node] = answer
+        elif value is not None:
             relevant[node] = value
-    irrelevant = frozenset(node for node, answer in answers.items() if answer.verdict is Verdict.IRRELEVANT)
-    return Told(FrozenMap(relevant), irrelevant)
+            if node in known:
+                stated.append((answer, known[node].literal((value,)), Reply.YES))
+    for answer in replies_in_force(answers):
+        if answer.node in known and answer.reply not in (None, Reply.UNKNOWN):
+            literal = known[answer.node].literal(answer.among, but=answer.but)
+            stated.append((answer, literal, answer.reply or Reply.UNKNOWN))
+    must: dict[SetLiteral, Answer] = {}
+    free: dict[SetLiteral, Answer] = {}
+    for answer, literal, reply in stated:
+        if reply is Reply.EITHER:
+            free[literal] = answer
+        else:
+            must[literal if reply is Reply.YES else known[literal.node].complement(literal)] = answer
+    _check(own.task, must, free, irrelevant, tree)
+    single = {known[node].literal((value,)) for node, value in relevant.items() if node in known}
+    return Told(
+        FrozenMap(relevant), frozenset(irrelevant), tuple(each for each in must if each not in single), tuple(free)
+    )
+
+
+def _check(
+    task: str,
+    must: Mapping[SetLiteral, Answer],
+    free: Mapping[SetLiteral, Answer],
+    irrelevant: Mapping[str, Answer],
+    tree: HypothesisTree,
+) -> None:
+    """Refuse answers that cannot all be true."""
+    entailment = entailment_of(tree)
+    for literal, answer in must.items():
+        if literal.node in irrelevant:
+            raise _contradiction(task, answer, irrelevant[literal.node])
+    left: dict[str, tuple[int, list[Answer]]] = {}
+    for literal, answer in must.items():
+        worlds = entailment.worlds(literal)
+        bits, before = left.get(worlds.space, (entailment.all(worlds.space), []))
+        if worlds.bits and not bits & worlds.bits:
+            raise _contradiction(task, *before, answer)
+        left[worlds.space] = bits & worlds.bits, [*before, answer]
+    for literal, answer in free.items():
+        worlds = entailment.worlds(literal)
+        if worlds.space in left:
+            bits, before = left[worlds.space]
+            if bits & worlds.bits in (0, bits):
+                raise _contradiction(task, *before, answer)
+
+
+def _contradiction(task: str, *answers: Answer) -> KnowledgeError:
+    told = " and ".join(
+        f"{each.reply.value if each.reply else each.verdict.value if each.verdict else ''} to {each.about} "
+        f"({each.author}, {each.time})"
+        for each in answers
+    )
+    return KnowledgeError(
+        f"answers contradict each other: {told}",
+        where=f"task {task}",
+        hint=f"withdraw one of them: taskgist ask {task!r} --withdraw --question {answers[0].about!r}",
+    )
+
+
+@dataclass(frozen=True)
+class Sides:
+    """The demonstrations of a task in which something held, in which it did not, and in which that is unknown."""
+
+    holds: tuple[str, ...]
+    fails: tuple[str, ...]
+    unknown: tuple[str, ...]
+
+
+def sides(own: Experience, literal: SetLiteral) -> Sides:
+    """The demonstrations on both sides of a literal, by name."""
+    truths = sorted((each.demonstration, str(literal.holds(each.nodes))) for each in own.explanations.values())
+    by_truth = {truth: tuple(name for name, told in truths if told == truth) for truth in ("True", "False")}
+    unknown = tuple(name for name, told in truths if told not in by_truth)
+    return Sides(by_truth["True"], by_truth["False"], unknown)
+
+
+def open_questions(
+    knowledge: Knowledge,
+    task: str,
+    tree: HypothesisTree = STANDARD_TREE,
+    of: TreeOf = "target",
+    background: Background | None = None,
+) -> Asking:
+    """What there is to ask about a task, by all that is known; arguments and errors as ``learn_task``."""
+    own = knowledge.experience(task, of)
+    evidence, told = task_evidence(knowledge, task, of, background), told_of(knowledge, task, tree, of)
+    known = {each.node.name: each for each in vocabularies(tree)}
+    given = (each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of))
+    asked = [
+        known[each.node].literal(each.among, but=each.but) for each in replies_in_force(given) if each.node in known
+    ]
+    return Asking(evidence, learn_clauses(evidence, own.task, tree, told), tree, told, asked)
 
 
 def learned_clause(

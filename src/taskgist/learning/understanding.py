@@ -31,115 +31,20 @@ or number, as joint angles do, is irrelevant then: two bodies always differ ther
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, fields
-from datetime import datetime
-from pathlib import Path
+from dataclasses import dataclass, field
 from typing import Any
 
-from taskgist.common.frozen import FrozenMap, Json
-from taskgist.errors import KnowledgeError, UnknownNameError
+from taskgist.common.frozen import FrozenMap
+from taskgist.errors import KnowledgeError
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.tree import HypothesisTree, Instant, Node, Nodes, TreeOf, tree_of
+from taskgist.facts.tree import HypothesisTree, Instant, Node, Nodes, TreeOf
 from taskgist.facts.values import NEGLIGIBLE, UNKNOWN, Unknown
+from taskgist.learning.answers import Answer, in_force, replies_in_force
 from taskgist.learning.estimate import Estimate, Rule, Verdict, canonical_key, weigh
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import ROLES, Explanation, Role
 from taskgist.learning.literals import SetLiteral
 from taskgist.settings import DEFAULT, Learning
-
-# Answers: what a person said about a predicate that the demonstrations left open (6.4).
-#
-# Answers are kept as evidence with author and time, and none is ever thrown away: who changes their mind gives a
-# later answer, and withdrawing is such a statement, too. So the answers of two knowledge files merge by union.
-
-DECISIONS = (Verdict.RELEVANT, Verdict.IRRELEVANT)
-
-
-@dataclass(frozen=True)
-class Answer:
-    """One statement about a node. It fixes the node's verdict until a later one replaces it.
-
-    Args:
-        task: Name of the task.
-        node: Name of the node.
-        verdict: Relevant or irrelevant; None withdraws what was said before.
-        value: Desired value where relevant; None takes the one observed most often.
-        author: Who said so.
-        time: When, in ISO 8601 with the offset from UTC: ``"2024-05-01T12:00:00+00:00"``.
-        tree_of: Whose tree the node is in.
-
-    Raises:
-        KnowledgeError: The verdict is none that a person can give, a value comes without relevance, or the time
-            cannot be read.
-        UnknownNameError: It is nobody's tree.
-    """
-
-    task: str
-    node: str
-    verdict: Verdict | None
-    author: str
-    time: str
-    value: str | None = None
-    tree_of: TreeOf = "target"
-
-    def __post_init__(self) -> None:
-        where = f"answer on {self.task}"
-        if self.verdict is not None and self.verdict not in DECISIONS:
-            hint = "say relevant or irrelevant, or withdraw with None"
-            raise KnowledgeError("no decision", where=where, field=self.node, value=self.verdict.value, hint=hint)
-        if self.value is not None and self.verdict is not Verdict.RELEVANT:
-            hint = "only a relevant node has a desired value"
-            raise KnowledgeError("value without relevance", where=where, field=self.node, value=self.value, hint=hint)
-        _instant(self.time, where)
-        tree_of(self.tree_of)
-
-    def to_json(self) -> dict[str, Json]:
-        """Plain data; ``answer_from_json`` reads it back."""
-        plain = {each.name: getattr(self, each.name) for each in fields(self)}
-        if self.tree_of == "target":
-            del plain["tree_of"]  # as those of earlier releases, which know no other, are kept
-        return {**plain, "verdict": self.verdict.value if self.verdict else None}
-
-
-def answer_from_json(document: object, *, where: str | Path | None = None) -> Answer:
-    """Read back what ``Answer.to_json`` gave.
-
-    Raises:
-        KnowledgeError: Something is missing, further, or of another kind.
-    """
-    hint = "restore the file from a copy"
-    try:
-        data = dict(document)  # type: ignore[call-overload] # what does not fit is caught below
-        verdict = data.pop("verdict")
-        strange = [name for name, text in data.items() if not isinstance(text, str) and (name, text) != ("value", None)]
-        if strange:
-            raise TypeError(f"{', '.join(strange)}: no text")
-        return Answer(verdict=None if verdict is None else Verdict(verdict), **data)
-    except (KeyError, TypeError, ValueError, UnknownNameError) as error:
-        raise KnowledgeError(f"not an answer: {error!r}", where=where, hint=hint) from error
-
-
-def in_force(answers: Iterable[Answer]) -> dict[str, Answer]:
-    """The answer that holds for each node: the latest one, unless it withdraws."""
-    latest = {answer.node: answer for answer in sorted(answers, key=_order)}
-    return {node: answer for node, answer in latest.items() if answer.verdict is not None}
-
-
-def _order(answer: Answer) -> tuple[datetime, str, str, str]:
-    """Time decides; what was said at the same instant has an order all the same."""
-    verdict = answer.verdict.value if answer.verdict else ""
-    return (_instant(answer.time, answer.node), answer.author, verdict, answer.value or "")
-
-
-def _instant(time: str, where: str) -> datetime:
-    hint = "write it like 2024-05-01T12:00:00+00:00"
-    try:
-        instant = datetime.fromisoformat(time)
-    except (TypeError, ValueError) as error:
-        raise KnowledgeError("not a time", where=where, field="time", value=time, hint=hint) from error
-    if instant.tzinfo is None:
-        raise KnowledgeError("no offset from UTC", where=where, field="time", value=time, hint=hint)
-    return instant
 
 
 @dataclass(frozen=True)
@@ -214,7 +119,7 @@ def understand(
     """
     rule = Rule.of(settings)
     about = (experience.task, experience.tree_of)
-    holding = in_force(answer for answer in answers if (answer.task, answer.tree_of) == about)
+    holding = _verdicts((answer for answer in answers if (answer.task, answer.tree_of) == about), tree)
     several = sorted(
         (each for each in experience.explanations.values() if each.parts), key=lambda e: (e.demonstration, e.digest)
     )
@@ -224,6 +129,13 @@ def understand(
         divided = tuple(each for each in several if each.differing(node.name))
         judgements[node.name] = _judge(node, experience, divided, rule, holding.get(node.name), above=above)
     return Understanding(experience.task, tree, FrozenMap(judgements), experience)
+
+
+def _verdicts(answers: Iterable[Answer], tree: HypothesisTree) -> dict[str, Answer]:
+    """The answers that hold by node, those about sets of values where they settle one value or that none matters."""
+    given, values = list(answers), {node.name: node.values for node in tree.nodes}
+    exact = (each.exact(values.get(each.node, ())) for each in replies_in_force(given))
+    return in_force([each for each in given if not each.among] + [each for each in exact if each is not None])
 
 
 def _judge(

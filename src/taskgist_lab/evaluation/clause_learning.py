@@ -125,20 +125,37 @@ def clause_learning(
                 for task in orders
             }
             rows.append(ClauseScore(CLAUSES, count, setting, after, *judges.scores(held)))
-    return ClauseScores(tuple(rows), runs, sum(map(len, _neutral(coded).values())))
+    return ClauseScores(tuple(rows), runs, sum(map(len, neutral_kinds(coded).values())))
 
 
 def _posteriors(
     coded: Coded, orders: Mapping[str, Codes], task: str, after: int, others: int, seed: int
 ) -> Iterator[ClausePosterior]:
-    """What is learned of a task in each run, compared with so many others, which differ from run to run."""
+    """What is learned of a task in each run, compared with so many others."""
+    for run in range(len(orders[task])):
+        yield learn_clauses(run_evidence(coded, orders, task, run, after=after, others=others, seed=seed), task)
+
+
+def run_evidence(
+    coded: Coded, orders: Mapping[str, Codes], task: str, run: int, *, after: int, others: int, seed: int
+) -> Evidence:
+    """The first demonstrations of a task in a run, neutral ones, and those of other tasks, which differ by run.
+
+    Args:
+        coded: A pool.
+        orders: Demonstrations of each task by run.
+        task: The task.
+        run: Which run.
+        after: How many demonstrations of the task.
+        others: How many other tasks; ``OF_OTHERS`` demonstrations of each.
+        seed: Chooses them.
+    """
     names = sorted(orders.keys() - {task})
-    for run, order in enumerate(orders[task]):
-        rng = np.random.default_rng([seed, run, zlib.crc32(task.encode())])
-        chosen = [names[int(i)] for i in rng.permutation(len(names))[:others]]
-        kinds = {name: effects(coded, orders[name][run, :OF_OTHERS]) for name in chosen}
-        own = effects(coded, order[:after])
-        yield learn_clauses(Evidence.of({**_neutral(coded), **kinds, task: own}), task)
+    rng = np.random.default_rng([seed, run, zlib.crc32(task.encode())])
+    chosen = [names[int(i)] for i in rng.permutation(len(names))[:others]]
+    kinds = {name: effects(coded, orders[name][run, :OF_OTHERS]) for name in chosen}
+    own = effects(coded, orders[task][run][:after])
+    return Evidence.of({**neutral_kinds(coded), **kinds, task: own})
 
 
 def effects(coded: Coded, codes: Codes) -> list[Effects]:
@@ -153,7 +170,7 @@ def effects(coded: Coded, codes: Codes) -> list[Effects]:
     ]
 
 
-def _neutral(coded: Coded) -> Mapping[str, Sequence[Effects]]:
+def neutral_kinds(coded: Coded) -> Mapping[str, Sequence[Effects]]:
     """The shipped manipulations by kind; none where the pool was explained under another context."""
     shipped = shipped_background()
     return shipped.kinds if shipped.context == coded.pool.context else {}
