@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -33,12 +34,12 @@ from taskgist.facts.tree import HypothesisTree, TreeOf, tree_of
 from taskgist.facts.values import UNKNOWN, Unknown
 from taskgist.language.phrases import listed
 from taskgist.language.recognition import (
+    circumstance_reason,
     decided,
     literal_reason,
     named,
     percent,
     truth_of,
-    unlike_reason,
     weighed_reason,
 )
 from taskgist.learning.contrast import Contrast, contrast
@@ -177,10 +178,8 @@ def _print_why(each: TaskProbability) -> None:
     console.print(Text(f"          what it is about {truth_of(each.holds)}:"))
     for literal in each.literals:
         console.print(Text(f"            {literal_reason(literal)}"))
-    if each.unlike:
-        console.print("          unlike its demonstrations:")
-        for node in each.unlike:
-            console.print(Text(f"            {unlike_reason(node)}"))
+    if each.least_typical:
+        console.print(Text(f"          least typical: {circumstance_reason(each.least_typical)}"))
 
 
 def _print_contrast(between: Contrast, found: RecognisedEpisode) -> None:
@@ -227,16 +226,12 @@ def _task(each: TaskProbability) -> dict[str, Any]:
         "task": each.task,
         "probability": each.probability,
         "meaning": each.meaning,
-        "circumstances": each.circumstances,
         "holds": _truth(each.holds),
         "literals": [
             {**literal_document(one.literal), "holds": _truth(one.holds), "weight": one.weight}
             for one in each.literals
         ],
-        "unlike": [
-            {"node": one.node, "title": one.title, "value": one.value, "usual": one.usual, "weight": one.weight}
-            for one in each.unlike
-        ],
+        "least_typical": asdict(each.least_typical) if each.least_typical else None,
     }
 
 

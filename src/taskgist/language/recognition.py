@@ -7,7 +7,7 @@ import math
 from taskgist.facts.values import UNKNOWN, Unknown
 from taskgist.language.phrases import listed
 from taskgist.learning.contrast import Contrast, Contrasted, Weighed
-from taskgist.recognition.tasks import LiteralWeight, NodeWeight, Recognised
+from taskgist.recognition.tasks import Circumstance, LiteralWeight, Recognised
 
 CERTAIN = 0.995
 """From this probability on, percent are told as more than 99."""
@@ -40,9 +40,9 @@ def literal_reason(each: LiteralWeight) -> str:
     return f"{each.literal} {truth_of(each.holds)}{_likelihood(each.weight, 'in this task', 'elsewhere')}"
 
 
-def unlike_reason(each: NodeWeight) -> str:
-    """What is unlike a task's demonstrations: ``"(Final_Motion = Moving), usually Static"``."""
-    usual = "" if each.usual == each.value else f", where {each.usual} is usual"
+def circumstance_reason(each: Circumstance) -> str:
+    """What is least typical of a task: ``"(Final_Motion = Moving), where Static is usual: …"``."""
+    usual = f", where {each.usual} is usual" if each.usual != each.value else ""
     return f"({each.title} = {each.value}){usual}{_likelihood(each.weight, 'in this task', 'elsewhere')}"
 
 
