@@ -42,7 +42,7 @@ from taskgist.language.recognition import (
     truth_of,
     weighed_reason,
 )
-from taskgist.learning.contrast import Contrast, contrast
+from taskgist.learning.contrast import Contrast, contrast_of
 from taskgist.learning.explanation import Context
 from taskgist.learning.knowledge import Knowledge
 from taskgist.pipeline.recognise import RecognisedEpisode, TaskRecogniser
@@ -76,8 +76,8 @@ def recognise(
     in any recording nothing known is recognised. Of several recordings a table is printed; those that cannot be read
     stand there with the reason, and the exit code is 2.
 
-    With --contrast: which literals decide between two tasks in this recording, and how much more often each holds in the
-    demonstrations of the one than of the other.
+    With --contrast: which literals decide between two tasks in this recording, and how often each holds in the
+    demonstrations of either.
 
     Example: taskgist recognise handover.mcap -k knowledge.db
 
@@ -114,10 +114,12 @@ def recognise(
         return OK if _any_known(found) else FAILED
     outcomes: list[Outcome[Found]] = [*one_by_one(paths, recognised, "recognising", quiet=as_json)]
     if as_json:
-        print_json([
-            each.document() if isinstance(each, Refused) else _document(each.path, each.result, between)
-            for each in outcomes
-        ])
+        print_json(
+            [
+                each.document() if isinstance(each, Refused) else _document(each.path, each.result, between)
+                for each in outcomes
+            ]
+        )
     else:
         print_table(outcomes, ("for", "with", "start", "end", "recognised", "labelled"), _cells, "looked at")
     return exit_code(outcomes, good=_any_known)
@@ -136,7 +138,7 @@ def contrast_between(known: Knowledge, names: str, tree: HypothesisTree, of: Tre
         raise KnowledgeError("not two tasks", field="--contrast", value=names, hint=hint)
     with about("", {"contrast": "--contrast"}):
         first, second = (name if name in known.tasks else clean_name(name) for name in tasks)
-        return contrast(known, first, second, tree, of)
+        return contrast_of(known, first, second, tree, of)
 
 
 def _any_known(found: Found) -> bool:
@@ -228,8 +230,7 @@ def _task(each: TaskProbability) -> dict[str, Any]:
         "meaning": each.meaning,
         "holds": _truth(each.holds),
         "literals": [
-            {**literal_document(one.literal), "holds": _truth(one.holds), "weight": one.weight}
-            for one in each.literals
+            {**literal_document(one.literal), "holds": _truth(one.holds), "weight": one.weight} for one in each.literals
         ],
         "least_typical": asdict(each.least_typical) if each.least_typical else None,
     }

@@ -52,8 +52,8 @@ from taskgist.learning.literals import SetLiteral, vocabularies
 from taskgist.learning.task_clauses import LIKELY, compared_with, told_of
 
 PRIOR_ODDS = 0.7
-"""π: fitted on generated demonstrations of seed 101 (``taskgist evaluate recognition``), where with 0.7 the log loss after
-3 to 15 demonstrations of each of six tasks is within 0.02 of its least, and 3 % of what is a task are called none."""
+"""π: fitted on generated demonstrations of seed 101 (``taskgist evaluate recognition``), where the log loss after 3 to 15
+demonstrations of each of six tasks is within 0.02 of its least, and 3 % of what is a task are called none."""
 PSEUDO = 2.0
 """m of the m-estimate of how often a task's demonstrations have a value: as a + b of the paper's default."""
 LEAST_LN_ODDS = -30.0
@@ -174,8 +174,8 @@ class Recogniser:
                 raise KnowledgeError(
                     "there is nothing to compare it with",
                     where=f"task {experience.task}",
-                    hint="learn another task as well: the neutral manipulations that are shipped were explained with the "
-                    "standard tree and settings, for target agents",
+                    hint="learn another task as well: the neutral manipulations that are shipped are known for "
+                    "target agents, with the standard tree and settings",
                 )
             known.append(KnownTask.of(evidence, experience.task, tree, told_of(knowledge, experience)))
         return cls(tuple(known))

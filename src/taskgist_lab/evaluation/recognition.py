@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from taskgist.common.arrays import Array, Mask
+from taskgist.common.arrays import Array, Indices, Mask
 from taskgist.common.workers import Progress, silent
 from taskgist.errors import InputError
+from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import Observation
 from taskgist.learning.background import NEUTRAL
 from taskgist.learning.evidence import Effects, Evidence
 from taskgist.learning.literals import vocabularies
-from taskgist.facts.standard import STANDARD_TREE
 from taskgist.recognition.tasks import KnownTask, Recogniser
 from taskgist_lab.evaluation.clause_learning import MOST_RUNS, SIZES, Judges, effects, neutral_effects
 from taskgist_lab.evaluation.learner import Coded, in_random_order, sizes_within
@@ -76,7 +76,8 @@ def ours(kinds: Kinds, tasks: tuple[str, ...], episodes: Sequence[Effects]) -> P
 
 # --- Peers: classifiers of scikit-learn, one yes or no for each task, of the very same facts.
 
-FEATURES = tuple((vocabulary.node.name, value) for vocabulary in vocabularies(STANDARD_TREE) for value in vocabulary.values)
+FEATURES = tuple((each.node.name, value) for each in vocabularies(STANDARD_TREE) for value in each.values)
+"""Values of nodes that literals are about."""
 
 
 def _rows(demonstrations: Sequence[Effects]) -> Array:
@@ -204,7 +205,8 @@ def recognition(coded: Coded, *, runs: int, seed: int, progress: Progress = sile
     orders = {task: in_random_order(coded, task, runs=runs, seed=seed) for task in asked.tasks}
     sizes = sizes_within(SIZES, orders.values())
     recognisers = {OURS: ours, **peers(seed)}
-    rows, reliability = [], []
+    rows: list[RecognitionScore] = []
+    reliability: list[Reliable] = []
     unknown: dict[str, list[float]] = {name: [] for name in asked.neutral}
     for number, (name, after) in enumerate((name, after) for name in recognisers for after in sizes):
         progress(f"recognising: {name} after {after}", number / (len(recognisers) * len(sizes)))
@@ -248,7 +250,7 @@ class Asked:
 
     tasks: tuple[str, ...]
     own: Sequence[Effects]
-    played: Array
+    played: Indices
     fulfilled: Mask
     neutral: Kinds
 
@@ -301,7 +303,7 @@ class Asked:
     @property
     def _weights(self) -> Array:
         """Weights of held-out demonstrations: those of each task weigh the same, all together 1."""
-        return 1.0 / np.bincount(self.played)[self.played] / len(self.tasks)
+        return np.asarray(1.0 / np.bincount(self.played)[self.played] / len(self.tasks))
 
     def _all(self, answers: Answers) -> tuple[Array, Mask, Array]:
         """Probabilities and truth of everything that was asked for, (episodes, tasks), and weights, (episodes,).
