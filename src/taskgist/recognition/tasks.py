@@ -52,7 +52,7 @@ from taskgist.learning.literals import SetLiteral, vocabularies
 from taskgist.learning.task_clauses import LIKELY, compared_with, told_of
 
 PRIOR_ODDS = 0.7
-"""π: fitted on generated demonstrations of seed 101 (``taskgist evaluate recognition``), where the log loss after 3 to 15
+"""π: fitted on generated demonstrations of seed 101 (``taskgist evaluate recognition``): the log loss after 3 to 15
 demonstrations of each of six tasks is within 0.02 of its least, and 3 % of what is a task are called none."""
 PSEUDO = 2.0
 """m of the m-estimate of how often a task's demonstrations have a value: as a + b of the paper's default."""

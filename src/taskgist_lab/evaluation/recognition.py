@@ -25,12 +25,16 @@ from taskgist.learning.background import NEUTRAL
 from taskgist.learning.evidence import Effects, Evidence
 from taskgist.learning.literals import vocabularies
 from taskgist.recognition.tasks import KnownTask, Recogniser
-from taskgist_lab.evaluation.clause_learning import MOST_RUNS, SIZES, Judges, effects, neutral_effects
+from taskgist_lab.evaluation.clause_learning import SIZES, Judges, effects, neutral_effects
 from taskgist_lab.evaluation.learner import Coded, in_random_order, sizes_within
 from taskgist_lab.evaluation.peers import door
 from taskgist_lab.evaluation.values import Result, Spread, rounded
 
 OURS = "clauses"
+MOST_RUNS = 10
+"""Random orders, at most: each recogniser learns seven times in each, as each unknown kind is left out once."""
+SHOWN_AFTER = 10
+"""Demonstrations after which unknown kinds are told one by one, and reliability is drawn."""
 BINS = 10
 """Of the reliability curve, of equal width."""
 CERTAIN = 1e-4
@@ -87,13 +91,14 @@ def _rows(demonstrations: Sequence[Effects]) -> Array:
 
 
 def _peer(make: Callable[[], Any]) -> Recognising:
-    """A classifier of one task against all else, for each task; none is what no task is more probable than."""
+    """A classifier that says yes or no for each task; none has what the most probable task leaves."""
 
     def recognise(kinds: Kinds, tasks: tuple[str, ...], episodes: Sequence[Effects]) -> Probabilities:
         rows = _rows([each for name in kinds for each in kinds[name]])
         names = np.array([name for name in kinds for _ in kinds[name]])
-        tests = _rows(episodes)
-        found = np.stack([make().fit(rows, names == task).predict_proba(tests)[:, 1] for task in tasks], axis=1)
+        labels = np.stack([names == task for task in tasks], axis=1)
+        by_task = make().fit(rows, labels).predict_proba(_rows(episodes))  # (episodes, [no,] yes) of each task
+        found = np.stack([each[:, -1] for each in by_task], axis=1)
         return Probabilities(found, 1.0 - found.max(axis=1))
 
     return recognise
@@ -106,15 +111,15 @@ def peers(seed: int) -> dict[str, Recognising]:
         seed: Of the forest.
     """
     try:
-        ensemble, neighbours, bayes = (
-            door(f"sklearn.{name}", name) for name in ("ensemble", "neighbors", "naive_bayes")
+        ensemble, neighbours, bayes, several = (
+            door(f"sklearn.{name}", name) for name in ("ensemble", "neighbors", "naive_bayes", "multioutput")
         )
     except InputError:
         return {}
     return {
         "random forest": _peer(lambda: ensemble.RandomForestClassifier(100, random_state=seed)),
         "5 nearest": _peer(lambda: neighbours.KNeighborsClassifier(5)),
-        "naive Bayes": _peer(bayes.BernoulliNB),
+        "naive Bayes": _peer(lambda: several.MultiOutputClassifier(bayes.BernoulliNB())),
     }
 
 
@@ -176,16 +181,26 @@ class RecognitionScores(Result):
     rows: tuple[RecognitionScore, ...]
     reliability: tuple[Reliable, ...]
     unknown: Mapping[str, float]
-    """By kind of manipulation that was left out: the share that ours calls none of the tasks, after ``MOST_AFTER``."""
+    """By kind of manipulation that was left out: the share that ours calls none of the tasks, after ``SHOWN_AFTER``."""
     runs: int
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Demonstrations after which there are scores."""
+        return tuple(dict.fromkeys(each.after for each in self.rows))
+
+    @property
+    def recognisers(self) -> tuple[str, ...]:
+        """Names of the recognisers, ours first."""
+        return tuple(dict.fromkeys(each.recogniser for each in self.rows))
+
+    def row(self, recogniser: str, after: int) -> RecognitionScore:
+        """The scores of a recogniser after so many demonstrations."""
+        return next(each for each in self.rows if (each.recogniser, each.after) == (recogniser, after))
 
     def curve(self, recogniser: str, after: int) -> tuple[Reliable, ...]:
         """The reliability of a recogniser."""
         return tuple(each for each in self.reliability if (each.recogniser, each.after) == (recogniser, after))
-
-
-SHOWN_AFTER = 10
-"""Demonstrations after which unknown kinds are told one by one."""
 
 
 def recognition(coded: Coded, *, runs: int, seed: int, progress: Progress = silent) -> RecognitionScores:
