@@ -49,7 +49,7 @@ from taskgist.learning.clauses import (
 from taskgist.learning.evidence import Evidence, Kind
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.literals import SetLiteral, vocabularies
-from taskgist.learning.task_clauses import LIKELY, compared_with, told_of
+from taskgist.learning.task_clauses import LIKELY, task_evidence, told_of
 
 PRIOR_ODDS = 0.7
 """π: fitted on generated demonstrations of seed 101 (``taskgist evaluate recognition``): the log loss after 3 to 15
@@ -163,21 +163,21 @@ class Recogniser:
         Raises:
             KnowledgeError: No task is known in these trees, or one alone and there is nothing to compare it with.
         """
-        own = [each for (_, whose), each in sorted(knowledge.experiences.items()) if whose == of]
+        own = [task for task, whose in sorted(knowledge.experiences) if whose == of]
         if not own:
             others = "learn tasks first: taskgist learn --help; or ask in the trees of other agents (of)"
             raise KnowledgeError("no task is known in the trees of these agents", field="of", value=of, hint=others)
         known = []
-        for experience in own:
-            evidence = compared_with(knowledge, experience, background)
+        for task in own:
+            evidence = task_evidence(knowledge, task, of, background)
             if len(evidence.kinds) == 1:
                 raise KnowledgeError(
                     "there is nothing to compare it with",
-                    where=f"task {experience.task}",
+                    where=f"task {task}",
                     hint="learn another task as well: the neutral manipulations that are shipped are known for "
                     "target agents, with the standard tree and settings",
                 )
-            known.append(KnownTask.of(evidence, experience.task, tree, told_of(knowledge, experience)))
+            known.append(KnownTask.of(evidence, task, tree, told_of(knowledge, task, of=of)))
         return cls(tuple(known))
 
     @property

@@ -37,6 +37,8 @@ SHOWN_AFTER = 10
 """Demonstrations after which unknown kinds are told one by one, and reliability is drawn."""
 BINS = 10
 """Of the reliability curve, of equal width."""
+OWN_NONE = 0.03
+"""Share of held-out demonstrations that are called none of the tasks where recognisers are compared in that."""
 CERTAIN = 1e-4
 """Probabilities are kept so far from 0 and 1 where their logarithm is taken."""
 
@@ -90,14 +92,19 @@ def _rows(demonstrations: Sequence[Effects]) -> Array:
     return np.array(rows).reshape(len(rows), len(FEATURES))
 
 
-def _peer(make: Callable[[], Any]) -> Recognising:
-    """A classifier that says yes or no for each task; none has what the most probable task leaves."""
+def _peer(make: Callable[[], Any], *, weighed: bool = True) -> Recognising:
+    """A classifier that says yes or no for each task; none has what the most probable task leaves.
+
+    All kinds of demonstrations weigh the same, as they do for ours, where the classifier is able to weigh.
+    """
 
     def recognise(kinds: Kinds, tasks: tuple[str, ...], episodes: Sequence[Effects]) -> Probabilities:
         rows = _rows([each for name in kinds for each in kinds[name]])
         names = np.array([name for name in kinds for _ in kinds[name]])
         labels = np.stack([names == task for task in tasks], axis=1)
-        by_task = make().fit(rows, labels).predict_proba(_rows(episodes))  # (episodes, [no,] yes) of each task
+        weights = np.array([1.0 / len(each) for each in kinds.values() for _ in each])
+        classifier = make().fit(rows, labels, **({"sample_weight": weights} if weighed else {}))
+        by_task = classifier.predict_proba(_rows(episodes))  # (episodes, [no,] yes) of each task
         found = np.stack([each[:, -1] for each in by_task], axis=1)
         return Probabilities(found, 1.0 - found.max(axis=1))
 
@@ -118,7 +125,7 @@ def peers(seed: int) -> dict[str, Recognising]:
         return {}
     return {
         "random forest": _peer(lambda: ensemble.RandomForestClassifier(100, random_state=seed)),
-        "5 nearest": _peer(lambda: neighbours.KNeighborsClassifier(5)),
+        "5 nearest": _peer(lambda: neighbours.KNeighborsClassifier(5), weighed=False),
         "naive Bayes": _peer(lambda: several.MultiOutputClassifier(bayes.BernoulliNB())),
     }
 
@@ -140,6 +147,8 @@ class RecognitionScore:
         brier: Mean squared difference of probability and truth.
         own_none: Share of held-out demonstrations that are called none of the tasks.
         unknown_none: Share of manipulations of unknown kinds that are, mean over kinds; None without any.
+        unknown_told: The same where "none" is said from such a probability on that ``OWN_NONE`` of the held-out
+            demonstrations are called none: how well both are told apart, wherever the line is drawn.
     """
 
     recogniser: str
@@ -151,6 +160,7 @@ class RecognitionScore:
     brier: Spread
     own_none: Spread
     unknown_none: Spread
+    unknown_told: Spread
 
 
 @dataclass(frozen=True)
@@ -305,6 +315,9 @@ class Asked:
         kept = given.clip(CERTAIN, 1 - CERTAIN)
         loss = -np.where(true, np.log(kept), np.log1p(-kept))
         unknown = [each.none_is_best.mean() for each in answers.unknown.values()]
+        order = np.argsort(-own.none, kind="stable")
+        line = own.none[order][np.searchsorted(np.cumsum(weights[order]), OWN_NONE)]
+        told = [(each.none > line).mean() for each in answers.unknown.values()]
         return {
             "right": float(self.fulfilled[np.arange(len(best)), best] @ weights),
             "as_played": float((best == self.played) @ weights),
@@ -313,6 +326,7 @@ class Asked:
             "brier": float((((given - true) ** 2).mean(axis=1) * share).sum()),
             "own_none": float(own.none_is_best @ weights),
             "unknown_none": float(np.mean(unknown)) if unknown else float("nan"),
+            "unknown_told": float(np.mean(told)) if told else float("nan"),
         }
 
     @property
