@@ -1,0 +1,45 @@
+"""Sentences on what was recognised: which tasks, how probably, and what speaks for and against each."""
+
+from __future__ import annotations
+
+from taskgist.language.clauses import times, truth_of
+from taskgist.recognition.tasks import Circumstance, LiteralWeight, Recognised
+
+CERTAIN = 0.995
+"""From this probability on, percent are told as more than 99."""
+
+
+def percent(probability: float) -> str:
+    """A probability in whole percent; what is not certain is never told as 0 or 100: ``"> 99 %"``."""
+    if probability > CERTAIN:
+        return "> 99 %"
+    if probability < 1 - CERTAIN:
+        return "< 1 %"
+    return f"{round(100 * probability)} %"
+
+
+def named(recognised: Recognised) -> str:
+    """What an episode is: ``"hide away (97 %), hide (95 %)"``, or ``"none of the known tasks (88 %)"``."""
+    if recognised.best is None:
+        return f"none of the known tasks ({percent(recognised.none)})"
+    chosen = recognised.likely or (recognised.best,)
+    return ", ".join(f"{each.task} ({percent(each.probability)})" for each in chosen)
+
+
+def literal_reason(each: LiteralWeight) -> str:
+    """What a literal of a task's clause says: ``"(…) holds: 6 times as often in this task as elsewhere"``."""
+    return f"{each.literal} {truth_of(each.holds)}{_likelihood(each.weight)}"
+
+
+def circumstance_reason(each: Circumstance) -> str:
+    """What is least typical of a task: ``"(Final_Posture = Standing), where Sitting is usual: 3 times …"``."""
+    usual = f", where {each.usual} is usual" if each.usual != each.value else ""
+    return f"({each.title} = {each.value}){usual}{_likelihood(each.weight)}"
+
+
+def _likelihood(weight: float) -> str:
+    """What a weight says in words; nothing where it says nothing."""
+    if not weight:
+        return ""
+    more, less = ("in this task", "elsewhere") if weight > 0 else ("elsewhere", "in this task")
+    return f": {times(weight)} as often {more} as {less}"
