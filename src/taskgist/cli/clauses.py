@@ -9,9 +9,10 @@ from rich.text import Text
 from taskgist.cli.common import about, console, print_json
 from taskgist.common.text import clean_name
 from taskgist.facts.tree import HypothesisTree, TreeOf
-from taskgist.language.clauses import compared, oddness, supported
+from taskgist.language.clauses import against, compared, oddness, supported
 from taskgist.learning.background import NEUTRAL
-from taskgist.learning.clauses import ClausePosterior, LiteralSupport, Support, WeighedClause
+from taskgist.learning.clauses import ClausePosterior, LiteralSupport, MustNot, Support, WeighedClause
+from taskgist.learning.literals import SetLiteral
 from taskgist.learning.task_clauses import Odd, learn_task, odd_demonstrations
 
 if TYPE_CHECKING:  # with MuJoCo
@@ -44,6 +45,7 @@ def print_clauses(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf) ->
     if len(best.literals) != 1:
         console.print(f"  {'together' if best.literals else 'nothing in common'}: {supported(best.support)}")
     for title, lines in (
+        ("must not", [f"{each.literal}   {against(each)}" for each in learned.must_not]),
         ("nearly as good", [f"{each}   {supported(each.support)}" for each in alternatives(learned)]),
         ("odd demonstrations", [oddness(each) for each in odd]),
     ):
@@ -77,6 +79,7 @@ def clauses_document(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf)
         "clause": {**_clause(learned.best), "literals": [_literal(each) for each in learned.alone]},
         "alternatives": [_clause(each) for each in alternatives(learned)],
         "usual": [_literal(each) for each in learned.usual],
+        "must_not": [_must_not(each) for each in learned.must_not],
         "compared": {
             "tasks": {name: n for name, n in sorted(learned.compared.items()) if not name.startswith(NEUTRAL)},
             "neutral": {
@@ -102,9 +105,17 @@ def _clause(clause: WeighedClause) -> dict[str, Any]:
 
 
 def _literal(each: LiteralSupport) -> dict[str, Any]:
-    literal = each.literal
+    return {**_set(each.literal), **_support(each.support)}
+
+
+def _set(literal: SetLiteral) -> dict[str, Any]:
     named = {"node": literal.node, "title": literal.title, "text": str(literal)}
-    return {**named, "values": list(literal.values), "but": literal.but, **_support(each.support)}
+    return {**named, "values": list(literal.values), "but": literal.but}
+
+
+def _must_not(each: MustNot) -> dict[str, Any]:
+    counts = {name: {"k": k, "n": n} for name, (k, n) in (("wrong", each.in_wrong), ("right", each.in_right))}
+    return {**_set(each.literal), **counts, "odds": each.odds}
 
 
 def _support(support: Support) -> dict[str, Any]:

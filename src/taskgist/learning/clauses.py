@@ -91,6 +91,28 @@ class LiteralSupport:
 
 
 @dataclass(frozen=True)
+class MustNot:
+    """Something that must not hold, and what speaks for that.
+
+    Args:
+        literal: What must not hold; its ``complement`` is what must.
+        in_wrong: Of the wrong demonstrations in which it is known: in how many it holds, and how many there are.
+        in_right: The same of the right ones.
+        odds: How much likelier it is a reason than chance; None where somebody said so.
+    """
+
+    literal: SetLiteral
+    in_wrong: tuple[int, int]
+    in_right: tuple[int, int]
+    odds: float | None
+
+    @property
+    def probability(self) -> float:
+        """Of its being a reason, by its odds; 1 where somebody said so."""
+        return 1.0 if self.odds is None else self.odds / (1.0 + self.odds)
+
+
+@dataclass(frozen=True)
 class WeighedClause:
     """A conjunction of literals, and what speaks for it."""
 
@@ -123,6 +145,8 @@ class ClausePosterior:
     """Usual circumstances: final states that were always so, and that usually are so in the background."""
     compared: FrozenMap[str, int]
     """Demonstrations by kind of background."""
+    must_not: tuple[MustNot, ...] = ()
+    """What must not hold, the surest first: whoever performs keeps to the ``complement`` of each, beside a clause."""
 
     @property
     def best(self) -> WeighedClause:
@@ -156,7 +180,11 @@ NOTHING_TOLD = Told()
 
 
 def learn_clauses(
-    evidence: Evidence, task: str, tree: HypothesisTree = STANDARD_TREE, told: Told = NOTHING_TOLD
+    evidence: Evidence,
+    task: str,
+    tree: HypothesisTree = STANDARD_TREE,
+    told: Told = NOTHING_TOLD,
+    most_literals: int = MOST_LITERALS,
 ) -> ClausePosterior:
     """Learn what a task means from its demonstrations, compared with all others.
 
@@ -165,12 +193,13 @@ def learn_clauses(
         task: The task.
         tree: Whose effects literals are about.
         told: What people said of it. What they said of nodes that literals are not about has no effect.
+        most_literals: The longest clause.
 
     Raises:
         UnknownNameError: There is no evidence of this task.
     """
     search = _Search(evidence, task, tree, told)
-    found = search.best()
+    found = search.best(most_literals)
     weights = [math.exp(one.score - found[0].score) for one in found]
     total = math.fsum(weights)
     return ClausePosterior(
@@ -283,10 +312,10 @@ class _Search:
         self._likelihoods: dict[tuple[int, int], float] = {}
         self._first = self._start(told)
 
-    def best(self) -> list[_Found]:
+    def best(self, most_literals: int) -> list[_Found]:
         """The best clauses, the very best first."""
         found = beam = [self._first]
-        for _ in range(MOST_LITERALS if self._kinds else 0):
+        for _ in range(most_literals if self._kinds else 0):
             beam = self._longer(beam)
             found = nsmallest(KEPT, [*found, *beam], key=lambda one: one.order)
             beam = beam[:BEAM]

@@ -47,8 +47,8 @@ class Context:
 class Explanation:
     """All that was inferred about one demonstration.
 
-    Its ``digest`` says *which* demonstration it explains, and under what: source, label and context. The values of the
-    nodes follow from these and stay out of it, so that a demonstration cannot be counted twice.
+    Its ``digest`` says *which* demonstration it explains, and under what: source, label, whether it was done wrong, and
+    context. The values of the nodes follow from these and stay out of it: so no demonstration is counted twice.
     """
 
     task: str
@@ -66,6 +66,8 @@ class Explanation:
     """Value and evidence of each node."""
     parts: tuple[Explanation, ...] = ()
     """Of several targets: the explanation of each pair, agent by agent; empty where there is one pair."""
+    wrong: bool = False
+    """Whether it shows how the task must not be done. It is evidence against then, and never counted for the task."""
     digest: str = field(init=False)
     """16 hexadecimal digits."""
 
@@ -81,6 +83,7 @@ class Explanation:
             self.source,
             self.context.settings_digest,
             self.context.tree_version,
+            *(["wrong"] if self.wrong else []),  # so that the digests of all others are what they always were
         ]
         object.__setattr__(self, "digest", hashlib.sha256(canonical_text(identity).encode()).hexdigest()[:16])
 
@@ -103,15 +106,22 @@ class Explanation:
     def is_rival_of(self, other: Explanation) -> bool:
         """Whether both explain one recording for an agent and an object that they share, but not the same label.
 
+        What is done right is not done wrong. But a wrong *hide* may be a right *show*, or a wrong one as well.
+
         A target agent's tree and a performing agent's own are no rivals: nothing is counted in both.
         """
         return (
             self.digest != other.digest
+            and (self.task == other.task or not (self.wrong or other.wrong))
             and self.tree_of == other.tree_of
             and self.recording == other.recording
             and not set(self.target_agents).isdisjoint(other.target_agents)
             and not set(self.target_objects).isdisjoint(other.target_objects)
         )
+
+    def marked_wrong(self) -> Explanation:
+        """The same as a demonstration of how the task must not be done."""
+        return replace(self, wrong=True, parts=tuple(replace(part, wrong=True) for part in self.parts))
 
     def part(self, agent: str, name: str) -> Explanation:
         """The explanation of one pair of target agent and target object; itself, where it has no other.
@@ -157,7 +167,8 @@ class Explanation:
         context = {name.name: getattr(self.context, name.name) for name in fields(Context)}
         nodes: dict[str, Json] = {name: node.to_json() for name, node in self.nodes.items()}
         parts: dict[str, Json] = {"parts": [part.to_json() for part in self.parts]} if self.parts else {}
-        return {**texts, **targets, **context, "nodes": nodes, **parts}
+        wrong: dict[str, Json] = {"wrong": True} if self.wrong else {}
+        return {**texts, **targets, **context, **wrong, "nodes": nodes, **parts}
 
 
 TEXTS = ("task", "demonstration", "performing_agent", "source")
@@ -208,7 +219,7 @@ def merged(parts: Iterable[Explanation]) -> Explanation:
         raise KnowledgeError("no pair of target agent and object", hint="explain one at least")
     first = pairs[0]
     for part in pairs[1:]:
-        for name in (*TEXTS, "context"):
+        for name in (*TEXTS, "context", "wrong"):
             if getattr(part, name) != getattr(first, name):
                 hint = "merge explanations of one demonstration"
                 raise KnowledgeError("is another demonstration", field=name, value=getattr(part, name), hint=hint)
@@ -251,6 +262,7 @@ def explanation_from_json(document: object, *, where: str | Path | None = None) 
             context=Context(_text(data["settings_digest"]), _text(data["tree_version"])),
             nodes={_text(name): _observation(node) for name, node in data["nodes"].items()},
             parts=tuple(_part(part, where) for part in data.get("parts", ())),
+            wrong=_flag(data.get("wrong", False)),
         )
         stored = {name: _text(data[name]) for name in ("digest", "content")}
         found = {name: getattr(explanation, name) for name in stored}
@@ -292,6 +304,12 @@ def _observation(data: Mapping[str, Any]) -> Observation[Value]:
     if not isinstance(data["evidence"], dict):
         raise TypeError("evidence that is no object")
     return Observation(value, data["evidence"])
+
+
+def _flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise TypeError(f"a {type(value).__name__} where true or false is wanted")
+    return value
 
 
 def _text(value: object) -> str:

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 from taskgist.facts import vocabulary as v
@@ -39,8 +39,8 @@ class SetLiteral:
     Args:
         node: Name of the node.
         title: Its title.
-        values: The values in the set, in canonical order; where ``but`` is true, the one value outside it.
-        but: Whether the set is all values but the one given.
+        values: The values in the set, in canonical order; where ``but`` is true, those outside it.
+        but: Whether the set is all values but those given; only a ``complement`` leaves out more than one.
         bound: How an interval of a ladder is told: "≤", "≥" or "to"; empty for all other sets.
         bits: Description length of the set, given its node.
         instant: 2 for a final state, None for a change.
@@ -67,10 +67,17 @@ class SetLiteral:
         """The set in symbols: ``"= In_Hand"``, ``"≠ In_Hand"``, ``"≥ Whole_Body_Effort"``."""
         first, last = self.values[0], self.values[-1]
         if self.bound == "to":
-            return f"= {first} to {last}"
+            return f"{'outside' if self.but else '='} {first} to {last}"
+        if self.bound and self.but:
+            return f"> {last}" if self.bound == "≤" else f"< {first}"
         if self.bound:
             return f"{self.bound} {last if self.bound == '≤' else first}"
         return f"{'≠' if self.but else '='} {first}"
+
+    @property
+    def complement(self) -> SetLiteral:
+        """All other values of its node; it fails where this one holds."""
+        return replace(self, but=not self.but)
 
     @property
     def order(self) -> tuple[str, bool, tuple[str, ...]]:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from taskgist.common.frozen import FrozenMap
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, TreeOf
 from taskgist.learning.background import Background, shipped_background
-from taskgist.learning.clauses import ClausePosterior, Told, learn_clauses
+from taskgist.learning.clauses import ClausePosterior, MustNot, Told, learn_clauses
 from taskgist.learning.estimate import Verdict
-from taskgist.learning.evidence import evidence_of
+from taskgist.learning.evidence import effects_of, evidence_of
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.knowledge import Knowledge
+from taskgist.learning.must_not import learn_must_not
 from taskgist.learning.understanding import Answer, in_force
 
 LIKELY = 0.5
@@ -31,6 +32,8 @@ def learn_task(
     background: Background | None = None,
 ) -> ClausePosterior:
     """What a task means, compared with the other tasks that are known and with neutral manipulations.
+
+    What must not hold is learned from the demonstrations that were done wrong, if there are any.
 
     Answers fix literals: each clause has those about relevant nodes, and none about irrelevant ones.
 
@@ -52,7 +55,17 @@ def learn_task(
     others = [each for (name, whose), each in knowledge.experiences.items() if whose == own.tree_of and name != task]
     comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
     evidence = evidence_of([own, *others], neutral.kinds if comparable else {})
-    return learn_clauses(evidence, task, tree, _told(own, answers))
+    learned = learn_clauses(evidence, task, tree, _told(own, answers))
+    return replace(learned, must_not=_must_not(knowledge, own, tree))
+
+
+def _must_not(knowledge: Knowledge, own: Experience, tree: HypothesisTree) -> tuple[MustNot, ...]:
+    """What demonstrations that were done wrong teach."""
+    wrong = knowledge.wrong.get((own.task, own.tree_of))
+    if wrong is None:
+        return ()
+    seen = (map(effects_of, each.explanations.values()) for each in (wrong, own))
+    return learn_must_not(*seen, tree)
 
 
 def _told(own: Experience, answers: Mapping[str, Answer]) -> Told:

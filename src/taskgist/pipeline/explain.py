@@ -156,6 +156,7 @@ def learn(
     tree: HypothesisTree = STANDARD_TREE,
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] | None = None,
+    wrong: bool = False,
     progress: Progress = silent,
     processes: int | None = None,
 ) -> Knowledge:
@@ -167,6 +168,7 @@ def learn(
         tree: The hypothesis space; ``predicates`` extend it.
         settings: All settings.
         predicates: A user's own predicates; by default all that are known.
+        wrong: Whether they show how their tasks must not be done.
         progress: Told how far it is.
         processes: How many explain recordings at the same time; see ``explain_all``.
 
@@ -177,7 +179,7 @@ def learn(
     explanations = explain_all(
         recordings, of=of, tree=tree, settings=settings, predicates=predicates, progress=progress, processes=processes
     )
-    return Knowledge().add(*explanations)
+    return Knowledge().add(*(each.marked_wrong() if wrong else each for each in explanations))
 
 
 def explain_all(
