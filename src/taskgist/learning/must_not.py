@@ -6,7 +6,11 @@ too, is no reason; neither is what happens elsewhere: that a thing is seen witho
 still what must not be when it was to be hidden.
 
 **Single literals.** *Not this and that together* is no goal that a planner can take. So reasons are single literals,
-one for each node at most: the one that is told most briefly, which is the value that was seen, and no larger set.
+one for each subtree at most: the one that is told most briefly. That an effort is lower now, that this is supportive,
+and which effort it is now, is one reason and not three.
+
+**Several mistakes.** One drops the thing, another lets it be seen. Demonstrations in which no reason holds that was
+found are looked at once more by themselves, until nothing is found.
 
 **How sure.** Each literal has odds against chance, as clauses have: those that it holds in so many wrong ones because
 it is what was wrong, and not because it happens so often in right ones. One wrong demonstration beside nine right ones
@@ -16,7 +20,7 @@ makes them even at best; three make them more than a hundred to one. Reasons bel
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
@@ -39,18 +43,41 @@ def learn_must_not(
         right: Those of the same task that were done right; none: nothing is learned.
         tree: Whose effects it may be.
     """
+    left, right = list(wrong), list(right)
+    evidence = Evidence.of({_WRONG: left, _RIGHT: right})
+    found: list[MustNot] = []
+    while left and right:
+        fresh = [
+            MustNot(literal, _counted(evidence, literal, _WRONG), _counted(evidence, literal, _RIGHT), odds)
+            for literal, odds in _reasons(left, right, tree)
+        ]
+        unexplained = [each for each in left if not any(_holds(one.literal, each) for one in fresh)]
+        if len(unexplained) == len(left):
+            break
+        found += fresh  # none of those before holds in what was left
+        left = unexplained
+    return tuple(sorted(found, key=lambda each: (-round(math.log(each.odds or 1.0), 9), each.literal.order)))
+
+
+def _reasons(
+    wrong: Sequence[Effects], right: Sequence[Effects], tree: HypothesisTree
+) -> Iterator[tuple[SetLiteral, float]]:
+    """What holds in most of the wrong ones and hardly ever in right ones, one for each subtree, and its odds."""
     evidence = Evidence.of({_WRONG: wrong, _RIGHT: right})
-    if not all(kind.count for kind in evidence.kinds.values()):
-        return ()
-    found: dict[str, MustNot] = {}
+    told: set[str] = set()
     for clause in learn_clauses(evidence, _WRONG, tree, most_literals=1).clauses:
         if clause.score <= 0 or not clause.literals:
             continue
         (literal,) = clause.literals
-        in_wrong, in_right = (_counted(evidence, literal, name) for name in (_WRONG, _RIGHT))
-        if in_right[1] and in_right[0] <= ALMOST_NEVER * in_right[1]:
-            found.setdefault(literal.node, MustNot(literal, in_wrong, in_right, math.exp(clause.score)))
-    return tuple(found.values())
+        subtree = literal.node.partition(".")[0]
+        holds, known = _counted(evidence, literal, _RIGHT)
+        if subtree not in told and known > 0 and holds <= ALMOST_NEVER * known:
+            told.add(subtree)
+            yield literal, math.exp(clause.score)
+
+
+def _holds(literal: SetLiteral, effects: Effects) -> bool:
+    return literal.node in effects and (effects[literal.node] in literal.values) != literal.but
 
 
 def _counted(evidence: Evidence, literal: SetLiteral, name: str) -> tuple[int, int]:

@@ -1,0 +1,348 @@
+"""Actions: what was done between the initial and the final state, as symbols with times (A of ⟨WI, A, WF⟩, 10).
+
+What the observer has confirmed of hands, placements and motion tells what somebody did; the geometry of single frames
+tells when it began. An example, a cup that is handed over::
+
+    P1  reach ─────┤
+                   │ grasp
+                   ├─ lift ─┤
+                   ├──────── carry ────────┤ hand over (to P2) ├ release
+    P2                          reach ─────┤ grasp             ├───── carry ...
+
+- **grasp**: a hand comes to a thing that it has afterwards. A thing that rests on a support is held by nobody; so the
+  grasp is looked for backwards, from the moment at which it is held to that at which the hand came to it.
+- **reach**: the hand's way to the grasp, from where it set out.
+- **lift**: the thing leaves what it rested on, until it rises no more.
+- **carry**: it travels while an agent has it, from its first motion to its last.
+- **place**: it comes to rest; on or in what is told. **release**: the hand that had it has come off it.
+- **hand over**: it goes from one agent's hands into those of another; while both have it.
+- **point**: an empty hand stays stretched out towards a thing that it is not near.
+- **look**: an agent looks at a thing, or at another agent.
+
+An action that cannot be told from what was tracked is not there; nothing says that it was not done.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from taskgist.common.arrays import Array
+from taskgist.common.workers import Progress, silent
+from taskgist.facts import vocabulary as v
+from taskgist.observe.attention import gaze
+from taskgist.observe.observer import Observer
+from taskgist.recognition.turns import RESTING, Change, Grip, Turn, changes_of_hands, grips_of, turns_of
+from taskgist.recording.recording import Recording
+from taskgist.settings import DEFAULT, Settings
+from taskgist.world.contacts import hand_gap_m, hand_known
+from taskgist.world.stage import Stage
+
+ActionKind = Literal["reach", "grasp", "lift", "carry", "place", "release", "hand over", "point", "look"]
+KINDS: tuple[ActionKind, ...] = ("look", "point", "reach", "grasp", "lift", "carry", "place", "hand over", "release")
+"""In the order in which those of one moment are told."""
+
+STILL_M_S = 0.06
+"""A hand that is slower has not set out yet."""
+LONGEST_REACH_S = 3.0
+"""Longer ago a hand does not set out for what it grasps."""
+NEAR_M = 0.02
+"""A hand with a lesser gap to a thing may have grasped it."""
+RISING_M_S, LIFTED_M = 0.05, 0.03
+"""A thing is lifted while it rises faster than this, and if it has risen so far."""
+CARRIED_M = 0.05
+"""What travels less in somebody's hands is not carried."""
+LOOK_EVERY_S, LEAST_LOOK_S = 0.2, 0.4
+"""How often it is looked where eyes look, and what a look lasts at least."""
+OFF_POINT_RAD, STRETCHED, RAISED, LEAST_POINT_S, FAR_OFF_M = math.radians(10.0), 0.85, 0.7, 0.4, 0.15
+"""A pointing arm is off the line to the thing by no more, is stretched by this share of its length at least, hangs by
+no more than this share of it, stays so for so long, and its hand is farther from the thing than this."""
+ROUNDING_S = 1e-6
+
+
+@dataclass(frozen=True)
+class Action:
+    """One thing that an agent did.
+
+    Attributes:
+        kind: What.
+        agent: Who.
+        thing: With what object; of a look, what it is at: an object or another agent.
+        start_s: When it began, seconds.
+        end_s: When it was over; the same, where it is a moment.
+        side: With which hand; None where it is done with the eyes, or with whichever hands.
+        to: Onto or into what it is placed, or to whom it is handed over; None elsewhere, and where it is not known.
+    """
+
+    kind: ActionKind
+    agent: str
+    thing: str
+    start_s: float
+    end_s: float
+    side: str | None = None
+    to: str | None = None
+
+    @property
+    def order(self) -> tuple[float, int, float, str, str, str]:
+        """Sort key: by its begin."""
+        return (self.start_s, KINDS.index(self.kind), self.end_s, self.agent, self.thing, self.side or "")
+
+    def __str__(self) -> str:
+        hand = f" with the {self.side} hand" if self.side else ""
+        where = {"hand over": " to", "place": " at"}.get(self.kind, "")
+        return f"{self.agent}: {self.kind} {self.thing}{f'{where} {self.to}' if self.to else ''}{hand}"
+
+
+def actions_of(
+    recording: Recording,
+    observer: Observer,
+    *,
+    names: Iterable[str] | None = None,
+    looks: bool = True,
+    settings: Settings = DEFAULT,
+    progress: Progress = silent,
+) -> tuple[Action, ...]:
+    """What agents did in a recording, by the time at which it began.
+
+    Args:
+        recording: A recording.
+        observer: One of this recording.
+        names: With which objects; None: with all.
+        looks: Whether looks are among them; they cost most.
+        settings: Distances and speeds.
+        progress: Told how far it is.
+
+    Raises:
+        UnknownNameError: There is no such object.
+    """
+    things = tuple(recording.scene.objects) if names is None else tuple(names)
+    found: list[Action] = []
+    film = _Film(recording, settings)
+    for number, name in enumerate(things):
+        progress(f"what was done with {name}", number / (len(things) + looks))
+        found += _handled(film, observer, name)
+    found += _pointed(film, observer, things)
+    if looks:
+        progress("where eyes looked", len(things) / (len(things) + 1))
+        found += [each for each in _looks(recording, observer, settings) if names is None or each.thing in things]
+    progress("done", 1.0)
+    return tuple(sorted(found, key=lambda each: each.order))
+
+
+class _Film:
+    """Places of hands and things in all frames, each looked up once."""
+
+    def __init__(self, recording: Recording, settings: Settings) -> None:
+        self.recording, self.scene, self.settings = recording, recording.scene, settings
+        self.times_s = recording.times_s
+        self._stage = Stage(recording.scene)
+        hands = [(agent, side) for agent in self.scene.agents for side in self.scene.agent(agent).sides]
+        self.palms = {hand: np.full((len(recording), 3), np.nan) for hand in hands}
+        self.shoulders = {hand: np.full((len(recording), 3), np.nan) for hand in hands}
+        self.middles = {name: np.full((len(recording), 3), np.nan) for name in self.scene.objects}
+        for index in range(len(recording)):
+            stage = self.show(index)
+            for agent, side in hands:
+                body = self.scene.agent(agent)
+                arm = body.arm(side)
+                if hand_known(stage, body, arm):
+                    self.palms[agent, side][index] = stage.site(arm.palm_site).position
+                    self.shoulders[agent, side][index] = stage.shoulder(arm).position
+            for name, middles in self.middles.items():
+                if stage.state.known([name]):
+                    middles[index] = stage.body_position(self.scene.object_body(name))
+
+    def show(self, index: int) -> Stage:
+        return self._stage.show(self.recording.state(index))
+
+    def gap_m(self, index: int, hand: tuple[str, str], name: str, limit_m: float) -> float:
+        agent, side = hand
+        return hand_gap_m(self.show(index), self.scene.agent(agent).arm(side), name, limit_m=limit_m)
+
+    def velocities_m_s(self, places: Array) -> Array:
+        """Velocities over the window in which motion is measured, (n, 3); NaN where a place is not known."""
+        period_s = float(np.median(np.diff(self.times_s))) if len(self.times_s) > 1 else 1.0
+        half = max(1, round(self.settings.timing.motion_window_s / 2 / period_s))
+        last = len(self.times_s) - 1
+        before, after = (np.clip(np.arange(last + 1) + shift, 0, last) for shift in (-half, half))
+        spans_s = np.maximum(self.times_s[after] - self.times_s[before], 1e-9)
+        return np.asarray((places[after] - places[before]) / spans_s[:, None])
+
+    def index_at(self, time_s: float) -> int:
+        return self.recording.index_at(time_s)
+
+
+# --- What is done with one thing, turn by turn.
+
+
+def _handled(film: _Film, observer: Observer, name: str) -> Iterator[Action]:
+    """All that was done by hand with a thing."""
+    grips, turns = grips_of(observer, name), turns_of(observer, name)
+    changes = changes_of_hands(observer, name, turns)
+    for turn in turns:
+        own = [each for each in grips if each.agent == turn.agent and _overlaps(each, turn)]
+        if not own:
+            continue
+        taken = next((each for each in changes if (each.taker, each.taken_s) == (turn.agent, turn.start_s)), None)
+        given = next((each for each in changes if (each.giver, each.released_s) == (turn.agent, turn.end_s)), None)
+        first, last = own[0], max(own, key=lambda each: each.end_s)
+        yield from _taken(film, observer, name, first)
+        if taken is None:
+            yield from _lifted(film, observer, name, first)
+        yield from _carried(film, observer, name, turn, until_s=given.taken_s if given else turn.end_s)
+        yield from _given(name, given, last) if given else _placed(film, observer, name, last)
+
+
+def _overlaps(grip: Grip, turn: Turn) -> bool:
+    return grip.start_s < turn.end_s and grip.end_s > turn.start_s
+
+
+def _taken(film: _Film, observer: Observer, name: str, grip: Grip) -> Iterator[Action]:
+    """The grasp and the reach before it; neither, if the hand had the thing from the first frame on."""
+    hand, index = (grip.agent, grip.side), film.index_at(grip.start_s)
+    before_s = max(
+        (each.end_s for each in observer.hand(*hand).intervals if each.value.thing and each.end_s <= grip.start_s),
+        default=-math.inf,
+    )
+    while index > 0 and film.times_s[index - 1] > before_s and _may_grasp(film, index - 1, hand, name):
+        index -= 1
+    if index == 0:
+        return
+    grasp_s = float(film.times_s[index])
+    yield Action("grasp", grip.agent, name, grasp_s, grasp_s, grip.side)
+    speeds_m_s = np.linalg.norm(film.velocities_m_s(film.palms[hand]), axis=1)
+    least_s = max(before_s, grasp_s - LONGEST_REACH_S)
+    # The hand is slow where it closes: the way begins before it was last fast.
+    while index > 0 and film.times_s[index] > least_s and not speeds_m_s[index] > STILL_M_S:
+        index -= 1
+    while index > 0 and film.times_s[index] > least_s and speeds_m_s[index] > STILL_M_S:
+        index -= 1
+    if film.times_s[index] < grasp_s and speeds_m_s[index + 1] > STILL_M_S:
+        yield Action("reach", grip.agent, name, float(film.times_s[index]), grasp_s, grip.side)
+
+
+def _may_grasp(film: _Film, index: int, hand: tuple[str, str], name: str) -> bool:
+    """Whether a hand is where it could have grasped a thing: near it, and tracked."""
+    return not math.isnan(film.palms[hand][index, 0]) and film.gap_m(index, hand, name, NEAR_M) < NEAR_M
+
+
+def _lifted(film: _Film, observer: Observer, name: str, grip: Grip) -> Iterator[Action]:
+    """The thing's leaving of what it rested on."""
+    minimum_s = film.settings.timing.minimum_s
+    rested = [
+        each.end_s
+        for each in observer.placement(name).intervals
+        if each.value.symbol in RESTING and each.start_s < grip.start_s and abs(each.end_s - grip.start_s) <= minimum_s
+    ]
+    if not rested:
+        return
+    heights_m = film.middles[name][:, 2]
+    rising = film.velocities_m_s(film.middles[name])[:, 2] > RISING_M_S
+    first = index = film.index_at(max(rested))
+    latest = film.index_at(min(grip.end_s, float(film.times_s[-1])))
+    while index < latest and not rising[index] and film.times_s[index] - film.times_s[first] < minimum_s:
+        index += 1
+    while index < latest and rising[index]:
+        index += 1
+    if heights_m[index] - heights_m[first] >= LIFTED_M:
+        yield Action("lift", grip.agent, name, float(film.times_s[first]), float(film.times_s[index]), grip.side)
+
+
+def _carried(film: _Film, observer: Observer, name: str, turn: Turn, *, until_s: float) -> Iterator[Action]:
+    """The thing's travel while an agent has it."""
+    moving = [
+        (max(each.start_s, turn.start_s), min(each.end_s, until_s))
+        for each in observer.motion(name).intervals
+        if each.value == v.MOVING and each.start_s < until_s and each.end_s > turn.start_s
+    ]
+    if not moving:
+        return
+    first_s, last_s = moving[0][0], moving[-1][1]
+    way = film.middles[name][film.index_at(first_s) : film.index_at(min(last_s, float(film.times_s[-1]))) + 1]
+    if np.nanmax(np.linalg.norm(way - way[:1], axis=1), initial=0.0) >= CARRIED_M:
+        yield Action("carry", turn.agent, name, first_s, last_s)
+
+
+def _given(name: str, change: Change, last: Grip) -> Iterator[Action]:
+    """The handing over, and the giver's letting go."""
+    end_s = max(change.released_s, change.taken_s)
+    yield Action("hand over", change.giver, name, change.taken_s, end_s, last.side, to=change.taker)
+    yield Action("release", change.giver, name, last.end_s, last.end_s, last.side)
+
+
+def _placed(film: _Film, observer: Observer, name: str, last: Grip) -> Iterator[Action]:
+    """The thing's coming to rest out of a hand, and the hand's coming off it; neither, where it is held to the end."""
+    final_s = float(film.times_s[-1])
+    if last.end_s >= final_s:
+        return
+    minimum_s = film.settings.timing.minimum_s
+    for each in observer.placement(name).intervals:
+        if each.value.symbol in RESTING and abs(each.start_s - last.end_s) <= minimum_s:
+            to = each.value.by[0] if each.value.by else None
+            yield Action("place", last.agent, name, each.start_s, each.start_s, last.side, to=to)
+            break
+    hand, index = (last.agent, last.side), film.index_at(last.end_s)
+    while index < len(film.times_s) - 1 and _may_grasp(film, index, hand, name):
+        index += 1
+    if index < len(film.times_s) - 1:  # else the hand stays at it
+        released_s = float(film.times_s[index])
+        yield Action("release", last.agent, name, released_s, released_s, last.side)
+
+
+# --- What is done from afar: pointing and looking.
+
+
+def _pointed(film: _Film, observer: Observer, names: Sequence[str]) -> Iterator[Action]:
+    """Arms that stay stretched out towards things."""
+    for (agent, side), palms in film.palms.items():
+        arm, shoulders = film.scene.agent(agent).arm(side), film.shoulders[agent, side]
+        ways, slow = palms - shoulders, np.linalg.norm(film.velocities_m_s(palms), axis=1) < STILL_M_S
+        lengths_m = np.linalg.norm(ways, axis=1)
+        raised = (lengths_m > STRETCHED * arm.profile.length_m) & (ways[:, 2] > -RAISED * lengths_m) & slow
+        for index in np.flatnonzero(raised):
+            status = observer.hand(agent, side).at(float(film.times_s[index]))
+            raised[index] = status is not None and status.symbol == v.FREE_OF_OBJECT
+        towards = [_pointed_at(film, ways[i], palms[i], names, i) if raised[i] else None for i in range(len(raised))]
+        for thing, start_s, end_s in _lasting(film.times_s, towards, LEAST_POINT_S):
+            yield Action("point", agent, thing, start_s, end_s, side)
+
+
+def _pointed_at(film: _Film, way: Array, palm: Array, names: Sequence[str], index: int) -> str | None:
+    """The thing that an arm points at: the one nearest to its line; None where there is none."""
+    best, least_rad = None, OFF_POINT_RAD
+    for name in names:
+        rest = film.middles[name][index] - palm
+        far_m = float(np.linalg.norm(rest))
+        if far_m > FAR_OFF_M:  # false where it is not known
+            off_rad = math.acos(min(1.0, float(rest @ way) / (far_m * float(np.linalg.norm(way)))))
+            if off_rad < least_rad:
+                best, least_rad = name, off_rad
+    return best
+
+
+def _looks(recording: Recording, observer: Observer, settings: Settings) -> Iterator[Action]:
+    """Looks of all agents at things and at each other."""
+    stage, first_s = Stage(recording.scene), float(recording.times_s[0])
+    times_s = first_s + LOOK_EVERY_S * np.arange(int(recording.duration_s / LOOK_EVERY_S) + 1)
+    for agent in recording.scene.agents:
+        targets: list[str | None] = []
+        for time_s in times_s:
+            look = gaze(stage.show(observer.as_confirmed(recording.at(float(time_s)), agent)), agent, settings)
+            targets.append(look.target if look else None)
+        for thing, start_s, end_s in _lasting(times_s, targets, LEAST_LOOK_S):
+            yield Action("look", agent, thing, start_s, end_s)
+
+
+def _lasting(times_s: Array, values: Sequence[str | None], least_s: float) -> Iterator[tuple[str, float, float]]:
+    """The stretches in which a value lasts: the value, and from when to when it was seen."""
+    first = 0
+    for index in range(1, len(values) + 1):
+        if index == len(values) or values[index] != values[first]:
+            value, start_s, end_s = values[first], float(times_s[first]), float(times_s[index - 1])
+            if value is not None and end_s - start_s >= least_s - ROUNDING_S:
+                yield value, start_s, end_s
+            first = index
