@@ -20,7 +20,7 @@ SURFACE: dict[str, set[str]] = {
     },
     "check": {"recordings"},
     "facts": {"recording", "--agent", "--object", "--at", "--every", "--relations", "--of"},
-    "learn": {"demonstrations", "--knowledge", "-k", "--replace", "--of"},
+    "learn": {"demonstrations", "--knowledge", "-k", "--replace", "--of", "--wrong"},
     "perform": {
         *("task", "where", "--knowledge", "-k", "--robot", "--for", "--object", "--out", "-o", "--ways"),
         *("--attention", "--allow", "--prefer", "--means", "--helpers", "--spare", "--seed", "--at", "--replace"),

@@ -119,7 +119,8 @@ class Knowledge:
                 without = kept[wrong].without((task, of))
                 kept[wrong] = without.set((task, of), left) if left.explanations else without
                 return replace(self, experiences=kept[False], wrong=kept[True])
-        raise UnknownNameError("explanation", digest, self.experience(task).explanations)
+        known = [one for each in self._all if each.task == task for one in each.explanations]
+        raise UnknownNameError("explanation", digest, known) if known else UnknownNameError("task", task, self.tasks)
 
     def answer(self, *answers: Answer) -> Knowledge:
         """This knowledge and further answers."""
