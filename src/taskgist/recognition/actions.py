@@ -25,8 +25,9 @@ An action that cannot be told from what was tracked is not there; nothing says t
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -46,14 +47,14 @@ ActionKind = Literal["reach", "grasp", "lift", "carry", "place", "release", "han
 KINDS: tuple[ActionKind, ...] = ("look", "point", "reach", "grasp", "lift", "carry", "place", "hand over", "release")
 """In the order in which those of one moment are told."""
 
-STILL_M_S = 0.06
+STILL_M_S = 0.05
 """A hand that is slower has not set out yet."""
 LONGEST_REACH_S = 3.0
 """Longer ago a hand does not set out for what it grasps."""
 NEAR_M = 0.02
 """A hand with a lesser gap to a thing may have grasped it."""
-RISING_M_S, LIFTED_M = 0.05, 0.03
-"""A thing is lifted while it rises faster than this, and if it has risen so far."""
+RISING_M_S, FAINT_M_S, LIFTED_M = 0.05, 0.02, 0.03
+"""A thing is lifted while it rises faster than this, from when on it faintly moves, and if it has risen so far."""
 CARRIED_M = 0.05
 """What travels less in somebody's hands is not carried."""
 LOOK_EVERY_S, LEAST_LOOK_S = 0.2, 0.4
@@ -159,18 +160,31 @@ class _Film:
     def show(self, index: int) -> Stage:
         return self._stage.show(self.recording.state(index))
 
-    def gap_m(self, index: int, hand: tuple[str, str], name: str, limit_m: float) -> float:
-        agent, side = hand
-        return hand_gap_m(self.show(index), self.scene.agent(agent).arm(side), name, limit_m=limit_m)
+    @cached_property
+    def half_window(self) -> int:
+        """Frames before and behind one that tell how fast something moves in it."""
+        period_s = float(np.median(np.diff(self.times_s))) if len(self.times_s) > 1 else 1.0
+        return max(1, round(self.settings.timing.motion_window_s / 2 / period_s))
 
     def velocities_m_s(self, places: Array) -> Array:
         """Velocities over the window in which motion is measured, (n, 3); NaN where a place is not known."""
-        period_s = float(np.median(np.diff(self.times_s))) if len(self.times_s) > 1 else 1.0
-        half = max(1, round(self.settings.timing.motion_window_s / 2 / period_s))
         last = len(self.times_s) - 1
-        before, after = (np.clip(np.arange(last + 1) + shift, 0, last) for shift in (-half, half))
+        shifts = (-self.half_window, self.half_window)
+        before, after = (np.clip(np.arange(last + 1) + shift, 0, last) for shift in shifts)
         spans_s = np.maximum(self.times_s[after] - self.times_s[before], 1e-9)
         return np.asarray((places[after] - places[before]) / spans_s[:, None])
+
+    def stays(self, hand: tuple[str, str], name: str) -> Callable[[int], bool]:
+        """Tells whether a hand is at a thing in a frame: near it, and not on its way to it or from it."""
+        agent, side = hand
+        arm = self.scene.agent(agent).arm(side)
+        apart_m_s = np.linalg.norm(self.velocities_m_s(self.palms[hand] - self.middles[name]), axis=1)
+
+        def at_it(index: int) -> bool:
+            near = apart_m_s[index] < STILL_M_S  # false where it is not known
+            return bool(near) and hand_gap_m(self.show(index), arm, name, limit_m=NEAR_M) < NEAR_M
+
+        return at_it
 
     def index_at(self, time_s: float) -> int:
         return self.recording.index_at(time_s)
@@ -208,30 +222,23 @@ def _taken(film: _Film, observer: Observer, name: str, grip: Grip) -> Iterator[A
         (each.end_s for each in observer.hand(*hand).intervals if each.value.thing and each.end_s <= grip.start_s),
         default=-math.inf,
     )
-    while index > 0 and film.times_s[index - 1] > before_s and _may_grasp(film, index - 1, hand, name):
+    stays = film.stays(hand, name)
+    while index > 0 and film.times_s[index - 1] > before_s and stays(index - 1):
         index -= 1
     if index == 0:
         return
     grasp_s = float(film.times_s[index])
     yield Action("grasp", grip.agent, name, grasp_s, grasp_s, grip.side)
-    speeds_m_s = np.linalg.norm(film.velocities_m_s(film.palms[hand]), axis=1)
-    least_s = max(before_s, grasp_s - LONGEST_REACH_S)
-    # The hand is slow where it closes: the way begins before it was last fast.
-    while index > 0 and film.times_s[index] > least_s and not speeds_m_s[index] > STILL_M_S:
+    moves = np.linalg.norm(film.velocities_m_s(film.palms[hand]), axis=1) > STILL_M_S
+    first_s, last = max(before_s, grasp_s - LONGEST_REACH_S), index
+    while index > 0 and film.times_s[index] > first_s and (moves[index] or index > last - film.half_window):
         index -= 1
-    while index > 0 and film.times_s[index] > least_s and speeds_m_s[index] > STILL_M_S:
-        index -= 1
-    if film.times_s[index] < grasp_s and speeds_m_s[index + 1] > STILL_M_S:
+    if moves[index : last + 1].any():
         yield Action("reach", grip.agent, name, float(film.times_s[index]), grasp_s, grip.side)
 
 
-def _may_grasp(film: _Film, index: int, hand: tuple[str, str], name: str) -> bool:
-    """Whether a hand is where it could have grasped a thing: near it, and tracked."""
-    return not math.isnan(film.palms[hand][index, 0]) and film.gap_m(index, hand, name, NEAR_M) < NEAR_M
-
-
 def _lifted(film: _Film, observer: Observer, name: str, grip: Grip) -> Iterator[Action]:
-    """The thing's leaving of what it rested on."""
+    """The thing's leaving of what it rested on: while it rises, slowly at first."""
     minimum_s = film.settings.timing.minimum_s
     rested = [
         each.end_s
@@ -241,15 +248,15 @@ def _lifted(film: _Film, observer: Observer, name: str, grip: Grip) -> Iterator[
     if not rested:
         return
     heights_m = film.middles[name][:, 2]
-    rising = film.velocities_m_s(film.middles[name])[:, 2] > RISING_M_S
-    first = index = film.index_at(max(rested))
+    rising_m_s = film.velocities_m_s(film.middles[name])[:, 2]
+    first = last = film.index_at(max(rested))
+    while first > 0 and rising_m_s[first] > FAINT_M_S:
+        first -= 1
     latest = film.index_at(min(grip.end_s, float(film.times_s[-1])))
-    while index < latest and not rising[index] and film.times_s[index] - film.times_s[first] < minimum_s:
-        index += 1
-    while index < latest and rising[index]:
-        index += 1
-    if heights_m[index] - heights_m[first] >= LIFTED_M:
-        yield Action("lift", grip.agent, name, float(film.times_s[first]), float(film.times_s[index]), grip.side)
+    while last < latest and (rising_m_s[last] > RISING_M_S or film.times_s[last] - max(rested) < minimum_s):
+        last += 1
+    if heights_m[last] - heights_m[first] >= LIFTED_M:
+        yield Action("lift", grip.agent, name, float(film.times_s[first]), float(film.times_s[last]), grip.side)
 
 
 def _carried(film: _Film, observer: Observer, name: str, turn: Turn, *, until_s: float) -> Iterator[Action]:
@@ -279,14 +286,17 @@ def _placed(film: _Film, observer: Observer, name: str, last: Grip) -> Iterator[
     final_s = float(film.times_s[-1])
     if last.end_s >= final_s:
         return
-    minimum_s = film.settings.timing.minimum_s
+    minimum_s, index = film.settings.timing.minimum_s, film.index_at(last.end_s)
+    stays, moves_m_s = film.stays((last.agent, last.side), name), film.velocities_m_s(film.middles[name])
     for each in observer.placement(name).intervals:
         if each.value.symbol in RESTING and abs(each.start_s - last.end_s) <= minimum_s:
-            to = each.value.by[0] if each.value.by else None
-            yield Action("place", last.agent, name, each.start_s, each.start_s, last.side, to=to)
+            index = film.index_at(each.start_s)
+            while index < len(film.times_s) - 1 and np.linalg.norm(moves_m_s[index]) > FAINT_M_S:
+                index += 1  # it is lowered slowly at the end
+            placed_s, to = float(film.times_s[index]), each.value.by[0] if each.value.by else None
+            yield Action("place", last.agent, name, placed_s, placed_s, last.side, to=to)
             break
-    hand, index = (last.agent, last.side), film.index_at(last.end_s)
-    while index < len(film.times_s) - 1 and _may_grasp(film, index, hand, name):
+    while index < len(film.times_s) - 1 and stays(index):
         index += 1
     if index < len(film.times_s) - 1:  # else the hand stays at it
         released_s = float(film.times_s[index])
