@@ -19,7 +19,7 @@ SURFACE: dict[str, set[str]] = {
         *("--propose", "--dry-run"),
     },
     "check": {"recordings"},
-    "facts": {"recording", "--agent", "--object", "--at", "--every", "--relations", "--of"},
+    "facts": {"recording", "--agent", "--object", "--at", "--every", "--relations", "--actions", "--of"},
     "learn": {"demonstrations", "--knowledge", "-k", "--replace", "--of", "--wrong"},
     "perform": {
         *("task", "where", "--knowledge", "-k", "--robot", "--for", "--object", "--out", "-o", "--ways"),

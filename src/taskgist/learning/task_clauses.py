@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from taskgist.common.frozen import FrozenMap
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, TreeOf
 from taskgist.learning.background import Background, shipped_background
-from taskgist.learning.clauses import ClausePosterior, MustNot, Told, learn_clauses
+from taskgist.learning.clauses import ClausePosterior, Told, learn_clauses
 from taskgist.learning.estimate import Verdict
-from taskgist.learning.evidence import effects_of, evidence_of
+from taskgist.learning.evidence import Effects, effects_of, evidence_of
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.must_not import learn_must_not
 from taskgist.learning.understanding import Answer, in_force
 
+WRONG = " ! wrong"
+"""The kind of a task's own demonstrations that were done wrong; no other kind is called so."""
 LIKELY = 0.5
 """What a task is about holds where its posterior probability is greater."""
 FEWEST = 3
@@ -33,7 +35,7 @@ def learn_task(
 ) -> ClausePosterior:
     """What a task means, compared with the other tasks that are known and with neutral manipulations.
 
-    What must not hold is learned from the demonstrations that were done wrong, if there are any.
+    Demonstrations that were done wrong are one more kind that it is compared with, and teach what must not hold.
 
     Answers fix literals: each clause has those about relevant nodes, and none about irrelevant ones.
 
@@ -54,18 +56,14 @@ def learn_task(
     neutral = background or shipped_background()
     others = [each for (name, whose), each in knowledge.experiences.items() if whose == own.tree_of and name != task]
     comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
-    evidence = evidence_of([own, *others], neutral.kinds if comparable else {})
-    learned = learn_clauses(evidence, task, tree, _told(own, answers))
-    return replace(learned, must_not=_must_not(knowledge, own, tree))
-
-
-def _must_not(knowledge: Knowledge, own: Experience, tree: HypothesisTree) -> tuple[MustNot, ...]:
-    """What demonstrations that were done wrong teach."""
+    kinds: dict[str, Iterable[Effects]] = dict(neutral.kinds) if comparable else {}
     wrong = knowledge.wrong.get((own.task, own.tree_of))
     if wrong is None:
-        return ()
-    seen = (map(effects_of, each.explanations.values()) for each in (wrong, own))
-    return learn_must_not(*seen, tree)
+        return learn_clauses(evidence_of([own, *others], kinds), task, tree, _told(own, answers))
+    seen, against = ([effects_of(each) for each in one.explanations.values()] for one in (own, wrong))
+    evidence = evidence_of([own, *others], {**kinds, WRONG: against})
+    learned = learn_clauses(evidence, task, tree, _told(own, answers))
+    return replace(learned, compared=learned.compared.without(WRONG), must_not=learn_must_not(against, seen, tree))
 
 
 def _told(own: Experience, answers: Mapping[str, Answer]) -> Told:

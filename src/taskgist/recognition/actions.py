@@ -49,10 +49,8 @@ KINDS: tuple[ActionKind, ...] = ("look", "point", "reach", "grasp", "lift", "car
 
 STILL_M_S = 0.05
 """A hand that is slower has not set out yet."""
-LONGEST_REACH_S = 3.0
-"""Longer ago a hand does not set out for what it grasps."""
-NEAR_M = 0.02
-"""A hand with a lesser gap to a thing may have grasped it."""
+LONGEST_REACH_S, AT_IT_M = 3.0, 0.05
+"""Longer ago a hand does not set out for what it grasps; and it has come, when it gets no nearer than this any more."""
 RISING_M_S, FAINT_M_S, LIFTED_M = 0.05, 0.02, 0.03
 """A thing is lifted while it rises faster than this, from when on it faintly moves, and if it has risen so far."""
 CARRIED_M = 0.05
@@ -61,7 +59,7 @@ LOOK_EVERY_S, LEAST_LOOK_S = 0.2, 0.4
 """How often it is looked where eyes look, and what a look lasts at least."""
 OFF_POINT_RAD, STRETCHED, RAISED, LEAST_POINT_S, FAR_OFF_M = math.radians(10.0), 0.85, 0.7, 0.4, 0.15
 """A pointing arm is off the line to the thing by no more, is stretched by this share of its length at least, hangs by
-no more than this share of it, stays so for so long, and its hand is farther from the thing than this."""
+no more than this share of it, stays so for so long, and its hand is farther from all things than this."""
 ROUNDING_S = 1e-6
 
 
@@ -143,6 +141,7 @@ class _Film:
         self._stage = Stage(recording.scene)
         hands = [(agent, side) for agent in self.scene.agents for side in self.scene.agent(agent).sides]
         self.palms = {hand: np.full((len(recording), 3), np.nan) for hand in hands}
+        self.turns = {hand: np.full((len(recording), 3, 3), np.nan) for hand in hands}
         self.shoulders = {hand: np.full((len(recording), 3), np.nan) for hand in hands}
         self.middles = {name: np.full((len(recording), 3), np.nan) for name in self.scene.objects}
         for index in range(len(recording)):
@@ -151,7 +150,8 @@ class _Film:
                 body = self.scene.agent(agent)
                 arm = body.arm(side)
                 if hand_known(stage, body, arm):
-                    self.palms[agent, side][index] = stage.site(arm.palm_site).position
+                    palm = stage.site(arm.palm_site)
+                    self.palms[agent, side][index], self.turns[agent, side][index] = palm.position, palm.matrix
                     self.shoulders[agent, side][index] = stage.shoulder(arm).position
             for name, middles in self.middles.items():
                 if stage.state.known([name]):
@@ -177,12 +177,14 @@ class _Film:
     def stays(self, hand: tuple[str, str], name: str) -> Callable[[int], bool]:
         """Tells whether a hand is at a thing in a frame: near it, and not on its way to it or from it."""
         agent, side = hand
-        arm = self.scene.agent(agent).arm(side)
-        apart_m_s = np.linalg.norm(self.velocities_m_s(self.palms[hand] - self.middles[name]), axis=1)
+        arm, grip_m = self.scene.agent(agent).arm(side), self.settings.contact.grip_m
+        ways = self.middles[name] - self.palms[hand]
+        in_hand = np.einsum("nji,nj->ni", self.turns[hand], ways)  # where the thing is, seen from the hand
+        apart_m_s = np.linalg.norm(self.velocities_m_s(in_hand), axis=1)
 
         def at_it(index: int) -> bool:
             near = apart_m_s[index] < STILL_M_S  # false where it is not known
-            return bool(near) and hand_gap_m(self.show(index), arm, name, limit_m=NEAR_M) < NEAR_M
+            return bool(near) and hand_gap_m(self.show(index), arm, name, limit_m=grip_m) < grip_m
 
         return at_it
 
@@ -204,9 +206,10 @@ def _handled(film: _Film, observer: Observer, name: str) -> Iterator[Action]:
         taken = next((each for each in changes if (each.taker, each.taken_s) == (turn.agent, turn.start_s)), None)
         given = next((each for each in changes if (each.giver, each.released_s) == (turn.agent, turn.end_s)), None)
         first, last = own[0], max(own, key=lambda each: each.end_s)
-        yield from _taken(film, observer, name, first)
-        if taken is None:
-            yield from _lifted(film, observer, name, first)
+        lifted = None if taken else _lifted(film, observer, name, first)
+        yield from _taken(film, observer, name, first, until_s=lifted.start_s if lifted else first.start_s)
+        if lifted:
+            yield lifted
         yield from _carried(film, observer, name, turn, until_s=given.taken_s if given else turn.end_s)
         yield from _given(name, given, last) if given else _placed(film, observer, name, last)
 
@@ -215,13 +218,19 @@ def _overlaps(grip: Grip, turn: Turn) -> bool:
     return grip.start_s < turn.end_s and grip.end_s > turn.start_s
 
 
-def _taken(film: _Film, observer: Observer, name: str, grip: Grip) -> Iterator[Action]:
-    """The grasp and the reach before it; neither, if the hand had the thing from the first frame on."""
-    hand, index = (grip.agent, grip.side), film.index_at(grip.start_s)
-    before_s = max(
-        (each.end_s for each in observer.hand(*hand).intervals if each.value.thing and each.end_s <= grip.start_s),
-        default=-math.inf,
-    )
+def _taken(film: _Film, observer: Observer, name: str, grip: Grip, *, until_s: float) -> Iterator[Action]:
+    """The grasp and the reach before it; neither, if the hand had the thing from the first frame on.
+
+    Args:
+        film: Where all is.
+        observer: One of the recording.
+        name: The thing.
+        grip: The grip that they lead to.
+        until_s: When the hand has closed at the latest, seconds.
+    """
+    hand, index = (grip.agent, grip.side), film.index_at(until_s)
+    holds = (each for each in observer.hand(*hand).intervals if each.value.symbol == v.HOLDING_OBJECT)
+    before_s = max((each.end_s for each in holds if each.end_s <= grip.start_s), default=-math.inf)
     stays = film.stays(hand, name)
     while index > 0 and film.times_s[index - 1] > before_s and stays(index - 1):
         index -= 1
@@ -229,16 +238,19 @@ def _taken(film: _Film, observer: Observer, name: str, grip: Grip) -> Iterator[A
         return
     grasp_s = float(film.times_s[index])
     yield Action("grasp", grip.agent, name, grasp_s, grasp_s, grip.side)
+    away_m = np.linalg.norm(film.palms[hand] - film.middles[name], axis=1)
     moves = np.linalg.norm(film.velocities_m_s(film.palms[hand]), axis=1) > STILL_M_S
     first_s, last = max(before_s, grasp_s - LONGEST_REACH_S), index
-    while index > 0 and film.times_s[index] > first_s and (moves[index] or index > last - film.half_window):
+    while index > 0 and film.times_s[index] > first_s and away_m[index] < away_m[last] + AT_IT_M:
+        index -= 1  # it may have waited there, and trembled
+    while index > 0 and film.times_s[index] > first_s and moves[index]:
         index -= 1
-    if moves[index : last + 1].any():
+    if np.nanmax(away_m[index : last + 1]) > away_m[last] + AT_IT_M:
         yield Action("reach", grip.agent, name, float(film.times_s[index]), grasp_s, grip.side)
 
 
-def _lifted(film: _Film, observer: Observer, name: str, grip: Grip) -> Iterator[Action]:
-    """The thing's leaving of what it rested on: while it rises, slowly at first."""
+def _lifted(film: _Film, observer: Observer, name: str, grip: Grip) -> Action | None:
+    """The thing's leaving of what it rested on: while it rises, slowly at first; None where it does not."""
     minimum_s = film.settings.timing.minimum_s
     rested = [
         each.end_s
@@ -246,7 +258,7 @@ def _lifted(film: _Film, observer: Observer, name: str, grip: Grip) -> Iterator[
         if each.value.symbol in RESTING and each.start_s < grip.start_s and abs(each.end_s - grip.start_s) <= minimum_s
     ]
     if not rested:
-        return
+        return None
     heights_m = film.middles[name][:, 2]
     rising_m_s = film.velocities_m_s(film.middles[name])[:, 2]
     first = last = film.index_at(max(rested))
@@ -255,8 +267,9 @@ def _lifted(film: _Film, observer: Observer, name: str, grip: Grip) -> Iterator[
     latest = film.index_at(min(grip.end_s, float(film.times_s[-1])))
     while last < latest and (rising_m_s[last] > RISING_M_S or film.times_s[last] - max(rested) < minimum_s):
         last += 1
-    if heights_m[last] - heights_m[first] >= LIFTED_M:
-        yield Action("lift", grip.agent, name, float(film.times_s[first]), float(film.times_s[last]), grip.side)
+    if not heights_m[last] - heights_m[first] >= LIFTED_M:
+        return None
+    return Action("lift", grip.agent, name, float(film.times_s[first]), float(film.times_s[last]), grip.side)
 
 
 def _carried(film: _Film, observer: Observer, name: str, turn: Turn, *, until_s: float) -> Iterator[Action]:
@@ -323,11 +336,13 @@ def _pointed(film: _Film, observer: Observer, names: Sequence[str]) -> Iterator[
 
 def _pointed_at(film: _Film, way: Array, palm: Array, names: Sequence[str], index: int) -> str | None:
     """The thing that an arm points at: the one nearest to its line; None where there is none."""
+    rests = {name: film.middles[name][index] - palm for name in film.middles}
+    if any(np.linalg.norm(rest) < FAR_OFF_M for rest in rests.values()):
+        return None  # it is there to take it, or has just put it down
     best, least_rad = None, OFF_POINT_RAD
     for name in names:
-        rest = film.middles[name][index] - palm
-        far_m = float(np.linalg.norm(rest))
-        if far_m > FAR_OFF_M:  # false where it is not known
+        rest, far_m = rests[name], float(np.linalg.norm(rests[name]))
+        if not math.isnan(far_m):
             off_rad = math.acos(min(1.0, float(rest @ way) / (far_m * float(np.linalg.norm(way)))))
             if off_rad < least_rad:
                 best, least_rad = name, off_rad
