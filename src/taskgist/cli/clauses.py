@@ -41,7 +41,7 @@ def print_clauses(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf) ->
     best = learned.best
     whose = ", for the performing agent" if of == "performer" else ""
     console.print(Text(f"Task({learned.task}{whose}) ←   by whole clauses, {compared(learned)}", style="bold"))
-    _print_literals(learned.alone)
+    print_literals(learned.alone)
     if len(best.literals) != 1:
         console.print(f"  {'together' if best.literals else 'nothing in common'}: {supported(best.support)}")
     for title, lines in (
@@ -55,10 +55,11 @@ def print_clauses(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf) ->
                 console.print(Text(f"  {line}"))
     if learned.usual:
         console.print("usual circumstances, which were always so but usually are:")
-        _print_literals(learned.usual)
+        print_literals(learned.usual)
 
 
-def _print_literals(literals: tuple[LiteralSupport, ...]) -> None:
+def print_literals(literals: tuple[LiteralSupport, ...]) -> None:
+    """Print literals, each with what speaks for it."""
     width = max((len(str(each.literal)) for each in literals), default=0)
     for each in literals:
         console.print(Text(f"  {each.literal!s:{width}}   {supported(each.support)}"))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.text import Text
 
+from taskgist.cli.actions import explain_actions
 from taskgist.cli.clauses import explain_clauses
 from taskgist.cli.common import KNOWLEDGE, JsonOption, KnowledgeOption, about, command, console, print_json
 from taskgist.common.text import clean_name
@@ -175,6 +176,9 @@ def explain(
     rule: Annotated[
         str, typer.Option(help="How to learn: paper (what demonstrations agree in) or bayes (what is no chance).")
     ] = PAPER,
+    actions: Annotated[
+        bool, typer.Option("--actions", help="Only: what is done in it, in which order (learn --actions).")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Explain what a task means, and why.
@@ -195,24 +199,21 @@ def explain(
     Example: taskgist explain give --of performer
 
     Example: taskgist explain give --why see.class
+
+    Example: taskgist explain give --actions
     """
     whose = tree_of(of)
-    if band not in BANDS:
-        raise UnknownNameError("band", band, BANDS)
-    if rule not in RULES:
-        raise UnknownNameError("rule", rule, RULES)
-    if rule == BAYES and node is not None:
-        hint = "leave out --rule, or --why: each part of a clause is told with what speaks for it"
-        raise KnowledgeError("asks for a verdict of the paper's rule", field="--why", value=node, hint=hint)
+    _check(task, node, band=band, rule=rule, actions=actions)
     tree = with_predicates(STANDARD_TREE)
     from taskgist.store.address import shown  # with sqlalchemy, which only knowledge should wait for
     from taskgist.store.database import load
 
-    if node is not None and task is None:
-        raise KnowledgeError("of which task?", field="--why", value=node, hint="taskgist explain TASK --why NODE")
     known = load(knowledge, expected=Context.of(DEFAULT, tree))
     if task is None:
         _list_tasks(known, as_json=as_json)
+        return
+    if actions:
+        explain_actions(known, shown(knowledge), task, whose, as_json=as_json)
         return
     if rule == BAYES:
         explain_clauses(known, shown(knowledge), task, tree, whose, as_json=as_json)
@@ -226,6 +227,22 @@ def explain(
         print_json(understanding_document(understanding))
     else:
         print_understanding(understanding)
+
+
+def _check(task: str | None, node: str | None, *, band: str, rule: str, actions: bool) -> None:
+    """Refuse options that there are not, or that do not go together."""
+    if band not in BANDS:
+        raise UnknownNameError("band", band, BANDS)
+    if rule not in RULES:
+        raise UnknownNameError("rule", rule, RULES)
+    if rule == BAYES and node is not None:
+        hint = "leave out --rule, or --why: each part of a clause is told with what speaks for it"
+        raise KnowledgeError("asks for a verdict of the paper's rule", field="--why", value=node, hint=hint)
+    if actions and (task is None or node is not None):
+        hint = "taskgist explain TASK --actions"
+        raise KnowledgeError("tells what is done in a task, and of no node", field="--actions", hint=hint)
+    if node is not None and task is None:
+        raise KnowledgeError("of which task?", field="--why", value=node, hint="taskgist explain TASK --why NODE")
 
 
 def _list_tasks(known: Knowledge, *, as_json: bool) -> None:

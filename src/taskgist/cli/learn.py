@@ -57,6 +57,10 @@ def learn(
     wrong: Annotated[
         bool, typer.Option("--wrong", help="They show how their tasks must not be done: what must not hold is learned.")
     ] = False,
+    actions: Annotated[
+        bool,
+        typer.Option("--actions", help="Learn from recordings what is done, and in which order, too; takes longer."),
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Learn what tasks mean from labelled demonstrations.
@@ -76,6 +80,9 @@ def learn(
 
     With --wrong: demonstrations that somebody did wrong, with the label of what it should have been. They never count
     for the task. What they have in common, and right ones do not, is told as "must not" by explain TASK --rule bayes.
+
+    With --actions: also what was done, such as reach, grasp, carry, hand over. That changes nothing of what the task
+    means; explain TASK --actions tells it.
 
     Example: taskgist learn facts.json
 
@@ -107,7 +114,7 @@ def learn(
             from taskgist.pipeline.explain import explain_all
 
             with progress_bar(quiet=as_json) as progress:
-                explained = explain_all(recordings, of=whose, predicates=predicates, progress=progress)
+                explained = explain_all(recordings, of=whose, predicates=predicates, actions=actions, progress=progress)
                 explanations.extend(each.marked_wrong() if wrong else each for each in explained)
         added = others.add(*explanations)
         check(knowledge, tasks={each.task for each in added.explanations})  # all of them are shown afterwards

@@ -38,7 +38,7 @@ are broken by length and by the literals' order.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from heapq import heappush, heapreplace, nsmallest
 
@@ -47,7 +47,7 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, Nodes
 from taskgist.facts.values import UNKNOWN, Unknown
 from taskgist.learning.evidence import Evidence, Kind
-from taskgist.learning.literals import SetLiteral, vocabularies
+from taskgist.learning.literals import SetLiteral, Vocabulary, vocabularies
 from taskgist.learning.understanding import conjunction
 
 SLIPS = (10, 90)
@@ -185,6 +185,7 @@ def learn_clauses(
     tree: HypothesisTree = STANDARD_TREE,
     told: Told = NOTHING_TOLD,
     most_literals: int = MOST_LITERALS,
+    words: Sequence[Vocabulary] | None = None,
 ) -> ClausePosterior:
     """Learn what a task means from its demonstrations, compared with all others.
 
@@ -194,11 +195,12 @@ def learn_clauses(
         tree: Whose effects literals are about.
         told: What people said of it. What they said of nodes that literals are not about has no effect.
         most_literals: The longest clause.
+        words: What literals are about; None: the effects of the tree.
 
     Raises:
         UnknownNameError: There is no evidence of this task.
     """
-    search = _Search(evidence, task, tree, told)
+    search = _Search(evidence, task, vocabularies(tree) if words is None else words, told)
     found = search.best(most_literals)
     weights = [math.exp(one.score - found[0].score) for one in found]
     total = math.fsum(weights)
@@ -288,7 +290,7 @@ class _Found:
 class _Search:
     """The search for the clauses of one task. Its own demonstrations are the lowest bits, the background follows."""
 
-    def __init__(self, evidence: Evidence, task: str, tree: HypothesisTree, told: Told) -> None:
+    def __init__(self, evidence: Evidence, task: str, words: Sequence[Vocabulary], told: Told) -> None:
         own = evidence.kind(task)
         self._n = own.count
         self._own = (1 << own.count) - 1
@@ -299,7 +301,7 @@ class _Search:
         self._all = (1 << evidence.size) - 1
         self._candidates = tuple(
             _Candidate(literal, FOLLOWING_BITS + literal.bits, *(_moved(bits, own) for bits in evidence.truth(literal)))
-            for vocabulary in vocabularies(tree)
+            for vocabulary in words
             if vocabulary.node.name not in told.irrelevant
             for literal in vocabulary.literals(_seen(evidence, vocabulary.node.name, task, told))
         )

@@ -162,7 +162,7 @@ def _agreed(known: Explanation, given: Explanation) -> Explanation:
             value=known.digest,
             hint="remove the outdated one, then add the other",
         )
-    return min(known, given, key=lambda each: canonical_text(each.to_json()))
+    return min(known, given, key=lambda each: (each.actions is None, canonical_text(each.to_json())))
 
 
 def _check_task(task: str, explanation: Explanation) -> None:

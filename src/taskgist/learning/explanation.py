@@ -10,6 +10,7 @@ becomes a question (``understanding``). Where nothing differs but a pair is unkn
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from itertools import product
@@ -44,6 +45,36 @@ class Context:
 
 
 @dataclass(frozen=True)
+class SymbolicAction:
+    """One thing that was done with a target object between the start and the end (A of ⟨WI, A, WF⟩, 10).
+
+    Agents are told by their role: "performer", "target", or "other".
+
+    Args:
+        kind: What: "grasp", "carry", "hand over".
+        by: Who.
+        start_s: When it began, seconds of its recording.
+        end_s: When it was over; the same, where it is a moment.
+        to: To whom it was handed over.
+    """
+
+    kind: str
+    by: str
+    start_s: float
+    end_s: float
+    to: str | None = None
+
+    @property
+    def name(self) -> str:
+        """What it is called whenever it is done: ``"hand over by performer to target"``."""
+        return f"{self.kind} by {self.by}{f' to {self.to}' if self.to else ''}"
+
+    def to_json(self) -> dict[str, Json]:
+        """Plain data."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+
+@dataclass(frozen=True)
 class Explanation:
     """All that was inferred about one demonstration.
 
@@ -68,6 +99,8 @@ class Explanation:
     """Of several targets: the explanation of each pair, agent by agent; empty where there is one pair."""
     wrong: bool = False
     """Whether it shows how the task must not be done. It is evidence against then, and never counted for the task."""
+    actions: tuple[SymbolicAction, ...] | None = None
+    """What was done, by the time at which it began; None: nobody looked. It says nothing of what the task means."""
     digest: str = field(init=False)
     """16 hexadecimal digits."""
 
@@ -168,7 +201,8 @@ class Explanation:
         nodes: dict[str, Json] = {name: node.to_json() for name, node in self.nodes.items()}
         parts: dict[str, Json] = {"parts": [part.to_json() for part in self.parts]} if self.parts else {}
         wrong: dict[str, Json] = {"wrong": True} if self.wrong else {}
-        return {**texts, **targets, **context, **wrong, "nodes": nodes, **parts}
+        done: dict[str, Json] = {} if self.actions is None else {"actions": [each.to_json() for each in self.actions]}
+        return {**texts, **targets, **context, **wrong, "nodes": nodes, **done, **parts}
 
 
 TEXTS = ("task", "demonstration", "performing_agent", "source")
@@ -263,6 +297,7 @@ def explanation_from_json(document: object, *, where: str | Path | None = None) 
             nodes={_text(name): _observation(node) for name, node in data["nodes"].items()},
             parts=tuple(_part(part, where) for part in data.get("parts", ())),
             wrong=_flag(data.get("wrong", False)),
+            actions=tuple(map(_action, data["actions"])) if "actions" in data else None,
         )
         stored = {name: _text(data[name]) for name in ("digest", "content")}
         found = {name: getattr(explanation, name) for name in stored}
@@ -280,7 +315,9 @@ def explanation_from_json(document: object, *, where: str | Path | None = None) 
 def _follows(explanation: Explanation) -> bool:
     """Whether an explanation of several targets is what its parts give."""
     try:
-        return bool(explanation.parts) and merged(explanation.parts) == explanation
+        return (
+            bool(explanation.parts) and replace(merged(explanation.parts), actions=explanation.actions) == explanation
+        )
     except KnowledgeError:
         return False
 
@@ -304,6 +341,14 @@ def _observation(data: Mapping[str, Any]) -> Observation[Value]:
     if not isinstance(data["evidence"], dict):
         raise TypeError("evidence that is no object")
     return Observation(value, data["evidence"])
+
+
+def _action(data: Mapping[str, Any]) -> SymbolicAction:
+    times = [data["start_s"], data["end_s"]]
+    if any(isinstance(each, bool) or not isinstance(each, (int, float)) or not math.isfinite(each) for each in times):
+        raise TypeError("a time that is no number")
+    to = None if data["to"] is None else _text(data["to"])
+    return SymbolicAction(_text(data["kind"]), _text(data["by"]), float(times[0]), float(times[1]), to)
 
 
 def _flag(value: object) -> bool:
