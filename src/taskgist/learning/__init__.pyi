@@ -1,4 +1,7 @@
+from .actions import LearnedActions as LearnedActions
+from .actions import learn_actions as learn_actions
 from .clauses import ClausePosterior as ClausePosterior
+from .clauses import MustNot as MustNot
 from .clauses import Support as Support
 from .clauses import WeighedClause as WeighedClause
 from .clauses import learn_clauses as learn_clauses
@@ -13,11 +16,13 @@ from .evidence import evidence_of as evidence_of
 from .experience import Experience as Experience
 from .explanation import Context as Context
 from .explanation import Explanation as Explanation
+from .explanation import SymbolicAction as SymbolicAction
 from .explanation import explain as explain
 from .explanation import explanation_from_json as explanation_from_json
 from .explanation import merged as merged
 from .knowledge import Knowledge as Knowledge
 from .literals import SetLiteral as SetLiteral
+from .must_not import learn_must_not as learn_must_not
 from .task_clauses import Odd as Odd
 from .task_clauses import learn_task as learn_task
 from .task_clauses import odd_demonstrations as odd_demonstrations
