@@ -8,9 +8,9 @@ from rich.text import Text
 
 from taskgist.cli.common import about, console, print_json, task_named
 from taskgist.facts.tree import HypothesisTree, TreeOf
-from taskgist.language.clauses import compared, oddness, supported
+from taskgist.language.clauses import against, compared, oddness, supported
 from taskgist.learning.background import NEUTRAL
-from taskgist.learning.clauses import ClausePosterior, LiteralSupport, Support, WeighedClause
+from taskgist.learning.clauses import ClausePosterior, LiteralSupport, MustNot, Support, WeighedClause
 from taskgist.learning.task_clauses import BAYES, Odd, learn_task, odd_demonstrations
 from taskgist.learning.understanding import literal_to_json
 
@@ -40,10 +40,11 @@ def print_clauses(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf) ->
     best = learned.best
     whose = ", for the performing agent" if of == "performer" else ""
     console.print(Text(f"Task({learned.task}{whose}) ←   by whole clauses, {compared(learned)}", style="bold"))
-    _print_literals(learned.alone)
+    print_literals(learned.alone)
     if len(best.literals) != 1:
         console.print(f"  {'together' if best.literals else 'nothing in common'}: {supported(best.support)}")
     for title, lines in (
+        ("must not", [f"{each.literal}   {against(each)}" for each in learned.must_not]),
         ("nearly as good", [f"{each}   {supported(each.support)}" for each in alternatives(learned)]),
         ("odd demonstrations", [oddness(each) for each in odd]),
     ):
@@ -53,10 +54,11 @@ def print_clauses(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf) ->
                 console.print(Text(f"  {line}"))
     if learned.usual:
         console.print("usual circumstances, which were always so but usually are:")
-        _print_literals(learned.usual)
+        print_literals(learned.usual)
 
 
-def _print_literals(literals: tuple[LiteralSupport, ...]) -> None:
+def print_literals(literals: tuple[LiteralSupport, ...]) -> None:
+    """Print literals, each with what speaks for it."""
     width = max((len(str(each.literal)) for each in literals), default=0)
     for each in literals:
         console.print(Text(f"  {each.literal!s:{width}}   {supported(each.support)}"))
@@ -77,6 +79,7 @@ def clauses_document(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf)
         "clause": {**_clause(learned.best), "literals": [_literal(each) for each in learned.alone]},
         "alternatives": [_clause(each) for each in alternatives(learned)],
         "usual": [_literal(each) for each in learned.usual],
+        "must_not": [_must_not(each) for each in learned.must_not],
         "compared": {
             "tasks": {name: n for name, n in sorted(learned.compared.items()) if not name.startswith(NEUTRAL)},
             "neutral": {
@@ -103,6 +106,11 @@ def _clause(clause: WeighedClause) -> dict[str, Any]:
 
 def _literal(each: LiteralSupport) -> dict[str, Any]:
     return {**literal_to_json(each.literal), **_support(each.support)}
+
+
+def _must_not(each: MustNot) -> dict[str, Any]:
+    counts = {name: {"k": k, "n": n} for name, (k, n) in (("wrong", each.in_wrong), ("right", each.in_right))}
+    return {**literal_to_json(each.literal), **counts, "odds": each.odds}
 
 
 def _support(support: Support) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.text import Text
 
+from taskgist.cli.actions import explain_actions
 from taskgist.cli.clauses import explain_clauses
 from taskgist.cli.common import (
     KNOWLEDGE,
@@ -185,6 +186,9 @@ def explain(
     other: Annotated[
         str | None, typer.Option("--contrast", help="Only: what tells the task from this other one.")
     ] = None,
+    actions: Annotated[
+        bool, typer.Option("--actions", help="Only: what is done in it, in which order (learn --actions).")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Explain what a task means, and why.
@@ -210,13 +214,15 @@ def explain(
     Example: taskgist explain give --why see.class
 
     Example: taskgist explain hide --contrast "put away"
+
+    Example: taskgist explain give --actions
     """
     whose = tree_of(of)
     if band not in BANDS:
         raise UnknownNameError("band", band, BANDS)
     if rule not in RULES:
         raise UnknownNameError("rule", rule, RULES)
-    _check_together(task, node, rule, other)
+    _check_together(task, rule, {"--why": node, "--contrast": other, "--actions": "" if actions else None})
     tree = with_predicates(STANDARD_TREE)
     from taskgist.store.address import shown  # with sqlalchemy, which only knowledge should wait for
     from taskgist.store.database import load
@@ -228,6 +234,9 @@ def explain(
     if other is not None:
         between = contrast_between(known, shown(knowledge), task, other, tree, whose)
         print_json(contrast_document(between, tree)) if as_json else print_contrast(between, tree)
+        return
+    if actions:
+        explain_actions(known, shown(knowledge), task, whose, as_json=as_json)
         return
     if rule == BAYES:
         explain_clauses(known, shown(knowledge), task, tree, whose, as_json=as_json)
@@ -243,19 +252,20 @@ def explain(
         print_understanding(understanding)
 
 
-def _check_together(task: str | None, node: str | None, rule: str, other: str | None) -> None:
+def _check_together(task: str | None, rule: str, asked: Mapping[str, str | None]) -> None:
     """Refuse options that ask for different things, or for something of no task."""
-    if node is not None and task is None:
-        raise KnowledgeError("of which task?", field="--why", value=node, hint="taskgist explain TASK --why NODE")
-    if other is not None and task is None:
-        hint = "taskgist explain TASK --contrast OTHER"
-        raise KnowledgeError("of which task?", field="--contrast", value=other, hint=hint)
-    if rule == BAYES and node is not None:
+    wanted = {option: value for option, value in asked.items() if value is not None}
+    for option, value in wanted.items():
+        if task is None:
+            hint = f"taskgist explain TASK {option} {'' if option == '--actions' else 'NAME'}".rstrip()
+            raise KnowledgeError("of which task?", field=option, value=value or None, hint=hint)
+    if len(wanted) > 1:
+        first, second, *_ = wanted
+        hint = f"leave out one of {first} and {second}: each is an answer of its own"
+        raise KnowledgeError("asks for something else", field=first, value=wanted[first], hint=hint)
+    if rule == BAYES and "--why" in wanted:
         hint = "leave out --rule, or --why: each part of a clause is told with what speaks for it"
-        raise KnowledgeError("asks for a verdict of the paper's rule", field="--why", value=node, hint=hint)
-    if other is not None and node is not None:
-        hint = "leave out one of them: --contrast tells two tasks apart, --why is about one"
-        raise KnowledgeError("asks for something else", field="--why", value=node, hint=hint)
+        raise KnowledgeError("asks for a verdict of the paper's rule", field="--why", value=wanted["--why"], hint=hint)
 
 
 def _list_tasks(known: Knowledge, *, as_json: bool) -> None:

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import typer
 from rich.text import Text
 
+from taskgist.cli.actions import tell_actions
 from taskgist.cli.common import JsonOption, RecordingArgument, about, command, console, print_json, progress_bar
 from taskgist.cli.relations import intervals_document, print_intervals, tell_relations
 from taskgist.common.frozen import Json, thaw
@@ -47,12 +48,18 @@ def facts(
     relations: Annotated[
         bool, typer.Option("--relations", help="Relations instead: sight, attention, places, touching, carrying.")
     ] = False,
+    actions: Annotated[
+        bool,
+        typer.Option("--actions", help="What was done instead: reach, grasp, lift, carry, place, hand over, look."),
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Show what is true for an agent, when, and what changed.
 
     Prints every attribute over time, and the effect between the label's start and end. With --relations: who has what
     in sight, looks at it, is near, approaches, touches and carries it, exact to the frame.
+
+    With --actions: what everybody did with which thing, from when to when; --agent and --object choose.
 
     With --of performer: what the task changes for the agent that performs it (its own effort, hands, posture).
 
@@ -66,8 +73,19 @@ def facts(
     Example: taskgist facts handover.mcap --of performer
 
     Example: taskgist facts handover.mcap --relations
+
+    Example: taskgist facts handover.mcap --actions
     """
     whose = tree_of(of)
+    if actions:
+        given = {"--relations": relations or None, "--at": at}
+        for option, value in given.items():
+            if value is not None:
+                raise LabelError("tells of other things than --actions", field=option, hint="leave one of both out")
+        document = tell_actions(read(recording), agent, object, quiet=as_json)
+        if as_json:
+            print_json(document)
+        return
     if not relations and at is None:
         asked: dict[str, Json] = {"agent": agent, "of": of, "object": object, "every_s": every}
         _tell_over_time(recording, asked, whose, as_json=as_json)

@@ -54,6 +54,13 @@ def learn(
     of: Annotated[
         str, typer.Option(help="What they mean for whom: target, or performer (the performing agent's own tree).")
     ] = "target",
+    wrong: Annotated[
+        bool, typer.Option("--wrong", help="They show how their tasks must not be done: what must not hold is learned.")
+    ] = False,
+    actions: Annotated[
+        bool,
+        typer.Option("--actions", help="Learn from recordings what is done, and in which order, too; takes longer."),
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Learn what tasks mean from labelled demonstrations.
@@ -71,7 +78,15 @@ def learn(
 
     Example: taskgist learn give_1.mcap give_2.mcap --of performer
 
+    With --wrong: demonstrations that somebody did wrong, with the label of what it should have been. They never count
+    for the task. What they have in common, and right ones do not, is told as "must not" by explain TASK --rule bayes.
+
+    With --actions: also what was done, such as reach, grasp, carry, hand over. That changes nothing of what the task
+    means; explain TASK --actions tells it.
+
     Example: taskgist learn facts.json
+
+    Example: taskgist learn --wrong spilled_1.mcap -k knowledge.db
     """
     whose = tree_of(of)
     if not demonstrations:
@@ -86,27 +101,44 @@ def learn(
     context = Context.of(DEFAULT, tree)
     check(knowledge, expected=context)
     databases = [path for path in demonstrations if _is_knowledge(path)]
+    if wrong and databases:
+        problem = "a knowledge file says itself which of its demonstrations were done wrong"
+        raise KnowledgeError(problem, where=databases[0], field="--wrong", hint="learn from it without --wrong")
     others = reduce(Knowledge.merge, (load(path, expected=context) for path in databases), Knowledge())
     explanations = [_from_facts(path, tree, whose) for path in demonstrations if path.suffix == ".json"]
+    if wrong:
+        explanations = [each.marked_wrong() for each in explanations]
     recordings = _labelled([path for path in demonstrations if path.suffix != ".json" and path not in databases])
     with _kept(others, explanations, knowledge):
         if recordings:
             from taskgist.pipeline.explain import explain_all
 
             with progress_bar(quiet=as_json) as progress:
-                explanations.extend(explain_all(recordings, of=whose, predicates=predicates, progress=progress))
+                explained = explain_all(recordings, of=whose, predicates=predicates, actions=actions, progress=progress)
+                explanations.extend(each.marked_wrong() if wrong else each for each in explained)
         added = others.add(*explanations)
-        check(knowledge, tasks=added.tasks)  # all of them are shown afterwards
+        check(knowledge, tasks={each.task for each in added.explanations})  # all of them are shown afterwards
         update(knowledge, added.explanations, added.answers, relabelled="replace" if replace else "refuse")
-    known = load(knowledge, tasks=added.tasks)
-    learned = {task: known.understand(task, tree, of=_shown_of(added, task, whose)) for task in added.tasks}
+    tasks = sorted({each.task for each in added.explanations})
+    known = load(knowledge, tasks=tasks)
+    done_wrong = {task: _wrong_of(known, task) for task in tasks}
+    learned = {
+        task: known.understand(task, tree, of=_shown_of(added if task in added.tasks else known, task, whose))
+        for task in known.tasks
+    }
     if as_json:
         documents = {task: understanding_document(each) for task, each in learned.items()}
-        print_json({"knowledge": shown(knowledge), "tasks": documents})
+        found = {task: count for task, count in done_wrong.items() if count}
+        print_json({"knowledge": shown(knowledge), "tasks": documents, "wrong": found})
         return
     for each in learned.values():
         print_understanding(each, whole_tree=False)
         console.print()
+    for task, count in done_wrong.items():
+        if count:
+            told = f"taskgist explain {shlex.quote(task)} --rule bayes -k {shown(knowledge)}"
+            how = f"what must not hold: {told}" if task in known.tasks else "none that was done right is known yet"
+            console.print(f"{task}: {count} demonstration{'s' * (count != 1)} done wrong; {how}")
     options = f"-k {shown(knowledge)}{' --of performer' if whose == 'performer' else ''}"
     console.print(f"kept in {shown(knowledge)}; for the whole tree: taskgist explain TASK {options}")
 
@@ -173,6 +205,11 @@ def _from_facts(path: Path, tree: HypothesisTree, of: TreeOf) -> Explanation:
         problem = f"its facts are those of the target agent, {episode.target_agent}"
         raise FactsError(problem, where=path, field="--of", value=of, hint="learn from it without --of")
     return explain(episode, tree, DEFAULT)
+
+
+def _wrong_of(known: Knowledge, task: str) -> int:
+    """How many demonstrations of a task were done wrong."""
+    return sum(len(each.explanations) for (name, _), each in known.wrong.items() if name == task)
 
 
 def _shown_of(added: Knowledge, task: str, of: TreeOf) -> TreeOf:

@@ -8,10 +8,13 @@ from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import UNKNOWN, Unknown
 from taskgist.language.phrases import listed, phrase
 from taskgist.learning.background import NEUTRAL
-from taskgist.learning.clauses import ClausePosterior, Support
+from taskgist.learning.clauses import ClausePosterior, MustNot, Support
 from taskgist.learning.contrast import Contrast, Contrasted, Weighed
 from taskgist.learning.literals import SetLiteral
 from taskgist.learning.task_clauses import Odd
+
+SURE_ODDS = 20
+"""Below these odds they are told: it may be chance."""
 
 
 def supported(support: Support) -> str:
@@ -34,6 +37,15 @@ def compared(learned: ClausePosterior) -> str:
     parts = [f"{tasks} other task{'s' * (tasks > 1)}"] if tasks else []
     parts += [f"{neutral} neutral manipulations"] if neutral else []
     return f"compared with {listed(parts)}" if parts else "compared with nothing, so that nothing is learned"
+
+
+def against(each: MustNot) -> str:
+    """What speaks for it that something must not hold: ``"in 3 of 3 wrong ones, in 0 of 9 right ones"``."""
+    if each.odds is None:
+        return "as somebody said"
+    (wrong, all_wrong), (right, all_right) = each.in_wrong, each.in_right
+    told = f"in {wrong} of {all_wrong} wrong ones, in {right} of {all_right} right ones"
+    return f"{told}; odds {each.odds:.2g} to 1" if each.odds < SURE_ODDS else told
 
 
 def oddness(odd: Odd) -> str:

@@ -1,7 +1,10 @@
+from .actions import LearnedActions as LearnedActions
+from .actions import learn_actions as learn_actions
 from .answers import Answer as Answer
 from .answers import answer_from_json as answer_from_json
 from .answers import in_force as in_force
 from .clauses import ClausePosterior as ClausePosterior
+from .clauses import MustNot as MustNot
 from .clauses import Support as Support
 from .clauses import WeighedClause as WeighedClause
 from .clauses import learn_clauses as learn_clauses
@@ -18,11 +21,13 @@ from .evidence import evidence_of as evidence_of
 from .experience import Experience as Experience
 from .explanation import Context as Context
 from .explanation import Explanation as Explanation
+from .explanation import SymbolicAction as SymbolicAction
 from .explanation import explain as explain
 from .explanation import explanation_from_json as explanation_from_json
 from .explanation import merged as merged
 from .knowledge import Knowledge as Knowledge
 from .literals import SetLiteral as SetLiteral
+from .must_not import learn_must_not as learn_must_not
 from .task_clauses import DEFAULT_RULE as DEFAULT_RULE
 from .task_clauses import RULES as RULES
 from .task_clauses import Odd as Odd

@@ -38,7 +38,7 @@ are broken by length and by the literals' order.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from heapq import heappush, heapreplace, nsmallest
 
@@ -48,7 +48,7 @@ from taskgist.facts.tree import HypothesisTree, Nodes
 from taskgist.facts.values import UNKNOWN, Unknown
 from taskgist.learning.entailment import entailment_of
 from taskgist.learning.evidence import Evidence, Kind
-from taskgist.learning.literals import SetLiteral, vocabularies
+from taskgist.learning.literals import SetLiteral, Vocabulary, vocabularies
 from taskgist.learning.understanding import conjunction
 
 SLIPS = (10, 90)
@@ -92,6 +92,28 @@ class LiteralSupport:
 
 
 @dataclass(frozen=True)
+class MustNot:
+    """Something that must not hold, and what speaks for that.
+
+    Args:
+        literal: What must not hold; its complement (``Vocabulary.complement``) is what must.
+        in_wrong: Of the wrong demonstrations in which it is known: in how many it holds, and how many there are.
+        in_right: The same of the right ones.
+        odds: How much likelier it is a reason than chance; None where somebody said so.
+    """
+
+    literal: SetLiteral
+    in_wrong: tuple[int, int]
+    in_right: tuple[int, int]
+    odds: float | None
+
+    @property
+    def probability(self) -> float:
+        """Of its being a reason, by its odds; 1 where somebody said so."""
+        return 1.0 if self.odds is None else self.odds / (1.0 + self.odds)
+
+
+@dataclass(frozen=True)
 class WeighedClause:
     """A conjunction of literals, and what speaks for it."""
 
@@ -128,6 +150,8 @@ class ClausePosterior:
     """What else was always so, final states and changes, of those in one branch of the tree the deepest. It is not so
     usual that nobody would do otherwise, nor so rare beside the clause that it says more. Who recognises a task does
     without it; who performs the task had better do the same."""
+    must_not: tuple[MustNot, ...] = ()
+    """What must not hold, the surest first: whoever performs keeps to the complement of each, beside a clause."""
 
     @property
     def best(self) -> WeighedClause:
@@ -172,7 +196,12 @@ NOTHING_TOLD = Told()
 
 
 def learn_clauses(
-    evidence: Evidence, task: str, tree: HypothesisTree = STANDARD_TREE, told: Told = NOTHING_TOLD
+    evidence: Evidence,
+    task: str,
+    tree: HypothesisTree = STANDARD_TREE,
+    told: Told = NOTHING_TOLD,
+    most_literals: int = MOST_LITERALS,
+    words: Sequence[Vocabulary] | None = None,
 ) -> ClausePosterior:
     """Learn what a task means from its demonstrations, compared with all others.
 
@@ -181,12 +210,14 @@ def learn_clauses(
         task: The task.
         tree: Whose effects literals are about.
         told: What people said of it. What they said of nodes that literals are not about has no effect.
+        most_literals: The longest clause.
+        words: What literals are about; None: the effects of the tree.
 
     Raises:
         UnknownNameError: There is no evidence of this task.
     """
-    search = _Search(evidence, task, tree, told)
-    found = search.best()
+    search = _Search(evidence, task, tree, told, vocabularies(tree) if words is None else words)
+    found = search.best(most_literals)
     weights = [math.exp(one.score - found[0].score) for one in found]
     total = math.fsum(weights)
     return ClausePosterior(
@@ -355,12 +386,14 @@ class Counting:
 class _Search(Counting):
     """The search for the clauses of one task."""
 
-    def __init__(self, evidence: Evidence, task: str, tree: HypothesisTree, told: Told) -> None:
+    def __init__(
+        self, evidence: Evidence, task: str, tree: HypothesisTree, told: Told, words: Sequence[Vocabulary]
+    ) -> None:
         super().__init__(evidence, task)
-        self._tree = tree
+        self._parents = {each.node.name: each.node.parent for each in words}
         fixed = told.fixed(tree)
         literals: list[SetLiteral] = []
-        for vocabulary in vocabularies(tree):
+        for vocabulary in words:
             literals += (each for each in fixed if each.node == vocabulary.node.name)
             if vocabulary.node.name not in told.irrelevant:
                 literals += vocabulary.literals(evidence.seen(vocabulary.node.name, task))
@@ -378,10 +411,10 @@ class _Search(Counting):
         self._likelihoods: dict[tuple[int, int], float] = {}
         self._first = self._start(fixed)
 
-    def best(self) -> list[_Found]:
+    def best(self, most_literals: int) -> list[_Found]:
         """The best clauses, the very best first."""
         found = beam = [self._first]
-        for _ in range(MOST_LITERALS if self._kinds else 0):
+        for _ in range(most_literals if self._kinds else 0):
             beam = self._longer(beam)
             found = nsmallest(KEPT, [*found, *beam], key=lambda one: one.order)
             beam = beam[:BEAM]
@@ -409,7 +442,9 @@ class _Search(Counting):
         return tuple(each for each in constant if each not in usual and each.literal.node not in above)
 
     def _ancestors(self, node: str) -> Iterator[str]:
-        return (each.name for each in self._tree.ancestors(node))
+        while (above := self._parents.get(node)) is not None:
+            yield above
+            node = above
 
     def _constant(self, best: _Found) -> list[LiteralSupport]:
         """Values that nodes always had, but for those of the best clause."""

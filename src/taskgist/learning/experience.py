@@ -24,7 +24,7 @@ _NONE: FrozenMap[str, int] = FrozenMap()
 
 @dataclass(frozen=True)
 class Experience:
-    """What has been seen of one task, in trees of its target agents or of its performing agents.
+    """What has been seen of one task, in trees of its target agents or of its performing agents, done right or wrong.
 
     Immutable: each change gives a new one.
 
@@ -44,6 +44,11 @@ class Experience:
         """Whose trees they are; that of the target agents if there are none yet."""
         return next((each.tree_of for each in self.explanations.values()), "target")
 
+    @property
+    def wrong(self) -> bool:
+        """Whether it is of demonstrations that were done wrong."""
+        return any(each.wrong for each in self.explanations.values())
+
     @staticmethod
     def of(task: str, explanations: Iterable[Explanation], *, allow_mixed: bool = False) -> Experience:
         """Experience of these explanations.
@@ -62,8 +67,8 @@ class Experience:
 
         Raises:
             KnowledgeError: It explains another task, is the tree of another agent (the performing one's beside those
-                of target agents), was made under another context, or contradicts an explanation of the very same
-                demonstration.
+                of target agents), is wrong beside right ones, was made under another context, or contradicts an
+                explanation of the very same demonstration.
         """
         return self.extended((explanation,), allow_mixed=allow_mixed)
 
@@ -85,14 +90,14 @@ class Experience:
         fresh: list[Explanation] = []
         for explanation in explanations:
             _check_task(self.task, explanation)
-            _check_tree(next(iter(index.values()), explanation), explanation)
+            _check_alike(next(iter(index.values()), explanation), explanation)
             known = index.get(explanation.digest)
             if known is None:
                 fresh.append(explanation)
             index[explanation.digest] = explanation if known is None else _agreed(known, explanation)
         contexts = _context_counts(self.contexts, fresh, +1)
         if len(contexts) > 1 and not allow_mixed:
-            raise _mixed(self.task, contexts)
+            raise mixed(self.task, contexts)
         return Experience(self.task, FrozenMap(index), _shifted(self.counts, fresh, +1), contexts)
 
     def remove(self, digest: str) -> Experience:
@@ -157,7 +162,7 @@ def _agreed(known: Explanation, given: Explanation) -> Explanation:
             value=known.digest,
             hint="remove the outdated one, then add the other",
         )
-    return min(known, given, key=lambda each: canonical_text(each.to_json()))
+    return min(known, given, key=lambda each: (each.actions is None, canonical_text(each.to_json())))
 
 
 def _check_task(task: str, explanation: Explanation) -> None:
@@ -168,18 +173,29 @@ def _check_task(task: str, explanation: Explanation) -> None:
         )
 
 
-def _check_tree(known: Explanation, explanation: Explanation) -> None:
+def _check_alike(known: Explanation, explanation: Explanation) -> None:
+    """Refuse another agent's tree, and a wrong demonstration among right ones."""
+    hint = "keep an experience of each, as Knowledge does"
     if explanation.tree_of != known.tree_of:
         raise KnowledgeError(
             f"the {explanation.tree_of}'s tree beside the {known.tree_of}'s: they tell of different agents",
             where=explanation.demonstration,
             field="tree_of",
             value=explanation.tree_of,
-            hint="keep an experience of each, as Knowledge does",
+            hint=hint,
+        )
+    if explanation.wrong != known.wrong:
+        raise KnowledgeError(
+            "one was done right and one was done wrong: they do not speak for the same",
+            where=explanation.demonstration,
+            field="wrong",
+            value=explanation.wrong,
+            hint=hint,
         )
 
 
-def _mixed(task: str, contexts: Iterable[Context]) -> KnowledgeError:
+def mixed(task: str, contexts: Iterable[Context]) -> KnowledgeError:
+    """What is raised where explanations of several contexts would be counted together."""
     listed = "; ".join(sorted(str(context) for context in contexts))
     hint = "learn anew from the recordings with one of them, or allow mixing (allow_mixed=True)"
     return KnowledgeError(f"made under different contexts: {listed}", where=f"task {task}", hint=hint)

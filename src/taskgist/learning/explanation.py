@@ -10,6 +10,7 @@ becomes a question (``understanding``). Where nothing differs but a pair is unkn
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from itertools import product
@@ -44,11 +45,41 @@ class Context:
 
 
 @dataclass(frozen=True)
+class SymbolicAction:
+    """One thing that was done with a target object between the start and the end (A of ⟨WI, A, WF⟩, 10).
+
+    Agents are told by their role: "performer", "target", or "other".
+
+    Args:
+        kind: What: "grasp", "carry", "hand over".
+        by: Who.
+        start_s: When it began, seconds of its recording.
+        end_s: When it was over; the same, where it is a moment.
+        to: To whom it was handed over.
+    """
+
+    kind: str
+    by: str
+    start_s: float
+    end_s: float
+    to: str | None = None
+
+    @property
+    def name(self) -> str:
+        """What it is called whenever it is done: ``"hand over by performer to target"``."""
+        return f"{self.kind} by {self.by}{f' to {self.to}' if self.to else ''}"
+
+    def to_json(self) -> dict[str, Json]:
+        """Plain data."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+
+@dataclass(frozen=True)
 class Explanation:
     """All that was inferred about one demonstration.
 
-    Its ``digest`` says *which* demonstration it explains, and under what: source, label and context. The values of the
-    nodes follow from these and stay out of it, so that a demonstration cannot be counted twice.
+    Its ``digest`` says *which* demonstration it explains, and under what: source, label, whether it was done wrong, and
+    context. The values of the nodes follow from these and stay out of it: so no demonstration is counted twice.
     """
 
     task: str
@@ -66,6 +97,10 @@ class Explanation:
     """Value and evidence of each node."""
     parts: tuple[Explanation, ...] = ()
     """Of several targets: the explanation of each pair, agent by agent; empty where there is one pair."""
+    wrong: bool = False
+    """Whether it shows how the task must not be done. It is evidence against then, and never counted for the task."""
+    actions: tuple[SymbolicAction, ...] | None = None
+    """What was done, by the time at which it began; None: nobody looked. It says nothing of what the task means."""
     digest: str = field(init=False)
     """16 hexadecimal digits."""
 
@@ -81,6 +116,7 @@ class Explanation:
             self.source,
             self.context.settings_digest,
             self.context.tree_version,
+            *(["wrong"] if self.wrong else []),  # so that the digests of all others are what they always were
         ]
         object.__setattr__(self, "digest", hashlib.sha256(canonical_text(identity).encode()).hexdigest()[:16])
 
@@ -103,15 +139,22 @@ class Explanation:
     def is_rival_of(self, other: Explanation) -> bool:
         """Whether both explain one recording for an agent and an object that they share, but not the same label.
 
+        What is done right is not done wrong. But a wrong *hide* may be a right *show*, or a wrong one as well.
+
         A target agent's tree and a performing agent's own are no rivals: nothing is counted in both.
         """
         return (
             self.digest != other.digest
+            and (self.task == other.task or not (self.wrong or other.wrong))
             and self.tree_of == other.tree_of
             and self.recording == other.recording
             and not set(self.target_agents).isdisjoint(other.target_agents)
             and not set(self.target_objects).isdisjoint(other.target_objects)
         )
+
+    def marked_wrong(self) -> Explanation:
+        """The same as a demonstration of how the task must not be done."""
+        return replace(self, wrong=True, parts=tuple(replace(part, wrong=True) for part in self.parts))
 
     def part(self, agent: str, name: str) -> Explanation:
         """The explanation of one pair of target agent and target object; itself, where it has no other.
@@ -157,7 +200,9 @@ class Explanation:
         context = {name.name: getattr(self.context, name.name) for name in fields(Context)}
         nodes: dict[str, Json] = {name: node.to_json() for name, node in self.nodes.items()}
         parts: dict[str, Json] = {"parts": [part.to_json() for part in self.parts]} if self.parts else {}
-        return {**texts, **targets, **context, "nodes": nodes, **parts}
+        wrong: dict[str, Json] = {"wrong": True} if self.wrong else {}
+        done: dict[str, Json] = {} if self.actions is None else {"actions": [each.to_json() for each in self.actions]}
+        return {**texts, **targets, **context, **wrong, "nodes": nodes, **done, **parts}
 
 
 TEXTS = ("task", "demonstration", "performing_agent", "source")
@@ -208,7 +253,7 @@ def merged(parts: Iterable[Explanation]) -> Explanation:
         raise KnowledgeError("no pair of target agent and object", hint="explain one at least")
     first = pairs[0]
     for part in pairs[1:]:
-        for name in (*TEXTS, "context"):
+        for name in (*TEXTS, "context", "wrong"):
             if getattr(part, name) != getattr(first, name):
                 hint = "merge explanations of one demonstration"
                 raise KnowledgeError("is another demonstration", field=name, value=getattr(part, name), hint=hint)
@@ -251,6 +296,8 @@ def explanation_from_json(document: object, *, where: str | Path | None = None) 
             context=Context(_text(data["settings_digest"]), _text(data["tree_version"])),
             nodes={_text(name): _observation(node) for name, node in data["nodes"].items()},
             parts=tuple(_part(part, where) for part in data.get("parts", ())),
+            wrong=_flag(data.get("wrong", False)),
+            actions=tuple(map(_action, data["actions"])) if "actions" in data else None,
         )
         stored = {name: _text(data[name]) for name in ("digest", "content")}
         found = {name: getattr(explanation, name) for name in stored}
@@ -268,7 +315,9 @@ def explanation_from_json(document: object, *, where: str | Path | None = None) 
 def _follows(explanation: Explanation) -> bool:
     """Whether an explanation of several targets is what its parts give."""
     try:
-        return bool(explanation.parts) and merged(explanation.parts) == explanation
+        return (
+            bool(explanation.parts) and replace(merged(explanation.parts), actions=explanation.actions) == explanation
+        )
     except KnowledgeError:
         return False
 
@@ -292,6 +341,20 @@ def _observation(data: Mapping[str, Any]) -> Observation[Value]:
     if not isinstance(data["evidence"], dict):
         raise TypeError("evidence that is no object")
     return Observation(value, data["evidence"])
+
+
+def _action(data: Mapping[str, Any]) -> SymbolicAction:
+    times = [data["start_s"], data["end_s"]]
+    if any(isinstance(each, bool) or not isinstance(each, (int, float)) or not math.isfinite(each) for each in times):
+        raise TypeError("a time that is no number")
+    to = None if data["to"] is None else _text(data["to"])
+    return SymbolicAction(_text(data["kind"]), _text(data["by"]), float(times[0]), float(times[1]), to)
+
+
+def _flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise TypeError(f"a {type(value).__name__} where true or false is wanted")
+    return value
 
 
 def _text(value: object) -> str:

@@ -9,7 +9,7 @@ from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import TREES_OF, HypothesisTree, TreeOf
 from taskgist.learning.answers import Answer
-from taskgist.learning.experience import Experience
+from taskgist.learning.experience import Experience, mixed
 from taskgist.learning.explanation import Context, Explanation
 from taskgist.learning.understanding import Understanding, understand
 from taskgist.settings import DEFAULT, Learning
@@ -21,11 +21,13 @@ class Knowledge:
 
     experiences: FrozenMap[tuple[str, TreeOf], Experience] = field(default_factory=FrozenMap)
     """By task and by whose trees they are: what is known of performers stands apart. None is empty."""
+    wrong: FrozenMap[tuple[str, TreeOf], Experience] = field(default_factory=FrozenMap)
+    """The same of demonstrations that were done wrong: they say what must not hold, and count for nothing."""
     answers: frozenset[Answer] = frozenset()
 
     @property
     def tasks(self) -> tuple[str, ...]:
-        """Names of the tasks, sorted."""
+        """Names of the tasks of which a right demonstration is known, sorted."""
         return tuple(sorted({task for task, _ in self.experiences}))
 
     def trees_of(self, task: str) -> tuple[TreeOf, ...]:
@@ -35,16 +37,17 @@ class Knowledge:
     @property
     def contexts(self) -> frozenset[Context]:
         """Settings and trees under which its explanations were made."""
-        return frozenset(context for each in self.experiences.values() for context in each.contexts)
+        return frozenset(context for each in self._all for context in each.contexts)
 
     @property
     def explanations(self) -> tuple[Explanation, ...]:
-        """All explanations, by task, by whose tree it is, and by digest."""
-        return tuple(
-            self.experiences[key].explanations[digest]
-            for key in sorted(self.experiences)
-            for digest in sorted(self.experiences[key].explanations)
-        )
+        """All explanations: by task, by whose tree it is, and by digest; those of wrong demonstrations follow."""
+        return tuple(each.explanations[digest] for each in self._all for digest in sorted(each.explanations))
+
+    @property
+    def _all(self) -> tuple[Experience, ...]:
+        """The experiences of right and then of wrong demonstrations, by task and by whose trees they are."""
+        return tuple(kept[key] for kept in (self.experiences, self.wrong) for key in sorted(kept))
 
     def experience(self, task: str, of: TreeOf = "target") -> Experience:
         """Experience of a task.
@@ -56,9 +59,12 @@ class Knowledge:
 
         Raises:
             UnknownNameError: The task is not known.
-            KnowledgeError: It is not known of who performs it.
+            KnowledgeError: It is not known of who performs it, or by wrong demonstrations alone.
         """
         known = self.trees_of(task)
+        if not known and any(name == task for name, _ in self.wrong):
+            hint = "show how it is done right, and learn that without --wrong"
+            raise KnowledgeError("known by demonstrations that were done wrong alone", where=f"task {task}", hint=hint)
         if not known:
             raise UnknownNameError("task", task, self.tasks)
         if of == "performer" and of not in known:
@@ -87,12 +93,15 @@ class Knowledge:
         Raises:
             KnowledgeError: As ``Experience.add``.
         """
-        experiences = dict(self.experiences)
-        for key in {(each.task, each.tree_of) for each in explanations}:
-            own = (each for each in explanations if (each.task, each.tree_of) == key)
-            known = experiences.get(key, Experience(key[0]))
-            experiences[key] = known.extended(own, allow_mixed=allow_mixed)
-        return replace(self, experiences=FrozenMap(experiences))
+        kept = {False: dict(self.experiences), True: dict(self.wrong)}
+        for wrong, task, of in {(each.wrong, each.task, each.tree_of) for each in explanations}:
+            own = (each for each in explanations if (each.wrong, each.task, each.tree_of) == (wrong, task, of))
+            known = kept[wrong].get((task, of), Experience(task))
+            kept[wrong][task, of] = known.extended(own, allow_mixed=allow_mixed)
+            contexts = {one for each in kept.values() if (task, of) in each for one in each[task, of].contexts}
+            if len(contexts) > 1 and not allow_mixed:
+                raise mixed(task, contexts)
+        return replace(self, experiences=FrozenMap(kept[False]), wrong=FrozenMap(kept[True]))
 
     def rivals(self, explanation: Explanation) -> tuple[Explanation, ...]:
         """Explanations of the same recording, for an agent and object of its own, with another label or times."""
@@ -104,11 +113,15 @@ class Knowledge:
         Raises:
             UnknownNameError: There is no such task or explanation.
         """
-        holding = (of for of in self.trees_of(task) if digest in self.experiences[task, of].explanations)
-        of: TreeOf = next(holding, "target")
-        left = self.experience(task, of).remove(digest)
-        without = self.experiences.without((task, of))
-        return replace(self, experiences=without.set((task, of), left) if left.explanations else without)
+        kept = {False: self.experiences, True: self.wrong}
+        for wrong, of in ((wrong, of) for wrong in kept for of in TREES_OF):
+            if (task, of) in kept[wrong] and digest in kept[wrong][task, of].explanations:
+                left = kept[wrong][task, of].remove(digest)
+                without = kept[wrong].without((task, of))
+                kept[wrong] = without.set((task, of), left) if left.explanations else without
+                return replace(self, experiences=kept[False], wrong=kept[True])
+        known = [one for each in self._all if each.task == task for one in each.explanations]
+        raise UnknownNameError("explanation", digest, known) if known else UnknownNameError("task", task, self.tasks)
 
     def answer(self, *answers: Answer) -> Knowledge:
         """This knowledge and further answers."""

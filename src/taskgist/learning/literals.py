@@ -74,7 +74,9 @@ class SetLiteral:
         first, last = self.values[0], self.values[-1]
         equal = "≠" if self.but else "="
         if self.bound == "to":
-            return f"{equal} {first} to {last}"
+            return f"{'outside' if self.but else '='} {first} to {last}"
+        if self.bound and self.but:
+            return f"> {last}" if self.bound == "≤" else f"< {first}"
         if self.bound:
             return f"{self.bound} {last if self.bound == '≤' else first}"
         if first == NEGLIGIBLE and len(self.values) == 1 and not self.but:

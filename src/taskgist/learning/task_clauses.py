@@ -6,7 +6,7 @@ And what it means by either rule, as one clause, which planning takes.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from taskgist.common.frozen import FrozenMap
 from taskgist.errors import KnowledgeError, UnknownNameError
@@ -18,11 +18,12 @@ from taskgist.learning.background import Background, shipped_background
 from taskgist.learning.clauses import ClausePosterior, Told, learn_clauses
 from taskgist.learning.entailment import entailment_of
 from taskgist.learning.estimate import Verdict
-from taskgist.learning.evidence import Evidence, evidence_of
+from taskgist.learning.evidence import Effects, Evidence, effects_of, evidence_of
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.literals import SetLiteral, vocabularies
+from taskgist.learning.must_not import learn_must_not
 from taskgist.learning.understanding import PAPER, Clause, clause_of, several_of
 
 BAYES = "bayes"
@@ -30,6 +31,8 @@ RULES = (PAPER, BAYES)
 """Rules by which a task is understood: the largest consistent subtree, or whole clauses compared with all else."""
 DEFAULT_RULE = PAPER
 """The one that speaks where none is named."""
+WRONG = " ! wrong"
+"""The kind of a task's own demonstrations that were done wrong; no other kind is called so."""
 LIKELY = 0.5
 """What a task is about holds where its posterior probability is greater."""
 FEWEST = 3
@@ -44,6 +47,8 @@ def learn_task(
     background: Background | None = None,
 ) -> ClausePosterior:
     """What a task means, compared with the other tasks that are known and with neutral manipulations.
+
+    Demonstrations that were done wrong are one more kind that it is compared with, and teach what must not hold.
 
     Answers fix literals: each clause has those about relevant nodes and those that must hold, and none about irrelevant
     nodes or what need not hold.
@@ -61,7 +66,13 @@ def learn_task(
         KnowledgeError: It is not known of who performs it, or two answers contradict each other; names both.
     """
     evidence = task_evidence(knowledge, task, of, background)
-    return learn_clauses(evidence, task, tree, told_of(knowledge, task, tree, of))
+    learned = learn_clauses(evidence, task, tree, told_of(knowledge, task, tree, of))
+    own = knowledge.experience(task, of)
+    if WRONG not in learned.compared:
+        return learned
+    right = [effects_of(each) for each in own.explanations.values()]
+    must_not = learn_must_not(_wrong(knowledge, own), right, tree)
+    return replace(learned, compared=learned.compared.without(WRONG), must_not=must_not)
 
 
 def task_evidence(
@@ -72,7 +83,15 @@ def task_evidence(
     neutral = background or shipped_background()
     others = [each for (name, whose), each in knowledge.experiences.items() if whose == own.tree_of and name != task]
     comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
-    return evidence_of([own, *others], neutral.kinds if comparable else {})
+    kinds: dict[str, Iterable[Effects]] = dict(neutral.kinds) if comparable else {}
+    if (own.task, own.tree_of) in knowledge.wrong:
+        kinds[WRONG] = _wrong(knowledge, own)
+    return evidence_of([own, *others], kinds)
+
+
+def _wrong(knowledge: Knowledge, own: Experience) -> list[Effects]:
+    """The demonstrations of a task that were done wrong."""
+    return [effects_of(each) for each in knowledge.wrong[own.task, own.tree_of].explanations.values()]
 
 
 def told_of(knowledge: Knowledge, task: str, tree: HypothesisTree = STANDARD_TREE, of: TreeOf = "target") -> Told:
@@ -216,7 +235,7 @@ def learned_clause(
         of: For whom: its target agents, or who performs it; as ``Knowledge.experience``.
 
     Returns:
-        The clause; of whole clauses the best one, circumstances kept apart. It has no literals where nothing was
+        The clause; of whole clauses the best one, with what keeps to all that must not hold, circumstances kept apart. It has no literals where nothing was
         learned.
 
     Raises:
@@ -229,7 +248,10 @@ def learned_clause(
         return clause_of(knowledge.understand(task, tree, of=of))
     own, learned = knowledge.experience(task, of), learn_task(knowledge, task, tree, of)
     usual, always = (tuple(each.literal for each in part) for part in (learned.usual, learned.always))
-    return Clause(own.task, learned.best.literals, several_of(own), own.tree_of, usual, always, rule)
+    known = {each.node.name: each for each in vocabularies(tree)}
+    avoided = (known[each.literal.node].complement(each.literal) for each in learned.must_not)
+    literals = tuple(dict.fromkeys((*learned.best.literals, *avoided)))
+    return Clause(own.task, literals, several_of(own), own.tree_of, usual, always, rule)
 
 
 @dataclass(frozen=True)

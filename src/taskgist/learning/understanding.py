@@ -115,8 +115,11 @@ def understand(
             no effect.
 
     Raises:
-        KnowledgeError: An answer calls a node relevant that has no value.
+        KnowledgeError: An answer calls a node relevant that has no value, or the demonstrations were done wrong.
     """
+    if experience.wrong:
+        hint = "understand the right ones; what wrong ones teach is told by learn_task"
+        raise KnowledgeError("demonstrations that were done wrong", where=f"task {experience.task}", hint=hint)
     rule = Rule.of(settings)
     about = (experience.task, experience.tree_of)
     holding = _verdicts((answer for answer in answers if (answer.task, answer.tree_of) == about), tree)

@@ -7,6 +7,7 @@ explanations are what is learned from. Many recordings are explained on several 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from taskgist.common.workers import Progress, cores, in_order, silent
@@ -14,7 +15,7 @@ from taskgist.errors import LabelError, RecordingError
 from taskgist.facts.predicates import Predicate, known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import Episode, HypothesisTree, TreeOf, tree_of
-from taskgist.learning.explanation import Explanation, explain, merged
+from taskgist.learning.explanation import Explanation, SymbolicAction, explain, merged
 from taskgist.learning.knowledge import Knowledge
 from taskgist.observe.attributes import Snapshot, snapshot
 from taskgist.observe.observer import Observer
@@ -123,6 +124,7 @@ def explain_recording(
     tree: HypothesisTree = STANDARD_TREE,
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] | None = None,
+    actions: bool = False,
     observer: Observer | None = None,
     progress: Progress = silent,
 ) -> Explanation:
@@ -132,17 +134,42 @@ def explain_recording(
     where the label has no target agent.
 
     Where the label has several target agents or objects, each pair is explained alone (``Explanation.parts``), and
-    these are merged to one.
+    these are merged to one. With ``actions`` it holds what was done meanwhile, too.
 
     Raises:
         LabelError: There is no label.
     """
+    observer = observer or Observer(recording.scene, recording, settings)
     predicates = known_predicates() if predicates is None else tuple(predicates)
     whole = with_predicates(tree, predicates)
     episodes = episodes_of(
         recording, label=label, of=of, settings=settings, predicates=predicates, observer=observer, progress=progress
     )
-    return merged(explain(episode, whole, settings) for episode in episodes)
+    explanation = merged(explain(episode, whole, settings) for episode in episodes)
+    return replace(explanation, actions=_done(recording, label, observer, settings)) if actions else explanation
+
+
+def _done(
+    recording: Recording, label: Label | None, observer: Observer, settings: Settings
+) -> tuple[SymbolicAction, ...]:
+    """What was done with the target objects during the label, by roles."""
+    from taskgist.recognition.actions import actions_of  # which nobody else here needs
+
+    label = label or label_of(recording)
+
+    def role(agent: str | None) -> str:
+        if agent == label.performing_agent:
+            return "performer"
+        return "target" if agent in label.target_agents else "other"
+
+    found = actions_of(recording, observer, names=label.target_objects, looks=False, settings=settings)
+    return tuple(
+        SymbolicAction(
+            each.kind, role(each.agent), each.start_s, each.end_s, role(each.to) if each.kind == "hand over" else None
+        )
+        for each in found
+        if each.start_s < label.end_s and each.end_s > label.start_s
+    )
 
 
 FEW = 6
@@ -156,6 +183,8 @@ def learn(
     tree: HypothesisTree = STANDARD_TREE,
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] | None = None,
+    wrong: bool = False,
+    actions: bool = False,
     progress: Progress = silent,
     processes: int | None = None,
 ) -> Knowledge:
@@ -167,6 +196,8 @@ def learn(
         tree: The hypothesis space; ``predicates`` extend it.
         settings: All settings.
         predicates: A user's own predicates; by default all that are known.
+        wrong: Whether they show how their tasks must not be done.
+        actions: Whether what was done is learned, too; see ``learning.actions``.
         progress: Told how far it is.
         processes: How many explain recordings at the same time; see ``explain_all``.
 
@@ -175,9 +206,16 @@ def learn(
         LabelError: A recording has no label.
     """
     explanations = explain_all(
-        recordings, of=of, tree=tree, settings=settings, predicates=predicates, progress=progress, processes=processes
+        recordings,
+        of=of,
+        tree=tree,
+        settings=settings,
+        predicates=predicates,
+        actions=actions,
+        progress=progress,
+        processes=processes,
     )
-    return Knowledge().add(*explanations)
+    return Knowledge().add(*(each.marked_wrong() if wrong else each for each in explanations))
 
 
 def explain_all(
@@ -187,6 +225,7 @@ def explain_all(
     tree: HypothesisTree = STANDARD_TREE,
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] | None = None,
+    actions: bool = False,
     progress: Progress = silent,
     processes: int | None = None,
 ) -> Iterator[Explanation]:
@@ -199,6 +238,7 @@ def explain_all(
         tree: The hypothesis space; ``predicates`` extend it.
         settings: All settings.
         predicates: A user's own predicates; by default all that are known.
+        actions: Whether explanations hold what was done, too.
         progress: Told how far it is.
         processes: How many explain recordings at the same time; by default one for few recordings, and otherwise as
             many as there are cores. There is only one where a process cannot be forked (on Windows and macOS).
@@ -220,7 +260,9 @@ def explain_all(
         def of_this(what: str, share: float) -> None:
             told(f"{recording.name}: {what}", (number + share) / len(sources))
 
-        return explain_recording(recording, of=of, tree=tree, settings=settings, predicates=known, progress=of_this)
+        return explain_recording(
+            recording, of=of, tree=tree, settings=settings, predicates=known, actions=actions, progress=of_this
+        )
 
     yield explained(0, progress)  # what is compiled now, workers need not compile
     if processes is None:

@@ -1,3 +1,5 @@
+from .actions import Action as Action
+from .actions import actions_of as actions_of
 from .label_proposal import Proposal as Proposal
 from .label_proposal import propose as propose
 from .label_proposal import propose_label as propose_label

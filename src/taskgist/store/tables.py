@@ -209,7 +209,7 @@ def check_rivals(added: Knowledge, relabelled: Relabelled) -> None:
     for each, other in (pair for rivals in by_recording.values() for pair in combinations(rivals, 2)):
         if each.is_rival_of(other):
             raise KnowledgeError(
-                f"the same recording as {other.demonstration!r}, with another label",
+                f"the same recording as {other.demonstration!r}, {_otherwise(each, other)}",
                 where=each.demonstration,
                 field="source",
                 value=each.source,
@@ -229,8 +229,8 @@ def add(
     if relabelled != "add":
         older = list(_rivals(connection, added, where))
         if older and relabelled == "refuse":
-            raise _learned_already(older[0])
-        forget(connection, (each.digest for each in older))
+            raise _learned_already(*older[0])
+        forget(connection, {stored.digest for stored, _ in older})
     known = _concerned(connection, added, where)
     wanted = known.merge(added, allow_mixed=allow_mixed)
     before = {each.digest: each for each in known.explanations}
@@ -279,16 +279,20 @@ def contexts(connection: Connection, where: str, tasks: Iterable[str] | None = N
 def _concerned(connection: Connection, added: Knowledge, where: str) -> Knowledge:
     """The part of the knowledge that decides whether, and how, something is added."""
     same = _found(connection, EXPLANATIONS.c.digest, (each.digest for each in added.explanations), where)
-    others = contexts(connection, where, added.tasks)
+    others = contexts(connection, where, {each.task for each in added.explanations})
     return Knowledge().add(*same, *others, allow_mixed=True)
 
 
-def _rivals(connection: Connection, added: Knowledge, where: str) -> Iterator[Explanation]:
-    """Stored explanations of the recordings that are added, with other labels or times; see ``Knowledge.rivals``."""
+def _rivals(connection: Connection, added: Knowledge, where: str) -> Iterator[tuple[Explanation, Explanation]]:
+    """Stored explanations of the recordings that are added, with other labels or times, and one that is added.
+
+    See ``Knowledge.rivals``.
+    """
     by_recording = _by_recording(added.explanations)
     for stored in _found(connection, EXPLANATIONS.c.recording_key, (_key(*each) for each in by_recording), where):
-        if any(each.is_rival_of(stored) for each in by_recording[stored.recording]):
-            yield stored
+        fresh = next((each for each in by_recording[stored.recording] if each.is_rival_of(stored)), None)
+        if fresh is not None:
+            yield stored, fresh
 
 
 def _by_recording(explanations: Iterable[Explanation]) -> Mapping[tuple[str, ...], list[Explanation]]:
@@ -298,14 +302,23 @@ def _by_recording(explanations: Iterable[Explanation]) -> Mapping[tuple[str, ...
     return found
 
 
-def _learned_already(older: Explanation) -> KnowledgeError:
+def _learned_already(older: Explanation, fresh: Explanation) -> KnowledgeError:
+    name = f" {fresh.demonstration!r}" if fresh.demonstration != older.demonstration else ""
     return KnowledgeError(
-        "was learned from already, with another label",
+        f"was learned from already{name and ' as'}{name}, {_otherwise(older, fresh)}",
         where=older.demonstration,
         field="source",
         value=older.source,
         hint="add --replace to forget that",
     )
+
+
+def _otherwise(one: Explanation, other: Explanation) -> str:
+    """In what the labels of two explanations of a recording differ."""
+    if (one.task, one.wrong) == (other.task, not other.wrong):
+        how = ("right", "wrong")
+        return f"as a {one.task!r} done {how[one.wrong]}, and not {how[other.wrong]}"
+    return "with another label"
 
 
 def _found(connection: Connection, column: Column[Any], values: Iterable[str], where: str) -> Iterator[Explanation]:
