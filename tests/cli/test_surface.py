@@ -27,6 +27,7 @@ SURFACE: dict[str, set[str]] = {
         *("--trajectory", "--plan", "--positions", "--picture", "--film", "--pddl"),
     },
     "explain": {"task", "--knowledge", "-k", "--why", "--of", "--band", "--rule"},
+    "ask": {"task", "--knowledge", "-k", "--answer", "--question", "--withdraw", "--author", "--list", "--of"},
     "agent check": {"profile", "--out", "-o", "--replace"},
     "agent draft": {"model", "--out", "-o", "--replace"},
     "see": {"where", "--agent", "--at", "--object", "--out", "-o", "--replace"},

@@ -41,6 +41,7 @@ OWN = tuple(
         "facts": "facts:facts",
         "learn": "learn:learn",
         "explain": "explain:explain",
+        "ask": "ask:ask",
         "perform": "perform:perform",
         "see": "see:see",
         "query": "query:query",

@@ -8,9 +8,9 @@ from taskgist.common.frozen import FrozenMap
 from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import TREES_OF, HypothesisTree, TreeOf
+from taskgist.learning.answers import Answer
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Context, Explanation
-from taskgist.learning.answers import Answer
 from taskgist.learning.understanding import Understanding, understand
 from taskgist.settings import DEFAULT, Learning
 

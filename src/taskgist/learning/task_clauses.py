@@ -13,8 +13,8 @@ from taskgist.learning.answers import Answer, Reply, in_force, replies_in_force
 from taskgist.learning.asking import Asking
 from taskgist.learning.background import Background, shipped_background
 from taskgist.learning.clauses import ClausePosterior, Told, learn_clauses
-from taskgist.learning.estimate import Verdict
 from taskgist.learning.entailment import entailment_of
+from taskgist.learning.estimate import Verdict
 from taskgist.learning.evidence import Evidence, evidence_of
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Explanation
@@ -66,9 +66,7 @@ def task_evidence(
     return evidence_of([own, *others], neutral.kinds if comparable else {})
 
 
-def told_of(
-    knowledge: Knowledge, task: str, tree: HypothesisTree = STANDARD_TREE, of: TreeOf = "target"
-) -> Told:
+def told_of(knowledge: Knowledge, task: str, tree: HypothesisTree = STANDARD_TREE, of: TreeOf = "target") -> Told:
     """What answers fix: literals that each clause has, and those that need not hold.
 
     A relevant node without a value has the most frequent one. Answers on nodes that literals are not about say nothing.
@@ -78,7 +76,9 @@ def told_of(
         KnowledgeError: It is not known of who performs it, or two answers contradict each other; names both.
     """
     own = knowledge.experience(task, of)
-    return own_told(own, [each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of)], tree)
+    return own_told(
+        own, [each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of)], tree
+    )
 
 
 def own_told(own: Experience, answers: Iterable[Answer], tree: HypothesisTree = STANDARD_TREE) -> Told:

@@ -44,6 +44,7 @@ from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import ROLES, Explanation, Role
 from taskgist.settings import DEFAULT, Learning
 
+
 @dataclass(frozen=True)
 class Judgement:
     """What is understood of one node."""

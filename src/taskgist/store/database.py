@@ -17,9 +17,9 @@ from sqlalchemy.pool import NullPool
 
 from taskgist.common.files import check_replaceable, writing
 from taskgist.errors import KnowledgeError
+from taskgist.learning.answers import Answer
 from taskgist.learning.explanation import Context, Explanation
 from taskgist.learning.knowledge import Knowledge
-from taskgist.learning.answers import Answer
 from taskgist.settings import DEFAULT, Limits
 from taskgist.store import tables
 from taskgist.store.address import Address, file_of, is_there, shown

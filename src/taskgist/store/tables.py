@@ -36,9 +36,9 @@ from sqlalchemy.engine import Connection
 
 from taskgist.common.frozen import canonical_text
 from taskgist.errors import KnowledgeError
+from taskgist.learning.answers import Answer, answer_from_json
 from taskgist.learning.explanation import Context, Explanation, explanation_from_json
 from taskgist.learning.knowledge import Knowledge
-from taskgist.learning.answers import Answer, answer_from_json
 from taskgist.store.faults import DAMAGED
 
 SCHEMA_VERSION = "3"

@@ -22,6 +22,7 @@ from taskgist.cli.common import (
 from taskgist.common.workers import Progress
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.pipeline.shipped import TASKS
+from taskgist_lab.evaluation.asking import asking
 from taskgist_lab.evaluation.clause_learning import clause_learning
 from taskgist_lab.evaluation.experiments import demonstrations_needed, transfer
 from taskgist_lab.evaluation.learner import Coded
@@ -48,6 +49,7 @@ EXPERIMENTS: Mapping[str, Experiment] = {
         coded, runs=runs, seed=seed, peers=makers(seed), progress=progress
     ),
     "clauses": lambda coded, runs, seed, progress: clause_learning(coded, runs=runs, seed=seed, progress=progress),
+    "asking": lambda coded, runs, seed, progress: asking(coded, runs=runs, seed=seed, progress=progress),
 }
 """The experiments on learning by name, in their order."""
 PERFORM = "perform"
@@ -106,6 +108,9 @@ def evaluate(
 
     clauses: whole clauses, learned by comparing with neutral manipulations and other tasks, beside the paper's rule,
     judged by the task that a demonstration was played as, and by all that it fulfils.
+
+    asking: what three answers of a simulated teacher, who knows the generator's intention alone, are worth in
+    demonstrations.
 
     perform: in how many random rooms that can be solved robots perform the tasks of the study, how cleanly for a second
     auditor, and in what time of the processor. The tasks cover, clear and relay are hide and show by these means alone,

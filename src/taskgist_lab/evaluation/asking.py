@@ -146,7 +146,9 @@ class Asked(Result):
     """How often each answer was given."""
 
 
-def ask_and_learn(evidence: Evidence, task: str, teacher: Teacher, questions: int) -> list[tuple[ClausePosterior, Reply]]:
+def ask_and_learn(
+    evidence: Evidence, task: str, teacher: Teacher, questions: int
+) -> list[tuple[ClausePosterior, Reply]]:
     """What is known of a task after each answer of a teacher; shorter where nothing is left to ask.
 
     Args:
@@ -168,9 +170,7 @@ def ask_and_learn(evidence: Evidence, task: str, teacher: Teacher, questions: in
     return found
 
 
-def asking(
-    coded: Coded, *, runs: int, seed: int, others: Sequence[int] = OTHERS, progress: Progress = silent
-) -> Asked:
+def asking(coded: Coded, *, runs: int, seed: int, others: Sequence[int] = OTHERS, progress: Progress = silent) -> Asked:
     """Compare questions with demonstrations.
 
     Args:
