@@ -209,7 +209,7 @@ def test_answers_of_earlier_releases_are_written_as_they_were() -> None:
     "wrong", [{"among": []}, {"among": "x"}, {"but": 1}, {"reply": "maybe"}, {"reply": 3}, {"among": [1]}]
 )
 def test_strange_answers_are_refused(wrong: dict[str, object]) -> None:
-    with pytest.raises(KnowledgeError, match="not an answer|reply without|verdict on"):
+    with pytest.raises(KnowledgeError, match=r"not an answer|reply without|verdict on"):
         answer_from_json({**said(Reply.YES, *HARDER).to_json(), **wrong})
 
 

@@ -52,13 +52,13 @@ def ask(
 ) -> None:
     """Ask what the demonstrations of a task leave open.
 
-    The most useful question comes first: the one whose answer is expected to tell most about whether the task is done in a
-    demonstration. With it: where it was so, where it was not, what each answer would make of the task's meaning, and which
-    further demonstration would teach most.
+    The most useful question comes first: the one whose answer is expected to tell most about whether the task is done
+    in a demonstration. With it: where it was so, where it was not, what each answer would make of the task's meaning,
+    and which further demonstration would teach most.
 
-    Answers: yes (it must be so), no (it must not), either (it does not matter), unknown (it is not asked again). An answer
-    holds until it is withdrawn; one that contradicts another is refused. Both rules of explain respect it, the paper's
-    where it settles one value.
+    Answers: yes (it must be so), no (it must not), either (it does not matter), unknown (it is not asked again). An
+    answer holds until it is withdrawn; one that contradicts another is refused. Both rules of explain respect it, the
+    paper's where it settles one value.
 
     For a dialogue: --json gives the question with its id, and the JSON Schema of its answer, which --answer takes.
 

@@ -53,7 +53,7 @@ def question_text(question: SetQuestion, tree: HypothesisTree, of: TreeOf = "tar
 
 
 def sides_text(found: Sides, *, but: bool = False) -> str:
-    """The demonstrations on both sides: "It was so in show_a and show_b, and not in show_c."
+    """The demonstrations on both sides: "It was so in show_a and show_b, and not so in show_c.".
 
     Args:
         found: Where the literal holds and fails.

@@ -4,36 +4,41 @@
 thing can hardly be seen, or it takes standing up to see it. A person knows which is meant. So the learner asks, and it
 asks first what it would learn most from.
 
-**Hypotheses.** The posterior holds the forty best clauses ``c`` with their weights ``w``. A clause says what sets the task
-apart; what else may be meant beside it, such as that the thing ends on a support as most things do, it leaves open. A
-literal ``Q`` that a clause leaves open is meant, too, with the odds by which the clause gets better or worse with it::
+**Hypotheses.** The posterior holds the forty best clauses ``c`` with their weights ``w``. A clause says what sets the
+task apart; what else may be meant beside it, such as that the thing ends on a support as most things do, it leaves
+open. A literal ``Q`` that a clause leaves open is meant, too, with the odds by which the clause gets better or worse
+with it::
 
     odds(Q | c) = exp(score(c ∧ Q) − score(c)),    and the same of its complement ¬Q
 
-which is the size principle again: what always was so, and seldom is in the background where ``c`` holds, is likely meant.
+which is the size principle again: what always was so, and seldom is in the background where ``c`` holds, is likely
+meant.
 
-**Answers.** If ``c`` entails ``Q`` (``entailment``) the answer is *yes*, if it contradicts it *no*; if it leaves it open,
-*yes*, *no* or *either* (it does not matter) by these odds. Each hypothesis, which is a clause and what is meant beside
-it, fixes the answer of a person who knows the task.
+**Answers.** If ``c`` entails ``Q`` (``entailment``) the answer is *yes*, if it contradicts it *no*; if it leaves it
+open, *yes*, *no* or *either* (it does not matter) by these odds. Each hypothesis, which is a clause and what is meant
+beside it, fixes the answer of a person who knows the task.
 
-**Information.** What an answer is worth is the information that it is expected to give (Lindley 1956). About the hypotheses
-themselves that is the entropy of the answer, because each fixes it. But much of that would be idle: whether an effort lies at
-most one rung below the top decides nothing in any room. What is asked for is what a robot will do with it: tell whether the
-task was done. So it is the *mean marginal information gain* (MacKay 1992, "Information-based objective functions for active data
-selection"): the mutual information of the answer ``a`` and of whether the task is done in a demonstration ``x``, as a mean
-over those that are known, the task's own and each kind of background weighing the same, in bits::
+**Information.** What an answer is worth is the information that it is expected to give (Lindley 1956). About the
+hypotheses themselves that is the entropy of the answer, because each fixes it. But much of that would be idle:
+whether an effort lies at most one rung below the top decides nothing in any room. What is asked for is what a robot
+will do with it: tell whether the task was done. So it is the *mean marginal information gain* (MacKay 1992,
+"Information-based objective functions for active data selection"): the mutual information of the answer ``a`` and of
+whether the task is done in a demonstration ``x``, as a mean over those that are known, the task's own and each kind
+of background weighing the same, in bits::
 
     gain(Q) = mean over x of [ H(T(x)) − Σ_a p(a) H(T(x) | a) ],    p(T(x) | a) = Σ_h p(h | a) [h holds in x]
 
 *Don't know* tells nothing. If a share of people does not know, all questions lose that share of their gain, and their
 order stays.
 
-**What was asked** is not asked again: not in other words (another literal of the same worlds, or its complement), nor what
-follows from answers that hold. A question below ``LEAST_GAIN`` is not worth anybody's time: then nothing is left to ask.
+**What was asked** is not asked again: not in other words (another literal of the same worlds, or its complement), nor
+what follows from answers that hold. A question below ``LEAST_GAIN`` is not worth anybody's time: then nothing is left
+to ask.
 
-**Words.** Nobody can say whether a thing filled 2 % of an image: of scores it is only asked whether next to nothing was
-seen; of ladders, whether it takes at least, at most, or just this effort. What must not be, and how great an effort must
-be, is asked only where it tells twice as much (``HARDER``), and what is nearly always so anyway is not asked (``EVIDENT``).
+**Words.** Nobody can say whether a thing filled 2 % of an image: of scores it is only asked whether next to nothing
+was seen; of ladders, whether it takes at least, at most, or just this effort. What must not be, and how great an
+effort must be, is asked only where it tells twice as much (``HARDER``), and what is nearly always so anyway is not
+asked (``EVIDENT``).
 """
 
 from __future__ import annotations
@@ -210,8 +215,8 @@ class Asking:
         Args:
             truth: Where its literal holds, and where it fails.
             by_clause: Probability of each answer by clause.
-            shown: Whether it is answered by a demonstration in which the literal fails, or by there being none: *no* and
-                *either* look the same then.
+            shown: Whether it is answered by a demonstration in which the literal fails, or by there being none: *no*
+                and *either* look the same then.
         """
         joint = [
             {reply: clause.weight * each[reply] for reply in each}

@@ -2,17 +2,18 @@
 
 A demonstration is worth most where what is believed would come apart. Two kinds are proposed.
 
-**Another start.** In all demonstrations P2 was sitting. That it takes *standing up* to see the thing and that seeing it
-*becomes harder* came to the same; with P2 standing they would not. For each value of a node of the start that was never
-seen, the demonstrations of other kinds that began so are taken as samples of what may happen then. In those ``x`` that the
-posterior takes for the task, by its probability ``p(x)``, a demonstration would change the weights of the clauses from
-``w`` to ``w'``, each by the likelihood of its hit or slip against chance. The expected information is::
+**Another start.** In all demonstrations P2 was sitting. That it takes *standing up* to see the thing and that seeing
+it *becomes harder* came to the same; with P2 standing they would not. For each value of a node of the start that was
+never seen, the demonstrations of other kinds that began so are taken as samples of what may happen then. In those
+``x`` that the posterior takes for the task, by its probability ``p(x)``, a demonstration would change the weights of
+the clauses from ``w`` to ``w'``, each by the likelihood of its hit or slip against chance. The expected information
+is::
 
     Σ_x p(x) KL(w' ‖ w) / Σ_x p(x),    in bits about the clauses
 
-Where the start of a demonstration is not known, as in the neutral manipulations that are shipped, it is inferred from its
-effects where these leave one start alone (what keeps its posture and ends standing, stood). A start that no sample had is
-not proposed: nothing is known of what would come of it.
+Where the start of a demonstration is not known, as in the neutral manipulations that are shipped, it is inferred from
+its effects where these leave one start alone (what keeps its posture and ends standing, stood). A start that no
+sample had is not proposed: nothing is known of what would come of it.
 
 **A contrast.** The thing ended in a hand in all demonstrations, while seeing it became easier. Which of both is meant?
 Somebody who can show the task without the first one tells that it is not needed; who cannot, that it is. That is a
