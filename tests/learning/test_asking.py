@@ -19,7 +19,7 @@ from taskgist.learning import (
     Verdict,
     answer_from_json,
     learn_task,
-    lessons,
+    lessons_of,
     open_questions,
     understand,
 )
@@ -215,7 +215,7 @@ def test_strange_answers_are_refused(wrong: dict[str, object]) -> None:
 
 def test_a_start_that_was_never_shown_is_proposed_where_it_would_tell() -> None:
     asking = open_questions(knowledge("hide", "put away", "show"), "hide")
-    found = [each for each in lessons(asking, asking.questions()) if isinstance(each, OtherStart)]
+    found = [each for each in lessons_of(asking, asking.questions()) if isinstance(each, OtherStart)]
     assert ("posture.value.1", "Standing") in {(each.node.name, each.value) for each in found}
     for each in found:
         assert each.bits > 0.0
@@ -225,7 +225,7 @@ def test_a_start_that_was_never_shown_is_proposed_where_it_would_tell() -> None:
 def test_a_contrast_parts_what_always_was_so() -> None:
     known = knowledge("show", "hide")
     asking = open_questions(known, "show")
-    found = [each for each in lessons(asking, asking.questions()) if isinstance(each, Contrast)]
+    found = [each for each in lessons_of(asking, asking.questions()) if isinstance(each, Contrast)]
     assert found
     for each in found:
         for explanation in known.experience("show").explanations.values():

@@ -20,7 +20,7 @@ from taskgist.language.asking import MEANINGS, answer_text, lesson_text, questio
 from taskgist.learning.answers import Answer, Reply, in_force, replies_in_force
 from taskgist.learning.asking import SetQuestion, question_id
 from taskgist.learning.explanation import Context
-from taskgist.learning.lessons import Contrast, OtherStart, lessons
+from taskgist.learning.lessons import Contrast, OtherStart, lessons_of
 from taskgist.learning.literals import SetLiteral, vocabularies
 from taskgist.learning.task_clauses import learn_task, open_questions, sides
 from taskgist.settings import DEFAULT
@@ -184,7 +184,7 @@ def _document(known: Knowledge, task: str, tree: HypothesisTree, of: TreeOf, not
     """The first question with all that belongs to it, further ones, lessons, and the answers that hold."""
     asking = open_questions(known, task, tree, of)
     questions = asking.questions()
-    taught = lessons(asking, questions)
+    taught = lessons_of(asking, questions)
     return {
         "task": task,
         "of": of,

@@ -26,7 +26,7 @@ from .explanation import merged as merged
 from .knowledge import Knowledge as Knowledge
 from .lessons import Contrast as Contrast
 from .lessons import OtherStart as OtherStart
-from .lessons import lessons as lessons
+from .lessons import lessons_of as lessons_of
 from .literals import SetLiteral as SetLiteral
 from .task_clauses import Odd as Odd
 from .task_clauses import learn_task as learn_task

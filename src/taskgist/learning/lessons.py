@@ -164,7 +164,7 @@ def _without(asking: Asking, literal: SetLiteral) -> SetLiteral | None:
     return min(weights, key=lambda each: (-round(weights[each], EQUAL), each.order), default=None)
 
 
-def lessons(asking: Asking, questions: tuple[SetQuestion, ...], most: int = 2) -> Iterator[OtherStart | Contrast]:
+def lessons_of(asking: Asking, questions: tuple[SetQuestion, ...], most: int = 2) -> Iterator[OtherStart | Contrast]:
     """The demonstrations that would teach most: contrasts, then other starts; of each kind so many, at most."""
     yield from contrasts(asking, questions)[:most]
     yield from other_starts(asking)[:most]

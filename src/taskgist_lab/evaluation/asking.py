@@ -170,7 +170,15 @@ def ask_and_learn(
     return found
 
 
-def asking(coded: Coded, *, runs: int, seed: int, others: Sequence[int] = OTHERS, progress: Progress = silent) -> Asked:
+def asking(
+    coded: Coded,
+    *,
+    runs: int,
+    seed: int,
+    others: Sequence[int] = OTHERS,
+    demonstrations: Sequence[int] = DEMONSTRATIONS,
+    progress: Progress = silent,
+) -> Asked:
     """Compare questions with demonstrations.
 
     Args:
