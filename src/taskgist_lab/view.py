@@ -26,6 +26,7 @@ from taskgist.view.rendering import save_figure
 from taskgist.view.scene import camera_outside, draw_eye, draw_outside
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
+from taskgist_lab.evaluation.asking import Asked
 from taskgist_lab.evaluation.clause_learning import WRONG_SHARES, ClauseScores, learner_text
 from taskgist_lab.evaluation.experiments import CLAUSE, SETTINGS, Needs, Table, Transfer
 from taskgist_lab.evaluation.ordinary_rooms import Pair
@@ -219,6 +220,41 @@ def draw_recognition(found: RecognitionScores) -> Figure:
     return figure
 
 
+def draw_asking(found: Asked) -> Figure:
+    """F1 by demonstrations, and how it rises with each answer, a panel for each number of other tasks."""
+    figure = Figure(figsize=(9.0, 3.8), layout="constrained")
+    numbers = tuple(dict.fromkeys(each.others for each in found.rows))
+    panels = figure.subplots(1, len(numbers), sharey=True, squeeze=False)[0]
+    for panel, others in zip(panels, numbers, strict=True):
+        rows = [each for each in found.rows if each.others == others]
+        plain = [each for each in rows if not each.questions]
+        panel.plot(
+            [each.demonstrations for each in plain],
+            [each.as_fulfilled.mean or 0.0 for each in plain],
+            "-o",
+            color=COLOURS[0],
+            label="demonstrations alone",
+        )
+        for number, first in enumerate(dict.fromkeys(each.demonstrations for each in rows if each.questions), start=1):
+            asked = [each for each in rows if each.demonstrations == first]
+            panel.plot(
+                [first + each.questions for each in asked],
+                [each.as_fulfilled.mean or 0.0 for each in asked],
+                "--s",
+                color=COLOURS[number],
+                label=f"{first} demonstration{'s' * (first > 1)}, then answers",
+            )
+        panel.set_ylim(0.0, 1.0)
+        panel.set_title(f"{others or 'no'} other task{'s' * (others != 1)}", fontsize=10)
+        panel.grid(alpha=0.3)
+    figure.supxlabel("demonstrations and answers")
+    figure.supylabel("F1 on held-out demonstrations")
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3, frameon=False, fontsize=9
+    )
+    return figure
+
+
 def _curves(axes: Axes, needs: Needs, task: str) -> None:
     whole = needs.row(task)
     counts = np.arange(1, len(whole.curve) + 1)
@@ -258,6 +294,7 @@ DRAWN: Mapping[type[Result], Callable[..., Figure]] = {
     Comparison: draw_comparison,
     ClauseScores: draw_clauses,
     RecognitionScores: draw_recognition,
+    Asked: draw_asking,
 }
 """What pictures each kind of result."""
 

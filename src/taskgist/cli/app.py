@@ -42,6 +42,7 @@ OWN = tuple(
         "learn": "learn:learn",
         "explain": "explain:explain",
         "recognise": "recognise:recognise",
+        "ask": "ask:ask",
         "perform": "perform:perform",
         "see": "see:see",
         "query": "query:query",

@@ -1,8 +1,12 @@
 from .actions import LearnedActions as LearnedActions
 from .actions import learn_actions as learn_actions
 from .answers import Answer as Answer
+from .answers import Reply as Reply
 from .answers import answer_from_json as answer_from_json
 from .answers import in_force as in_force
+from .answers import replies_in_force as replies_in_force
+from .asking import Asking as Asking
+from .asking import SetQuestion as SetQuestion
 from .clauses import ClausePosterior as ClausePosterior
 from .clauses import MustNot as MustNot
 from .clauses import Support as Support
@@ -26,6 +30,9 @@ from .explanation import explain as explain
 from .explanation import explanation_from_json as explanation_from_json
 from .explanation import merged as merged
 from .knowledge import Knowledge as Knowledge
+from .lessons import Contrast as Contrast
+from .lessons import OtherStart as OtherStart
+from .lessons import lessons_of as lessons_of
 from .literals import SetLiteral as SetLiteral
 from .must_not import learn_must_not as learn_must_not
 from .task_clauses import DEFAULT_RULE as DEFAULT_RULE
@@ -34,6 +41,7 @@ from .task_clauses import Odd as Odd
 from .task_clauses import learn_task as learn_task
 from .task_clauses import learned_clause as learned_clause
 from .task_clauses import odd_demonstrations as odd_demonstrations
+from .task_clauses import open_questions as open_questions
 from .understanding import AnyLiteral as AnyLiteral
 from .understanding import Choice as Choice
 from .understanding import Clause as Clause

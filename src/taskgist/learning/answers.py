@@ -161,7 +161,7 @@ def answer_from_json(document: object, *, where: str | Path | None = None) -> An
 
 
 def set_id(node: str, values: Iterable[str], *, but: bool = False) -> str:
-    """Identifier of a set of values of a node: ``"placement.status.2=On_Support"``; ``!=`` where it is all but these."""
+    """Identifier of a set of values: ``"placement.status.2=On_Support"``; ``!=`` where it is all but these."""
     return f"{node}{'!=' if but else '='}{'|'.join(sorted(values))}"
 
 

@@ -4,36 +4,41 @@
 thing can hardly be seen, or it takes standing up to see it. A person knows which is meant. So the learner asks, and it
 asks first what it would learn most from.
 
-**Hypotheses.** The posterior holds the forty best clauses ``c`` with their weights ``w``. A clause says what sets the task
-apart; what else may be meant beside it, such as that the thing ends on a support as most things do, it leaves open. A
-literal ``Q`` that a clause leaves open is meant, too, with the odds by which the clause gets better or worse with it::
+**Hypotheses.** The posterior holds the forty best clauses ``c`` with their weights ``w``. A clause says what sets the
+task apart; what else may be meant beside it, such as that the thing ends on a support as most things do, it leaves
+open. A literal ``Q`` that a clause leaves open is meant, too, with the odds by which the clause gets better or worse
+with it::
 
     odds(Q | c) = exp(score(c ∧ Q) − score(c)),    and the same of its complement ¬Q
 
-which is the size principle again: what always was so, and seldom is in the background where ``c`` holds, is likely meant.
+which is the size principle again: what always was so, and seldom is in the background where ``c`` holds, is likely
+meant.
 
-**Answers.** If ``c`` entails ``Q`` (``entailment``) the answer is *yes*, if it contradicts it *no*; if it leaves it open,
-*yes*, *no* or *either* (it does not matter) by these odds. Each hypothesis, which is a clause and what is meant beside
-it, fixes the answer of a person who knows the task.
+**Answers.** If ``c`` entails ``Q`` (``entailment``) the answer is *yes*, if it contradicts it *no*; if it leaves it
+open, *yes*, *no* or *either* (it does not matter) by these odds. Each hypothesis, which is a clause and what is meant
+beside it, fixes the answer of a person who knows the task.
 
-**Information.** What an answer is worth is the information that it is expected to give (Lindley 1956). About the hypotheses
-themselves that is the entropy of the answer, because each fixes it. But much of that would be idle: whether an effort lies at
-most one rung below the top decides nothing in any room. What is asked for is what a robot will do with it: tell whether the
-task was done. So it is the *mean marginal information gain* (MacKay 1992, "Information-based objective functions for active data
-selection"): the mutual information of the answer ``a`` and of whether the task is done in a demonstration ``x``, as a mean
-over those that are known, the task's own and each kind of background weighing the same, in bits::
+**Information.** What an answer is worth is the information that it is expected to give (Lindley 1956). About the
+hypotheses themselves that is the entropy of the answer, because each fixes it. But much of that would be idle:
+whether an effort lies at most one rung below the top decides nothing in any room. What is asked for is what a robot
+will do with it: tell whether the task was done. So it is the *mean marginal information gain* (MacKay 1992,
+"Information-based objective functions for active data selection"): the mutual information of the answer ``a`` and of
+whether the task is done in a demonstration ``x``, as a mean over those that are known, the task's own and each kind
+of background weighing the same, in bits::
 
     gain(Q) = mean over x of [ H(T(x)) − Σ_a p(a) H(T(x) | a) ],    p(T(x) | a) = Σ_h p(h | a) [h holds in x]
 
 *Don't know* tells nothing. If a share of people does not know, all questions lose that share of their gain, and their
 order stays.
 
-**What was asked** is not asked again: not in other words (another literal of the same worlds, or its complement), nor what
-follows from answers that hold. A question below ``LEAST_GAIN`` is not worth anybody's time: then nothing is left to ask.
+**What was asked** is not asked again: not in other words (another literal of the same worlds, or its complement), nor
+what follows from answers that hold. A question below ``LEAST_GAIN`` is not worth anybody's time: then nothing is left
+to ask.
 
-**Words.** Nobody can say whether a thing filled 2 % of an image: of scores it is only asked whether next to nothing was
-seen; of ladders, whether it takes at least, at most, or just this effort. What must not be, and how great an effort must
-be, is asked only where it tells twice as much (``HARDER``), and what is nearly always so anyway is not asked (``EVIDENT``).
+**Words.** Nobody can say whether a thing filled 2 % of an image: of scores it is only asked whether next to nothing
+was seen; of ladders, whether it takes at least, at most, or just this effort. What must not be, and how great an
+effort must be, is asked only where it tells twice as much (``HARDER``), and what is nearly always so anyway is not
+asked (``EVIDENT``).
 """
 
 from __future__ import annotations
@@ -83,6 +88,7 @@ class SetQuestion:
         support: How often it holds, and by chance.
         expected: Probability of each answer of a person who knows the task.
         gain: Expected information on whether the task is done, mean over demonstrations, bits.
+        contrast: The same of a demonstration in which the literal fails, asked for instead: it is shown, or cannot be.
     """
 
     task: str
@@ -90,6 +96,7 @@ class SetQuestion:
     support: Support
     expected: Mapping[Reply, float]
     gain: float
+    contrast: float = 0.0
 
     @property
     def id(self) -> str:
@@ -130,18 +137,18 @@ class Asking:
         asked: Iterable[SetLiteral] = (),
     ) -> None:
         self.posterior, self.tree, self.told = posterior, tree, told
-        self._evidence = evidence
-        self._counting = Counting(evidence, posterior.task)
-        self._entailment = entailment_of(tree)
-        self._vocabularies = {each.node.name: each for each in vocabularies(tree)}
-        self._must = self._entailment.together(told.fixed(tree))
-        self._free = [self._entailment.worlds(each) for each in told.free]
-        self._asked = {self._key(self._entailment.worlds(each)) for each in (*asked, *told.free)}
+        self.evidence = evidence
+        self.counting = Counting(evidence, posterior.task)
+        self.entailment = entailment_of(tree)
+        self.vocabularies = {each.node.name: each for each in vocabularies(tree)}
+        self._must = self.entailment.together(told.fixed(tree))
+        self._free = [self.entailment.worlds(each) for each in told.free]
+        self._asked = {self._key(self.entailment.worlds(each)) for each in (*asked, *told.free)}
         self._clauses = [
-            (clause, self._entailment.together(clause.literals), self._counting.truth(clause.literals))
+            (clause, self.entailment.together(clause.literals), self.counting.truth(clause.literals))
             for clause in posterior.clauses
         ]
-        self._alike = self._counting.alike(true for _, _, (true, _) in self._clauses)
+        self.alike = self.counting.alike(true for _, _, (true, _) in self._clauses)
 
     def questions(self) -> tuple[SetQuestion, ...]:
         """The questions that are worth asking, the most useful one first; none: nothing is left to ask."""
@@ -150,29 +157,29 @@ class Asking:
 
     def _worth(self, question: SetQuestion) -> float:
         """Gain of a question, less where it is a harder one."""
-        plain = not (question.literal.but or self._vocabularies[question.literal.node].ladder)
+        plain = not (question.literal.but or self.vocabularies[question.literal.node].ladder)
         return question.gain * (1.0 if plain else HARDER)
 
     def literals(self) -> Iterator[SetLiteral]:
         """What may be asked about, each once, so that it held in one half of the demonstrations, or more."""
         done = set(self._asked)
-        for vocabulary in self._vocabularies.values():
+        for vocabulary in self.vocabularies.values():
             if vocabulary.node.name in self.told.irrelevant:
                 continue
-            seen = self._evidence.seen(vocabulary.node.name, self.posterior.task)
+            seen = self.evidence.seen(vocabulary.node.name, self.posterior.task)
             for literal in sorted(vocabulary.literals(seen), key=lambda each: not each.is_value):
-                worlds = self._entailment.worlds(literal)
+                worlds = self.entailment.worlds(literal)
                 key = self._key(worlds)
                 if key not in done and _speakable(literal, vocabulary) and self._is_open(worlds):
                     done.add(key)
-                    support = self._counting.support(*self._counting.truth((literal,)))
+                    support = self.counting.support(*self.counting.truth((literal,)))
                     if 1.0 - EVIDENT < support.chance < EVIDENT:
                         yield literal if 2 * support.k >= support.n else vocabulary.complement(literal)
 
     def question(self, literal: SetLiteral) -> SetQuestion:
         """The question about a literal, and what it tells."""
-        complement = self._vocabularies[literal.node].complement(literal)
-        worlds = self._entailment.worlds(literal)
+        complement = self.vocabularies[literal.node].complement(literal)
+        worlds = self.entailment.worlds(literal)
         possible = {
             reply: meant for reply, meant in ((Reply.YES, literal), (Reply.NO, complement)) if self._possible(meant)
         }
@@ -182,10 +189,9 @@ class Asking:
             reply: math.fsum(weight * each[reply] for weight, each in zip(weights, by_clause, strict=True))
             for reply in (Reply.YES, Reply.NO, Reply.EITHER)
         }
-        truth = self._counting.truth((literal,))
-        return SetQuestion(
-            self.posterior.task, literal, self._counting.support(*truth), expected, self._gain(truth, by_clause)
-        )
+        truth = self.counting.truth((literal,))
+        gain, contrast = (self._gain(truth, by_clause, shown=shown) for shown in (False, True))
+        return SetQuestion(self.posterior.task, literal, self.counting.support(*truth), expected, gain, contrast)
 
     def _foreseen(
         self,
@@ -196,19 +202,21 @@ class Asking:
         possible: Mapping[Reply, SetLiteral],
     ) -> dict[Reply, float]:
         """Probability of each answer if a clause is what the task is about."""
-        known = _known(meaning.get(worlds.space, self._entailment.all(worlds.space)), worlds.bits)
+        known = _known(meaning.get(worlds.space, self.entailment.all(worlds.space)), worlds.bits)
         if known is not Known.OPEN:
             return {Reply.YES: float(known is Known.YES), Reply.NO: float(known is Known.NO), Reply.EITHER: 0.0}
         odds = {reply: self._odds(clause, truth, possible[reply]) if reply in possible else 0.0 for reply in DECIDED}
         total = 1.0 + math.fsum(odds.values())
         return {**{reply: each / total for reply, each in odds.items()}, Reply.EITHER: 1.0 / total}
 
-    def _gain(self, truth: tuple[int, int], by_clause: Sequence[Mapping[Reply, float]]) -> float:
+    def _gain(self, truth: tuple[int, int], by_clause: Sequence[Mapping[Reply, float]], *, shown: bool) -> float:
         """Mean marginal information gain of a question, bits for each demonstration.
 
         Args:
             truth: Where its literal holds, and where it fails.
             by_clause: Probability of each answer by clause.
+            shown: Whether it is answered by a demonstration in which the literal fails, or by there being none: *no*
+                and *either* look the same then.
         """
         joint = [
             {reply: clause.weight * each[reply] for reply in each}
@@ -216,35 +224,39 @@ class Asking:
         ]
         answers = {reply: math.fsum(each[reply] for each in joint) for reply in (*DECIDED, Reply.EITHER)}
         total = 0.0
-        for same, holding in self._alike:
+        for same, holding in self.alike:
             by_answer = {reply: math.fsum(joint[index][reply] for index in holding) for reply in answers}
             for holds, part in ((True, same & truth[0]), (False, same & truth[1])):
-                share = self._counting.share(part)
+                share = self.counting.share(part)
                 if share:
                     done = by_answer | {Reply.NO if holds else Reply.YES: 0.0}
-                    total += share * _information(done, answers)
+                    outcomes = [(done[reply], answers[reply]) for reply in answers]
+                    if shown:
+                        (cannot, *can) = outcomes
+                        outcomes = [cannot, (math.fsum(each for each, _ in can), math.fsum(each for _, each in can))]
+                    total += share * _information(outcomes)
         return total
 
     def _odds(self, clause: WeighedClause, truth: tuple[int, int], literal: SetLiteral) -> float:
         """Odds that a literal which a clause leaves open is meant beside it."""
-        true, false = self._counting.truth((literal,))
-        support = self._counting.support(truth[0] & true, truth[1] | false)
+        true, false = self.counting.truth((literal,))
+        support = self.counting.support(truth[0] & true, truth[1] | false)
         bits = math.fsum(FOLLOWING_BITS + each.bits for each in (*clause.literals, literal))
         gain = clause_score(support, bits) - clause.score
         return math.exp(max(-SURE, min(SURE, gain)))
 
     def _key(self, worlds: Worlds) -> tuple[str, int]:
         """The same for a set and its complement, and for all words for them."""
-        return worlds.space, min(worlds.bits, self._entailment.all(worlds.space) & ~worlds.bits)
+        return worlds.space, min(worlds.bits, self.entailment.all(worlds.space) & ~worlds.bits)
 
     def _is_open(self, worlds: Worlds) -> bool:
         """Whether what was told leaves it open."""
-        must = self._must.get(worlds.space, self._entailment.all(worlds.space))
+        must = self._must.get(worlds.space, self.entailment.all(worlds.space))
         return _known(must, worlds.bits) is Known.OPEN
 
     def _possible(self, literal: SetLiteral) -> bool:
         """Whether it may be meant: none that was told to be free would hold in all of it, or in none."""
-        worlds = self._entailment.worlds(literal)
+        worlds = self.entailment.worlds(literal)
         left = worlds.bits & self._must.get(worlds.space, worlds.bits)
         return all(left & each.bits not in (0, left) for each in self._free if each.space == worlds.space)
 
@@ -262,15 +274,14 @@ def _speakable(literal: SetLiteral, vocabulary: Vocabulary) -> bool:
     return literal.bound != "to"
 
 
-def _information(done: Mapping[Reply, float], answers: Mapping[Reply, float]) -> float:
-    """Mutual information of an answer and whether the task is done, bits.
+def _information(outcomes: Sequence[tuple[float, float]]) -> float:
+    """Mutual information of an outcome and whether the task is done, bits.
 
     Args:
-        done: Probability of each answer and that it is done.
-        answers: Probability of each answer.
+        outcomes: Of each, the probability of it and that the task is done, and that of it.
     """
-    given = math.fsum(each * entropy(done[reply] / each) for reply, each in answers.items() if each > 0.0)
-    return max(0.0, entropy(math.fsum(done.values())) - given)
+    given = math.fsum(each * entropy(done / each) for done, each in outcomes if each > 0.0)
+    return max(0.0, entropy(math.fsum(done for done, _ in outcomes)) - given)
 
 
 def entropy(probability: float) -> float:

@@ -332,6 +332,11 @@ class Counting:
         """Whether there is a background at all."""
         return bool(self._kinds)
 
+    @property
+    def background(self) -> int:
+        """All demonstrations but the task's own."""
+        return self._all & ~self._own
+
     def truth(self, literals: Iterable[SetLiteral]) -> tuple[int, int]:
         """The demonstrations in which a conjunction holds, and those in which it fails."""
         true, false = self._all, 0

@@ -89,6 +89,10 @@ class Entailment:
             named |= having.get(value, 0)
         return Worlds(space, self._all.get(space, 0) & ~named if literal.but else named)
 
+    def space(self, node: str) -> str:
+        """The subtree of a node, or the node where it stands for itself."""
+        return self._space.get(node, node)
+
     def all(self, space: str) -> int:
         """All worlds of a subtree."""
         return self._all.get(space, 0)

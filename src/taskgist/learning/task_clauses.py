@@ -128,7 +128,7 @@ def own_told(own: Experience, answers: Iterable[Answer], tree: HypothesisTree = 
     for answer in replies_in_force(answers):
         if answer.node in known and answer.reply not in (None, Reply.UNKNOWN):
             literal = known[answer.node].literal(answer.among, but=answer.but)
-            stated.append((answer, literal, answer.reply or Reply.UNKNOWN))
+            stated.append((answer, literal, answer.reply))
     must: dict[SetLiteral, Answer] = {}
     free: dict[SetLiteral, Answer] = {}
     for answer, literal, reply in stated:

@@ -24,6 +24,7 @@ from taskgist.errors import InputError, UnknownNameError
 from taskgist.learning.task_clauses import RULES
 from taskgist.learning.understanding import PAPER
 from taskgist.pipeline.shipped import TASKS
+from taskgist_lab.evaluation.asking import asking
 from taskgist_lab.evaluation.clause_learning import clause_learning
 from taskgist_lab.evaluation.experiments import demonstrations_needed, transfer
 from taskgist_lab.evaluation.learner import Coded
@@ -52,6 +53,7 @@ EXPERIMENTS: Mapping[str, Experiment] = {
     ),
     "clauses": lambda coded, runs, seed, progress: clause_learning(coded, runs=runs, seed=seed, progress=progress),
     "recognition": lambda coded, runs, seed, progress: recognition(coded, runs=runs, seed=seed, progress=progress),
+    "asking": lambda coded, runs, seed, progress: asking(coded, runs=runs, seed=seed, progress=progress),
 }
 """The experiments on learning by name, in their order."""
 PERFORM = "perform"
@@ -117,6 +119,9 @@ def evaluate(
     recognition: whether held-out demonstrations are recognised as what they fulfil, with which probability, and
     manipulations of kinds that nobody has taught as none of the tasks, beside a forest, nearest demonstrations and
     naive Bayes on the very same facts (of taskgist[peers]).
+
+    asking: what three answers of a simulated teacher, who knows the generator's intention alone, are worth in
+    demonstrations.
 
     perform: in how many random rooms that can be solved robots perform the tasks of the study, how cleanly for a second
     auditor, whether what was performed is the task by lines of sight and distances, and in what time of the processor.

@@ -1,16 +1,16 @@
 """What questions are worth, in demonstrations: a simulated teacher answers who knows the generator's intention alone.
 
-**The teacher.** Each task of the generator has a check, by lines of sight and distances (``generator.intentions``). What it
-demands is written down here in predicates (``INTENTIONS``), from the check's own words: who hides a thing takes it out of
-view, so that seeing it becomes harder, and turning the head does not help. From this, and nothing else, the teacher
-answers: *yes* where the intention entails what is asked, *no* where it contradicts it, *either* where it leaves it open.
-It sees no demonstration, no fact of one, and nothing of the learner. It may be wrong, as people are: that what is
-taken farther off becomes harder to reach is meant, and is not so in every demonstration by the facts. How often its
-words hold by the facts is reported beside.
+**The teacher.** Each task of the generator has a check, by lines of sight and distances (``generator.intentions``).
+What it demands is written down here in predicates (``INTENTIONS``), from the check's own words: who hides a thing
+takes it out of view, so that seeing it becomes harder, and turning the head does not help. From this, and nothing
+else, the teacher answers: *yes* where the intention entails what is asked, *no* where it contradicts it, *either*
+where it leaves it open. It sees no demonstration, no fact of one, and nothing of the learner. It may be wrong, as
+people are: that what is taken farther off becomes harder to reach is meant, and is not so in every demonstration by
+the facts. How often its words hold by the facts is reported beside.
 
-**The experiment.** After two demonstrations the learner asks, one question after the other, each the best one by what is
-known then. It is judged as in ``clause_learning``, beside the same learner after further demonstrations without any
-question.
+**The experiment.** After two demonstrations the learner asks, one question after the other, each the best one by what
+is known then. It is judged as in ``clause_learning``, beside the same learner after further demonstrations without
+any question.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ class Asked(Result):
     rows: tuple[Taught, ...]
     runs: int
     truth: Mapping[str, float]
-    """Share of the clean demonstrations that fulfil a task in which what its teacher means holds, by task and literal."""
+    """In which share of the clean demonstrations that fulfil a task its teacher's words hold, by task and literal."""
     replies: Mapping[str, int]
     """How often each answer was given."""
 
@@ -170,7 +170,15 @@ def ask_and_learn(
     return found
 
 
-def asking(coded: Coded, *, runs: int, seed: int, others: Sequence[int] = OTHERS, progress: Progress = silent) -> Asked:
+def asking(
+    coded: Coded,
+    *,
+    runs: int,
+    seed: int,
+    others: Sequence[int] = OTHERS,
+    demonstrations: Sequence[int] = DEMONSTRATIONS,
+    progress: Progress = silent,
+) -> Asked:
     """Compare questions with demonstrations.
 
     Args:
@@ -178,6 +186,7 @@ def asking(coded: Coded, *, runs: int, seed: int, others: Sequence[int] = OTHERS
         runs: Random orders of each task; ``MOST_RUNS`` at most.
         seed: Their seed.
         others: Numbers of other tasks that are known; more than there are are left out.
+        demonstrations: After how many it is judged; after those of ``FIRST`` it is asked, too.
         progress: Told how far it is.
 
     Raises:
@@ -188,7 +197,7 @@ def asking(coded: Coded, *, runs: int, seed: int, others: Sequence[int] = OTHERS
     teachers = {task: Teacher(intention(task)) for task in orders}
     rows: list[Taught] = []
     replies = dict.fromkeys((reply.value for reply in Reply), 0)
-    settings = [(count, after) for count in others if count < len(orders) for after in DEMONSTRATIONS]
+    settings = [(count, after) for count in others if count < len(orders) for after in demonstrations]
     for number, (count, after) in enumerate(settings):
         questions = QUESTIONS if after in FIRST else 0
         held: list[dict[str, list[Mask]]] = [{task: [] for task in orders} for _ in range(questions + 1)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
+from taskgist_lab.evaluation.asking import Asked
 from taskgist_lab.evaluation.clause_learning import WRONG_SHARES, ClauseScores, learner_text
 from taskgist_lab.evaluation.experiments import (
     ALL,
@@ -331,6 +332,33 @@ def reliability_sheet(found: RecognitionScores, after: int) -> Sheet:
     )
 
 
+def asking_sheets(found: Asked) -> Iterator[Sheet]:
+    """F1 by demonstrations and questions, and how often the teachers' words hold by the facts."""
+    replies = ", ".join(f"{reply} {count}" for reply, count in found.replies.items() if count)
+    yield Sheet(
+        "What questions are worth: F1 by demonstrations and answers",
+        ("other tasks", "demonstrations", "answers", "asked", "played", "fulfilled"),
+        tuple(
+            (
+                str(each.others),
+                str(each.demonstrations),
+                str(each.questions),
+                f"{each.asked:.1f}",
+                mean_text(each.as_played),
+                mean_text(each.as_fulfilled),
+            )
+            for each in found.rows
+        ),
+        f"Means over tasks and {found.runs} runs; asked: questions that were left, mean. Answers: {replies}.",
+    )
+    yield Sheet(
+        "What the teachers mean, and how often it is so by the facts",
+        ("task: what must be", "demonstrations"),
+        tuple((meant, percent(share)) for meant, share in found.truth.items()),
+        "Of all clean demonstrations that fulfil the task by the generator's checks.",
+    )
+
+
 def transfer_sheets(found: Transfer, after: tuple[int, ...] = SIZES) -> Iterator[Sheet]:
     """Scores, tables of the whole clause, misses."""
     yield scores_sheet(found)
@@ -368,5 +396,7 @@ def sheets_of(result: Result) -> Iterable[Sheet]:
         return tuple(recognition_sheets(result))
     if isinstance(result, ClauseScores):
         return tuple(clauses_sheet(result, setting) for setting in WRONG_SHARES)
+    if isinstance(result, Asked):
+        return tuple(asking_sheets(result))
     assert isinstance(result, Comparison)
     return (peers_sheet(result),)
