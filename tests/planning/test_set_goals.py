@@ -46,11 +46,9 @@ def among(node: str, *values: str, but: bool = False) -> SetLiteral:
 
 def accepted(goal: Goal) -> set[Final | float]:
     """The final values that will do, of a score those of ``SCORES``; none where nothing can be brought about."""
-    finals = [final for each in goal.wanted for final in each.values or ()]
-    spans = [final for final in finals if isinstance(final, Span)]
-    return {final for final in finals if not isinstance(final, Span)} | {
-        score for score in SCORES if any(score in span for span in spans)
-    }
+    found: set[Final | float] = {final for each in goal.wanted for final in each.values or ()}
+    spans = {final for final in found if isinstance(final, Span)}
+    return (found - spans) | {score for score in SCORES if any(score in span for span in spans)}
 
 
 @pytest.mark.parametrize("start", STARTS)

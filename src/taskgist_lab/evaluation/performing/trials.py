@@ -227,7 +227,7 @@ def tried(
         faults=tuple(fault.text for fault in faults),
         controllable=all(each.holds(found.explanation.nodes) is True for each in outcome.goal.controllable),
         strict=None if isinstance(found.strict, Unknown) else found.strict,
-        is_task=is_task(TASK_OF.get(task, task), recording),
+        is_task=is_task(task, recording),
         as_shown=None if isinstance(as_shown, Unknown) or not found.circumstances else as_shown,
         means=found.plan.candidate.means,
         carrier=found.plan.candidate.carrier,
@@ -236,11 +236,12 @@ def tried(
 
 
 def is_task(task: str, recording: Recording) -> bool | None:
-    """Whether a recording passes a task's own geometric check; None if there is none of it."""
-    if task not in CHECKS:
+    """Whether a recording passes the geometric check of a task, or of that of a means; None if it has none."""
+    name = next((of for means, of in TASK_OF.items() if means == task), task)
+    if name not in CHECKS:
         return None
     try:
-        CHECKS[task](recording)
+        CHECKS[name](recording)
     except SceneError:
         return False
     return True
