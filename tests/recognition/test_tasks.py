@@ -117,7 +117,7 @@ def test_without_a_background_two_tasks_are_told_apart_and_one_is_refused() -> N
     best = Recogniser.of(both, background=other).recognise(given.nodes).best
     assert best is not None
     assert best.task == "give"
-    with pytest.raises(KnowledgeError, match="nothing to compare it with.*learn another task"):
+    with pytest.raises(KnowledgeError, match=r"nothing to compare it with.*learn another task"):
         Recogniser.of(Knowledge().add(given), background=other)
 
 
