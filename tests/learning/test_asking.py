@@ -11,8 +11,8 @@ from taskgist.errors import KnowledgeError
 from taskgist.facts import STANDARD_TREE
 from taskgist.learning import (
     Answer,
-    Contrast,
     Knowledge,
+    OtherEnd,
     OtherStart,
     Reply,
     SetLiteral,
@@ -225,7 +225,7 @@ def test_a_start_that_was_never_shown_is_proposed_where_it_would_tell() -> None:
 def test_a_contrast_parts_what_always_was_so() -> None:
     known = knowledge("show", "hide")
     asking = open_questions(known, "show")
-    found = [each for each in lessons_of(asking, asking.questions()) if isinstance(each, Contrast)]
+    found = [each for each in lessons_of(asking, asking.questions()) if isinstance(each, OtherEnd)]
     assert found
     for each in found:
         for explanation in known.experience("show").explanations.values():

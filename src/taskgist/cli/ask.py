@@ -20,7 +20,7 @@ from taskgist.language.asking import MEANINGS, answer_text, lesson_text, questio
 from taskgist.learning.answers import Answer, Reply, in_force, replies_in_force
 from taskgist.learning.asking import SetQuestion, question_id
 from taskgist.learning.explanation import Context
-from taskgist.learning.lessons import Contrast, OtherStart, lessons_of
+from taskgist.learning.lessons import OtherEnd, OtherStart, lessons_of
 from taskgist.learning.literals import SetLiteral, vocabularies
 from taskgist.learning.task_clauses import learn_task, open_questions, sides
 from taskgist.settings import DEFAULT
@@ -249,7 +249,7 @@ def _clause_after(known: Knowledge, asked: SetQuestion, tree: HypothesisTree, of
         return None
 
 
-def _lesson(lesson: OtherStart | Contrast, tree: HypothesisTree, of: TreeOf) -> dict[str, Any]:
+def _lesson(lesson: OtherStart | OtherEnd, tree: HypothesisTree, of: TreeOf) -> dict[str, Any]:
     text = lesson_text(lesson, tree, of)
     if isinstance(lesson, OtherStart):
         return {"kind": "start", "text": text, "node": lesson.node.name, "value": lesson.value, "bits": lesson.bits}

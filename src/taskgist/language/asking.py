@@ -8,7 +8,7 @@ from taskgist.facts.tree import HypothesisTree, TreeOf
 from taskgist.language.phrases import AGENTS, listed, phrase
 from taskgist.learning.answers import Answer, Reply
 from taskgist.learning.asking import SetQuestion
-from taskgist.learning.lessons import Contrast, OtherStart
+from taskgist.learning.lessons import OtherEnd, OtherStart
 from taskgist.learning.literals import SetLiteral
 from taskgist.learning.task_clauses import Sides
 
@@ -72,7 +72,7 @@ def _names(names: tuple[str, ...]) -> str:
     return f"{len(names)} demonstrations ({', '.join(names[:2])}, ...)"
 
 
-def lesson_text(lesson: OtherStart | Contrast, tree: HypothesisTree, of: TreeOf = "target") -> str:
+def lesson_text(lesson: OtherStart | OtherEnd, tree: HypothesisTree, of: TreeOf = "target") -> str:
     """What to show: "Show it where the target agent is standing at the start; so far, the target agent is sitting"."""
     if isinstance(lesson, OtherStart):
         wanted, always = (about_agent(phrase(lesson.node, value), of) for value in (lesson.value, lesson.always[0]))

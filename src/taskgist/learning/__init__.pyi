@@ -30,7 +30,7 @@ from .explanation import explain as explain
 from .explanation import explanation_from_json as explanation_from_json
 from .explanation import merged as merged
 from .knowledge import Knowledge as Knowledge
-from .lessons import Contrast as Contrast
+from .lessons import OtherEnd as OtherEnd
 from .lessons import OtherStart as OtherStart
 from .lessons import lessons_of as lessons_of
 from .literals import SetLiteral as SetLiteral

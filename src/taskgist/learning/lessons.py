@@ -53,7 +53,7 @@ class OtherStart:
 
 
 @dataclass(frozen=True)
-class Contrast:
+class OtherEnd:
     """A demonstration in which one thing is so that always was, and another one is not.
 
     Args:
@@ -82,7 +82,7 @@ def other_starts(asking: Asking) -> tuple[OtherStart, ...]:
     return tuple(sorted(found.values(), key=lambda each: (-round(each.bits, EQUAL), each.node.name)))
 
 
-def contrasts(asking: Asking, questions: tuple[SetQuestion, ...]) -> tuple[Contrast, ...]:
+def contrasts(asking: Asking, questions: tuple[SetQuestion, ...]) -> tuple[OtherEnd, ...]:
     """Demonstrations in which what held together comes apart, those that would teach most first.
 
     Args:
@@ -95,7 +95,7 @@ def contrasts(asking: Asking, questions: tuple[SetQuestion, ...]) -> tuple[Contr
         if each.support.k == each.support.n > 0 and each.contrast >= LEAST_GAIN and not each.literal.but
     ]
     always.sort(key=lambda each: (-round(each.contrast, EQUAL), each.literal.order))
-    return tuple(Contrast(each.literal, _without(asking, each.literal), each.contrast) for each in always)
+    return tuple(OtherEnd(each.literal, _without(asking, each.literal), each.contrast) for each in always)
 
 
 def _began(asking: Asking, node: str, value: str) -> int:
@@ -164,7 +164,7 @@ def _without(asking: Asking, literal: SetLiteral) -> SetLiteral | None:
     return min(weights, key=lambda each: (-round(weights[each], EQUAL), each.order), default=None)
 
 
-def lessons_of(asking: Asking, questions: tuple[SetQuestion, ...], most: int = 2) -> Iterator[OtherStart | Contrast]:
+def lessons_of(asking: Asking, questions: tuple[SetQuestion, ...], most: int = 2) -> Iterator[OtherStart | OtherEnd]:
     """The demonstrations that would teach most: contrasts, then other starts; of each kind so many, at most."""
     yield from contrasts(asking, questions)[:most]
     yield from other_starts(asking)[:most]

@@ -235,8 +235,8 @@ def learned_clause(
         of: For whom: its target agents, or who performs it; as ``Knowledge.experience``.
 
     Returns:
-        The clause; of whole clauses the best one, with what keeps to all that must not hold, circumstances kept apart. It has no literals where nothing was
-        learned.
+        The clause; of whole clauses the best one, with what keeps to all that must not hold, circumstances kept apart.
+        It has no literals where nothing was learned.
 
     Raises:
         UnknownNameError: The task, or the rule, is not known.
