@@ -35,6 +35,8 @@ def learn_task(
 ) -> ClausePosterior:
     """What a task means, compared with the other tasks that are known and with neutral manipulations.
 
+    Other tasks that were explained with other settings or another tree are left aside; ``compared`` names the rest.
+
     Demonstrations that were done wrong are one more kind that it is compared with, and teach what must not hold.
 
     Answers fix literals: each clause has those about relevant nodes, and none about irrelevant ones.
@@ -54,7 +56,11 @@ def learn_task(
     own = knowledge.experience(task, of)
     answers = in_force(each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of))
     neutral = background or shipped_background()
-    others = [each for (name, whose), each in knowledge.experiences.items() if whose == own.tree_of and name != task]
+    others = [
+        each
+        for (name, whose), each in knowledge.experiences.items()
+        if whose == own.tree_of and name != task and set(each.contexts) <= set(own.contexts)
+    ]
     comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
     kinds: dict[str, Iterable[Effects]] = dict(neutral.kinds) if comparable else {}
     wrong = knowledge.wrong.get((own.task, own.tree_of))
