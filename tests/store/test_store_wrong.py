@@ -36,7 +36,7 @@ def test_a_recording_is_right_or_wrong(address: str) -> None:
     assert load(address) == Knowledge().add(WRONG)
     with pytest.raises(KnowledgeError, match="done wrong, and not right"):
         update(address, [right], relabelled="refuse")
-    with pytest.raises(KnowledgeError, match=r"the same recording as .* done"):
+    with pytest.raises(KnowledgeError, match=r"the same recording as .* done right and done wrong"):
         update(address, [right, WRONG], relabelled="refuse")
     update(address, [replace(right, task="give")], relabelled="refuse")
     assert load(address).tasks == ("give",), "what is a wrong show may be a right give"
