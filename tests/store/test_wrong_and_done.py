@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from taskgist.errors import KnowledgeError
-from taskgist.learning import Context, Knowledge
+from taskgist.learning import Context, Knowledge, SymbolicAction
 from taskgist.store import load, save, update
 from tests.store.test_store import KNOWLEDGE, explanation
 
@@ -47,3 +47,12 @@ def test_wrong_ones_of_other_settings_are_refused_beside_right_ones(address: str
     with pytest.raises(KnowledgeError, match="different contexts"):
         update(address, [replace(WRONG, context=Context("other", "tree"))])
     assert load(address) == Knowledge().add(explanation(1))
+
+
+def test_what_was_done_can_be_added_later_and_is_not_lost_again(address: str) -> None:
+    bare = explanation(1)
+    told = replace(bare, actions=(SymbolicAction("grasp", "performer", 1.0, 1.0),))
+    for each in (bare, told, bare):
+        update(address, [each], relabelled="refuse")
+    (found,) = load(address).explanations
+    assert found == told
