@@ -73,7 +73,7 @@ THIRD_PARTY: dict[str, set[str]] = {
     "observe": {"numpy"},
     "recording": {"numpy", "mcap", "zstandard", "lz4"},
     "importing": {"numpy", "scipy", "mujoco", "rosbags"},
-    "recognition": set(),
+    "recognition": {"numpy"},
     "planning": {"numpy", "scipy", "mujoco", "ompl", "toppra"},
     "performing": {"numpy", "mujoco"},
     "language": set(),

@@ -30,6 +30,12 @@ def test_a_background_of_another_context_is_left_aside() -> None:
     assert learn_task(knowledge("hide", "give"), "hide", background=other).compared == {"give": 3}
 
 
+def test_other_tasks_of_another_context_are_left_aside() -> None:
+    others = [replace(each, context=Context("other", "tree")) for each in study("give").explanations.values()]
+    known = knowledge("hide", "show")
+    assert learn_task(known.add(*others), "hide") == learn_task(known, "hide")
+
+
 def test_answers_fix_literals_until_they_are_withdrawn() -> None:
     known = knowledge("hide", "give")
     node = learn_task(known, "hide").best.literals[0].node

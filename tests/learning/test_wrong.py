@@ -109,6 +109,7 @@ def test_what_must_not_hold_is_learned_from_one_with_odds_that_grow() -> None:
         assert first.in_right == (0, 9)
         assert all(reasons[0].odds >= each.odds for each in reasons)  # type: ignore[operator]
         assert {each.literal.node.partition(".")[0] for each in reasons} >= {"see", "visibility"}
+        assert first.odds is not None
         sure.append(first.odds)
         for each in (reason.literal for reason in reasons):
             assert all(each.holds(one.nodes) is not True for one in RIGHT)

@@ -41,7 +41,11 @@ def print_clauses(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf) ->
     whose = ", for the performing agent" if of == "performer" else ""
     console.print(Text(f"Task({learned.task}{whose}) ←   by whole clauses, {compared(learned)}", style="bold"))
     print_literals(learned.alone)
-    if len(best.literals) != 1:
+    if not learned.compared:
+        console.print(
+            "  learn another task, to compare it with; or let the paper's rule speak, which compares with nothing"
+        )
+    elif len(best.literals) != 1:
         console.print(f"  {'together' if best.literals else 'nothing in common'}: {supported(best.support)}")
     for title, lines in (
         ("must not", [f"{each.literal}   {against(each)}" for each in learned.must_not]),

@@ -48,6 +48,8 @@ def learn_task(
 ) -> ClausePosterior:
     """What a task means, compared with the other tasks that are known and with neutral manipulations.
 
+    Other tasks that were explained with other settings or another tree are left aside; ``compared`` names the rest.
+
     Demonstrations that were done wrong are one more kind that it is compared with, and teach what must not hold.
 
     Answers fix literals: each clause has those about relevant nodes and those that must hold, and none about irrelevant
@@ -81,7 +83,11 @@ def task_evidence(
     """The demonstrations of a task beside all that it is compared with; arguments and errors as ``learn_task``."""
     own = knowledge.experience(task, of)
     neutral = background or shipped_background()
-    others = [each for (name, whose), each in knowledge.experiences.items() if whose == own.tree_of and name != task]
+    others = [
+        each
+        for (name, whose), each in knowledge.experiences.items()
+        if whose == own.tree_of and name != task and set(each.contexts) <= set(own.contexts)
+    ]
     comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
     kinds: dict[str, Iterable[Effects]] = dict(neutral.kinds) if comparable else {}
     if (own.task, own.tree_of) in knowledge.wrong:

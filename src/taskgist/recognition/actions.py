@@ -49,7 +49,7 @@ KINDS: tuple[ActionKind, ...] = ("look", "point", "reach", "grasp", "lift", "car
 
 STILL_M_S = 0.05
 """A hand that is slower has not set out yet."""
-LONGEST_REACH_S, AT_IT_M = 3.0, 0.05
+LONGEST_REACH_S, AT_IT_M = 6.0, 0.05
 """Longer ago a hand does not set out for what it grasps; and it has come, when it gets no nearer than this any more."""
 RISING_M_S, FAINT_M_S, LIFTED_M = 0.05, 0.02, 0.03
 """A thing is lifted while it rises faster than this, from when on it faintly moves, and if it has risen so far."""
@@ -352,17 +352,19 @@ def _pointed_at(film: _Film, way: Array, palm: Array, names: Sequence[str], inde
 def _looks(recording: Recording, observer: Observer, settings: Settings) -> Iterator[Action]:
     """Looks of all agents at things and at each other."""
     stage, first_s = Stage(recording.scene), float(recording.times_s[0])
-    times_s = first_s + LOOK_EVERY_S * np.arange(int(recording.duration_s / LOOK_EVERY_S) + 1)
+    times_s = [first_s + LOOK_EVERY_S * number for number in range(int(recording.duration_s / LOOK_EVERY_S) + 1)]
     for agent in recording.scene.agents:
         targets: list[str | None] = []
         for time_s in times_s:
-            look = gaze(stage.show(observer.as_confirmed(recording.at(float(time_s)), agent)), agent, settings)
+            look = gaze(stage.show(observer.as_confirmed(recording.at(time_s), agent)), agent, settings)
             targets.append(look.target if look else None)
         for thing, start_s, end_s in _lasting(times_s, targets, LEAST_LOOK_S):
             yield Action("look", agent, thing, start_s, end_s)
 
 
-def _lasting(times_s: Array, values: Sequence[str | None], least_s: float) -> Iterator[tuple[str, float, float]]:
+def _lasting(
+    times_s: Sequence[float] | Array, values: Sequence[str | None], least_s: float
+) -> Iterator[tuple[str, float, float]]:
     """The stretches in which a value lasts: the value, and from when to when it was seen."""
     first = 0
     for index in range(1, len(values) + 1):

@@ -209,7 +209,8 @@ def check_rivals(added: Knowledge, relabelled: Relabelled) -> None:
     for each, other in (pair for rivals in by_recording.values() for pair in combinations(rivals, 2)):
         if each.is_rival_of(other):
             raise KnowledgeError(
-                f"the same recording as {other.demonstration!r}, {_otherwise(each, other)}",
+                f"the same recording as {other.demonstration!r}, "
+                + ("done right and done wrong" if each.wrong != other.wrong else "with another label"),
                 where=each.demonstration,
                 field="source",
                 value=each.source,
@@ -303,22 +304,14 @@ def _by_recording(explanations: Iterable[Explanation]) -> Mapping[tuple[str, ...
 
 
 def _learned_already(older: Explanation, fresh: Explanation) -> KnowledgeError:
-    name = f" {fresh.demonstration!r}" if fresh.demonstration != older.demonstration else ""
+    problem, how = "was learned from already, with another label", ("right", "wrong")
+    if older.wrong != fresh.wrong:
+        problem = f"was learned from already, as a {older.task!r} done {how[older.wrong]}, and not {how[fresh.wrong]}"
+    if fresh.demonstration != older.demonstration:
+        problem += f" as {fresh.demonstration!r}"
     return KnowledgeError(
-        f"was learned from already{name and ' as'}{name}, {_otherwise(older, fresh)}",
-        where=older.demonstration,
-        field="source",
-        value=older.source,
-        hint="add --replace to forget that",
+        problem, where=older.demonstration, field="source", value=older.source, hint="add --replace to forget that"
     )
-
-
-def _otherwise(one: Explanation, other: Explanation) -> str:
-    """In what the labels of two explanations of a recording differ."""
-    if (one.task, one.wrong) == (other.task, not other.wrong):
-        how = ("right", "wrong")
-        return f"as a {one.task!r} done {how[one.wrong]}, and not {how[other.wrong]}"
-    return "with another label"
 
 
 def _found(connection: Connection, column: Column[Any], values: Iterable[str], where: str) -> Iterator[Explanation]:

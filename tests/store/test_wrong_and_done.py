@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from taskgist.errors import KnowledgeError
-from taskgist.learning import Context, Knowledge
+from taskgist.learning import Context, Knowledge, SymbolicAction
 from taskgist.store import load, save, update
 from tests.store.test_store import KNOWLEDGE, explanation
 
@@ -36,7 +36,7 @@ def test_a_recording_is_right_or_wrong(address: str) -> None:
     assert load(address) == Knowledge().add(WRONG)
     with pytest.raises(KnowledgeError, match="done wrong, and not right"):
         update(address, [right], relabelled="refuse")
-    with pytest.raises(KnowledgeError, match=r"the same recording as .* done"):
+    with pytest.raises(KnowledgeError, match=r"the same recording as .* done right and done wrong"):
         update(address, [right, WRONG], relabelled="refuse")
     update(address, [replace(right, task="give")], relabelled="refuse")
     assert load(address).tasks == ("give",), "what is a wrong show may be a right give"
@@ -47,3 +47,12 @@ def test_wrong_ones_of_other_settings_are_refused_beside_right_ones(address: str
     with pytest.raises(KnowledgeError, match="different contexts"):
         update(address, [replace(WRONG, context=Context("other", "tree"))])
     assert load(address) == Knowledge().add(explanation(1))
+
+
+def test_what_was_done_can_be_added_later_and_is_not_lost_again(address: str) -> None:
+    bare = explanation(1)
+    told = replace(bare, actions=(SymbolicAction("grasp", "performer", 1.0, 1.0),))
+    for each in (bare, told, bare):
+        update(address, [each], relabelled="refuse")
+    (found,) = load(address).explanations
+    assert found == told
