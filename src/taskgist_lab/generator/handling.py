@@ -52,7 +52,7 @@ from taskgist_lab.simulator.demonstration import Script
 from taskgist_lab.simulator.handling import Roll
 from taskgist_lab.simulator.means import Means
 from taskgist_lab.simulator.places import SUPPORT_SPACING_M, Place, on_top
-from taskgist_lab.simulator.room import Thing
+from taskgist_lab.simulator.room import Person, Thing
 
 SAME_PLACE_M = 0.03
 """What is set down again where it stood is no farther from there."""
@@ -339,15 +339,9 @@ def _lying_about(rng: np.random.Generator) -> Setting:
     arrangement = around_a_table(rng)
     performer = arrangement.performer
     first = arrangement.put(any_of(rng, SMALL), handy(performer))
-    side = "left" if bearing_of(performer, np.array(first.position_m)) > 0 else "right"
-    yaw = performer.yaw_rad
-    aside = SIGNS[side] * np.array([np.sin(yaw), -np.cos(yaw), 0.0])
-    things, place, radius, goals = (
-        [any_of(rng, SMALL) for _ in range(2)],
-        np.array(first.position_m),
-        radius_m(first),
-        [],
-    )
+    side, aside = _to_its_side(performer, first)
+    things, goals = [any_of(rng, SMALL) for _ in range(2)], []
+    place, radius = np.array(first.position_m), radius_m(first)
     for thing in things:
         place = place + (radius + radius_m(thing) + float(rng.uniform(*SIDE_BY_SIDE_M))) * aside
         radius = radius_m(thing)
@@ -365,12 +359,17 @@ def _beside_a_tray(rng: np.random.Generator) -> Setting:
     tray = arrangement.put(
         Thing("tray", size, NOWHERE, rgba=any_colour(rng)), handy(performer), yaw_rad=performer.yaw_rad
     )
-    side = "left" if bearing_of(performer, np.array(tray.position_m)) > 0 else "right"
-    yaw = performer.yaw_rad
-    aside = SIGNS[side] * np.array([np.sin(yaw), -np.cos(yaw), 0.0])
+    side, aside = _to_its_side(performer, tray)
     middle = np.array(tray.position_m) + size[2] * UP
     goals = [middle + share * size[1] / 4 * aside for share in (-1.0, 1.0)]
     return _tidying(arrangement, [any_of(rng, SMALL) for _ in goals], goals, side)
+
+
+def _to_its_side(person: Person, thing: Thing) -> tuple[str, Array]:
+    """Somebody's hand on the side of a thing, and the unit direction (3,) to that side."""
+    side = "left" if bearing_of(person, np.array(thing.position_m)) > 0 else "right"
+    yaw = person.yaw_rad
+    return side, SIGNS[side] * np.array([np.sin(yaw), -np.cos(yaw), 0.0])
 
 
 def _tidying(arrangement: Arrangement, things: Sequence[Thing], goals: Sequence[Array], side: str) -> Setting:

@@ -17,7 +17,7 @@ from taskgist.world.geometry.transforms import normalized
 from taskgist.world.scene import Scene
 from taskgist.world.stage import Stage
 from taskgist_lab.simulator.demonstration import Script
-from taskgist_lab.simulator.means import FARTHER_M, Means, Roles
+from taskgist_lab.simulator.means import Means, Roles
 from taskgist_lab.simulator.places import SUPPORT_SPACING_M
 
 TOUCHING_M = 0.002
@@ -193,8 +193,8 @@ HIDDEN_SHARE = 0.2
 """What comes into view was in view to no more before."""
 NEARER_SHARE, NEARER_TO_EACH = 0.6, 0.85
 """What is held before the eyes is at most this share as far from them as it was; before those of several, from each."""
-SAME_DISTANCE_M = 0.08
-"""What is only hidden is no farther off than that: what is taken ``FARTHER_M`` farther is put away, too."""
+AWAY_M, SAME_DISTANCE_M = 0.25, 0.08
+"""What is put away is so much farther off, at least; what is only hidden is no farther off than that."""
 LOW_RAD = math.radians(40.0)
 """What is before the eyes is no lower than that, as seen from them: what lies on a table before somebody is lower."""
 FACE_GROWS = 2.5
@@ -315,7 +315,7 @@ def _facing_m2(recording: Recording, pair: Pair, time_s: float) -> float:
 
 
 def check_farther(recording: Recording) -> None:
-    """Refuse a demonstration at whose end the thing is not ``FARTHER_M`` farther from the target agent than before.
+    """Refuse a demonstration at whose end the thing is not ``AWAY_M`` farther from the target agent than before.
 
     Raises:
         SceneError: It is not.
@@ -324,7 +324,7 @@ def check_farther(recording: Recording) -> None:
     assert label is not None
     for pair in label.pairs:
         farther = _farther_m(recording, pair)
-        if farther < FARTHER_M:
+        if farther < AWAY_M:
             raise _missed(recording, pair, "is not farther off in the end", farther)
 
 
