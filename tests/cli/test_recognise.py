@@ -101,7 +101,7 @@ REFUSED = {
     "recognise given.mcap --contrast hide,hid": "did you mean 'hide'?",
     "explain --contrast hide": "of which task?",
     "explain hide --contrast hide": "--contrast",
-    "explain hide --contrast give --why see.class": "leave out one of them",
+    "explain hide --contrast give --why see.class": "leave out one of --why and --contrast",
 }
 
 

@@ -75,7 +75,7 @@ CLAUSES: dict[str, dict[str, str]] = {
 
 
 def predicates(clause: Clause) -> dict[str, str]:
-    return {literal.title: literal.value for literal in clause.literals}
+    return {literal.title: str(literal.value) for literal in clause.literals}
 
 
 @pytest.mark.parametrize("task", CLAUSES)

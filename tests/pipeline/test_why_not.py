@@ -10,7 +10,7 @@ import pytest
 
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.language.performing import refused, would_help
-from taskgist.language.phrases import phrase
+from taskgist.language.phrases import phrase_of
 from taskgist.pipeline.performing import Outcome, perform
 from taskgist.planning.actions import Actions, WhyNot
 from taskgist.planning.endings import Endings
@@ -60,7 +60,7 @@ def test_an_end_that_fails_with_the_robot_where_it_is_then_is_told_in_words(monk
     monkeypatch.setattr(Endings, "why_not", why_not)
     monkeypatch.setattr("taskgist.planning.planner.MOST_TRIED", 1)
     outcome = asked(room(TABLE, box(1.5)), "show")
-    said = phrase(STANDARD_TREE.node(clause("show").literals[0].node), clause("show").literals[0].value)
+    said = phrase_of(STANDARD_TREE.node(clause("show").literals[0].node), clause("show").literals[0])
     why = f"with R where it is in the end, it fails that {said}"
     assert f"1 of the 1 that R tried it does not bring about: {why}" in told(outcome)
 

@@ -25,7 +25,7 @@ from taskgist.facts import (
     score_bin,
 )
 from taskgist.facts import vocabulary as v
-from taskgist.learning import Clause, Literal, clause_of, understand
+from taskgist.learning import AnyLiteral, Clause, Literal, clause_of, understand
 from taskgist.perspective.effort import NO_KNOWN_ACTION
 from taskgist.planning import Goal, Span, Wanted
 from taskgist.planning.aims import Aim, goal_of_all
@@ -52,7 +52,7 @@ def literal(node: str, value: str, tree: HypothesisTree = STANDARD_TREE) -> Lite
 
 
 def goal_of(
-    *literals: Literal | tuple[str, str],
+    *literals: AnyLiteral | tuple[str, str],
     tree: HypothesisTree = STANDARD_TREE,
     without: str = "",
     start: Mapping[str, Raw] | None = None,
@@ -61,7 +61,7 @@ def goal_of(
     """The goal of some literals; the start differs by what is named, with ``__`` for the dot."""
     values = dict(START) | dict(start or {}) | {name.replace("__", "."): raw for name, raw in changes.items()}
     values.pop(without, None)
-    clause = Clause("test", tuple(each if isinstance(each, Literal) else literal(*each, tree) for each in literals))
+    clause = Clause("test", tuple(literal(*each, tree) if isinstance(each, tuple) else each for each in literals))
     return Goal.of(clause, {name: Observation(raw) for name, raw in values.items()}, tree)
 
 

@@ -11,7 +11,8 @@ from taskgist.common.text import clean_name
 from taskgist.errors import KnowledgeError
 from taskgist.facts.tree import HypothesisTree, Nodes, TreeOf
 from taskgist.facts.values import UNKNOWN, Unknown
-from taskgist.language.clauses import contrasted_reason, decided, likelier, plainly, weighed_reason
+from taskgist.language.clauses import contrasted_reason, decided, likelier, weighed_reason
+from taskgist.language.phrases import phrase_of
 from taskgist.learning.contrast import Contrast, Contrasted, contrast_of
 from taskgist.learning.understanding import literal_to_json
 
@@ -54,7 +55,7 @@ def print_contrast(between: Contrast, tree: HypothesisTree) -> None:
     console.print(Text(f"{between.first} or {between.second}?", "bold"))
     for each in between.literals:
         console.print(Text(f"  {contrasted_reason(each, between)}"))
-        console.print(Text(f"    {plainly(each.literal, tree)}", "italic"))
+        console.print(Text(f"    {phrase_of(tree.node(each.literal.node), each.literal)}", "italic"))
         for told in likelier(each, between):
             console.print(Text(f"    {told}"))
     if not between.literals:
@@ -98,7 +99,7 @@ def _literal(each: Contrasted, tree: HypothesisTree) -> dict[str, Any]:
     counts = {"in_first": each.first, "in_second": each.second}
     return {
         **literal_to_json(each.literal),
-        "plainly": plainly(each.literal, tree),
+        "plainly": phrase_of(tree.node(each.literal.node), each.literal),
         **{name: dict(zip(("k", "n"), count, strict=True)) for name, count in counts.items()},
     }
 

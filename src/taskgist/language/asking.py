@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 from taskgist.facts.tree import HypothesisTree, TreeOf
-from taskgist.language.phrases import AGENTS, listed, phrase
+from taskgist.language.phrases import AGENTS, listed, phrase, phrase_of
 from taskgist.learning.answers import Answer, Reply
 from taskgist.learning.asking import SetQuestion
 from taskgist.learning.lessons import OtherEnd, OtherStart
@@ -31,13 +32,7 @@ def claim(literal: SetLiteral, tree: HypothesisTree, of: TreeOf = "target") -> s
         tree: The tree of its node.
         of: Whose tree it is.
     """
-    node = tree.node(literal.node)
-    if literal.bound in ("≤", "≥"):
-        value = literal.values[-1] if literal.bound == "≤" else literal.values[0]
-        told = f"{phrase(node, value)}, or {'less' if literal.bound == '≤' else 'more'}"
-    else:
-        told = listed(list(dict.fromkeys(phrase(node, value) for value in literal.values)), "or")
-    return about_agent(told, of)
+    return about_agent(phrase_of(tree.node(literal.node), replace(literal, but=False)), of)
 
 
 def about_agent(text: str, of: TreeOf) -> str:

@@ -6,11 +6,10 @@ import math
 
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import UNKNOWN, Unknown
-from taskgist.language.phrases import listed, phrase
+from taskgist.language.phrases import listed, phrase_of
 from taskgist.learning.background import NEUTRAL
 from taskgist.learning.clauses import ClausePosterior, MustNot, Support
 from taskgist.learning.contrast import Contrast, Contrasted, Weighed
-from taskgist.learning.literals import SetLiteral
 from taskgist.learning.task_clauses import Odd
 
 SURE_ODDS = 20
@@ -96,22 +95,11 @@ def decided(contrast: Contrast, weighed: tuple[Weighed, ...], tree: HypothesisTr
     like, unlike = (contrast.first, contrast.second) if total > 0 else (contrast.second, contrast.first)
     speaking = [each for each in weighed if each.weight * total > 0]
     because = [
-        ("" if each.holds else "it is not so that ") + plainly(each.contrasted.literal, tree) for each in speaking[:2]
+        ("" if each.holds else "it is not so that ") + phrase_of(tree.node(literal.node), literal)
+        for each in speaking[:2]
+        for literal in (each.contrasted.literal,)
     ]
     return f"it is like {like} rather than {unlike}: {listed(because)}"
-
-
-def plainly(literal: SetLiteral, tree: HypothesisTree) -> str:
-    """What a literal says in plain words: ``"the object ends on a support"``; "it" is the agent whose tree it is."""
-    node = tree.node(literal.node)
-    told = [phrase(node, value) for value in literal.values]
-    if literal.bound == "≤":
-        return f"{told[-1]}, or less"
-    if literal.bound == "≥":
-        return f"{told[0]}, or more"
-    if literal.bound == "to":
-        return f"{told[0]}, or more, but no more than that {told[-1]}"
-    return f"it is not so that {told[0]}" if literal.but else told[0]
 
 
 def times(weight: float) -> str:

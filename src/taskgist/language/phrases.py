@@ -234,18 +234,17 @@ def phrase_of(node: Node, literal: AnyLiteral) -> str:
         node: Its node, of any tree.
         literal: The literal: "it is not so that the object ends in a hand".
     """
-    if literal.value is not None:
-        return phrase(node, literal.value)
     first, last = literal.values[0], literal.values[-1]
     match literal.bound:
         case "≥":
-            rest = ", or is not possible" if last in NEVER else ""
-            return f"{phrase(node, first)}, or more{rest}"
+            told = f"{phrase(node, first)}, or more{', or is not possible' if last in NEVER else ''}"
         case "≤":
-            return f"{phrase(node, last)}, or less"
+            told = f"{phrase(node, last)}, or less"
         case "to":
-            return f"{plain(node.title)} is {plain(first)}, {plain(last)}, or between"
-    return f"it is not so that {phrase(node, first)}"
+            told = f"{plain(node.title)} is {plain(first)}, {plain(last)}, or between"
+        case _:
+            told = listed(list(dict.fromkeys(phrase(node, value) for value in literal.values)), "or")
+    return f"it is not so that {told}" if literal.but else told
 
 
 def topic(node: Node, of: TreeOf) -> str:

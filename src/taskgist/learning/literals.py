@@ -129,7 +129,7 @@ class Vocabulary:
             return
         last = len(self.ladder) - 1
         rungs = [self.ladder.index(value) for value in known]
-        one_end, both_ends = math.log2(2 * last), math.log2(max(2, (last - 1) * (last - 2) // 2))
+        one_end, both_ends = math.log2(2 * last), 2 * math.log2(last)  # which side and where; where, twice
         for high in rungs:
             if 0 < high < last:
                 yield self._literal(self.ladder[: high + 1], bound="≤", bits=one_end)

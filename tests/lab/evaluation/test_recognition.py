@@ -9,7 +9,7 @@ import pytest
 
 from taskgist.learning.evidence import Effects
 from taskgist_lab.evaluation import recognition as experiment
-from taskgist_lab.evaluation.clause_learning import neutral_effects
+from taskgist_lab.evaluation.clause_learning import neutral_kinds
 from taskgist_lab.evaluation.learner import Coded
 from taskgist_lab.evaluation.recognition import OURS, Answers, Asked, Kinds, Probabilities, peers, recognition
 from taskgist_lab.evaluation.sheets import sheets_of
@@ -17,12 +17,12 @@ from tests.lab.evaluation.pools import study_pool
 
 CODED = Coded.of(study_pool(9))
 TASKS = CODED.pool.tasks
-FEW = {name: rows[:4] for name, rows in neutral_effects(CODED).items()}
+FEW = {name: rows[:4] for name, rows in neutral_kinds(CODED).items()}
 
 
 @pytest.fixture(autouse=True)
 def _few_manipulations(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(experiment, "neutral_effects", lambda _: FEW)
+    monkeypatch.setattr(experiment, "neutral_kinds", lambda _: FEW)
 
 
 def certain(asked: Asked) -> Answers:

@@ -100,7 +100,7 @@ def learned_from(displacement: Displacement) -> Values:
         for number, outcome in enumerate(displacement)
         if not isinstance(outcome, str)
     ]
-    return {each.node: each.value for each in clause_of(understand(Experience.of("any", explanations))).literals}
+    return {each.node: str(each.value) for each in clause_of(understand(Experience.of("any", explanations))).literals}
 
 
 @given(st.data())
