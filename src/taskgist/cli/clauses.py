@@ -9,9 +9,10 @@ from rich.text import Text
 from taskgist.cli.common import about, console, print_json, task_named
 from taskgist.facts.tree import HypothesisTree, TreeOf
 from taskgist.language.clauses import against, compared, oddness, supported
+from taskgist.language.sentences import clause_meaning
 from taskgist.learning.background import NEUTRAL
 from taskgist.learning.clauses import ClausePosterior, LiteralSupport, MustNot, Support, WeighedClause
-from taskgist.learning.task_clauses import BAYES, Odd, learn_task, odd_demonstrations
+from taskgist.learning.task_clauses import BAYES, Odd, clause_of_posterior, learn_task, odd_demonstrations
 from taskgist.learning.understanding import literal_to_json
 
 if TYPE_CHECKING:  # with MuJoCo
@@ -28,18 +29,22 @@ def explain_clauses(
     with about(where, {"of": "--of"}):
         learned = learn_task(known, task_named(known, task), tree, of)
     odd = odd_demonstrations(known, learned, tree, of)
-    whose = known.experience(learned.task, of).tree_of
+    own = known.experience(learned.task, of)
+    meaning = clause_meaning(clause_of_posterior(own, learned, tree), tree)
     if as_json:
-        print_json(clauses_document(learned, odd, whose))
+        print_json(clauses_document(learned, meaning, odd, own.tree_of))
     else:
-        print_clauses(learned, odd, whose)
+        print_clauses(learned, meaning, odd, own.tree_of)
 
 
-def print_clauses(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf) -> None:
-    """Print the best clause with what speaks for each literal, its alternatives, usual circumstances, odd ones."""
+def print_clauses(learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...], of: TreeOf) -> None:
+    """Print what the best clause says, what speaks for each literal, alternatives, odd ones, circumstances."""
     best = learned.best
+    if best.literals:
+        console.print(Text(meaning, style="bold"))
+        console.print()
     whose = ", for the performing agent" if of == "performer" else ""
-    console.print(Text(f"Task({learned.task}{whose}) ←   by whole clauses, {compared(learned)}", style="bold"))
+    console.print(Text(f"Task({learned.task}{whose}) ←   by whole clauses, {compared(learned)}"))
     print_literals(learned.alone)
     if not learned.compared:
         console.print(
@@ -56,9 +61,14 @@ def print_clauses(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf) ->
             console.print(f"{title}:")
             for line in lines:
                 console.print(Text(f"  {line}"))
-    if learned.usual:
-        console.print("usual circumstances, which were always so but usually are:")
-        print_literals(learned.usual)
+    for title, literals in (
+        ("usual circumstances, which were always so but usually are", learned.usual),
+        ("always so as well, which tells it from no other task", learned.always),
+    ):
+        if literals:
+            console.print(f"{title}:")
+            print_literals(literals)
+    console.print("what it leaves open: taskgist ask TASK; by the paper's rule: --rule paper")
 
 
 def print_literals(literals: tuple[LiteralSupport, ...]) -> None:
@@ -74,15 +84,17 @@ def alternatives(learned: ClausePosterior) -> tuple[WeighedClause, ...]:
     return tuple(each for each in others if each.weight >= NEARLY * first.weight)[:ALTERNATIVES]
 
 
-def clauses_document(learned: ClausePosterior, odd: tuple[Odd, ...], of: TreeOf) -> dict[str, Any]:
+def clauses_document(learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...], of: TreeOf) -> dict[str, Any]:
     """The same as plain data."""
     return {
         "task": learned.task,
         "of": of,
         "rule": BAYES,
+        "meaning": meaning,
         "clause": {**_clause(learned.best), "literals": [_literal(each) for each in learned.alone]},
         "alternatives": [_clause(each) for each in alternatives(learned)],
         "usual": [_literal(each) for each in learned.usual],
+        "always": [_literal(each) for each in learned.always],
         "must_not": [_must_not(each) for each in learned.must_not],
         "compared": {
             "tasks": {name: n for name, n in sorted(learned.compared.items()) if not name.startswith(NEUTRAL)},

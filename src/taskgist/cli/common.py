@@ -49,7 +49,11 @@ KnowledgeOption = Annotated[
 KNOWLEDGE = "knowledge.db"
 ReplaceOption = Annotated[bool, typer.Option("--replace", help="Replace files that are there already.")]
 RuleOption = Annotated[
-    str, typer.Option(help="How to learn: paper (what demonstrations agree in) or bayes (what is no chance).")
+    str | None,
+    typer.Option(
+        help="How to learn: bayes (what is no chance) or paper (what demonstrations agree in); "
+        "default: bayes, where there is anything to compare with."
+    ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
 NO_OPTIONS: Mapping[str, str] = MappingProxyType({})

@@ -31,7 +31,7 @@ from taskgist.facts.tree import HypothesisTree, Node, TreeOf, tree_of
 from taskgist.language.sentences import asked, indifference, meaning, why
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Context
-from taskgist.learning.task_clauses import BAYES, DEFAULT_RULE, RULES
+from taskgist.learning.task_clauses import BAYES, PAPER, RULES, rule_for
 from taskgist.learning.understanding import Judgement, Understanding, clause_of, questions_of
 from taskgist.settings import BANDS, DEFAULT, Learning
 
@@ -54,7 +54,8 @@ def print_understanding(understanding: Understanding, *, whole_tree: bool = True
     if told := indifference(understanding):
         console.print(told)
     console.print()
-    console.print(f"{clause.head} ←   learned from {count} demonstration{'s' if count != 1 else ''}")
+    how = f"by the paper's rule, from {count} demonstration{'s' if count != 1 else ''}"
+    console.print(f"{clause.head} ←   {how}")
     for title, literals in (("effects", clause.effects), ("preconditions", clause.preconditions)):
         for number, literal in enumerate(literals):
             console.print(Text(f"  {title if number == 0 else '':14}{literal}"))
@@ -111,6 +112,7 @@ def understanding_document(understanding: Understanding) -> dict[str, Any]:
     return {
         "task": understanding.task,
         "of": clause.tree_of,
+        "rule": PAPER,
         "meaning": meaning(understanding),
         "indifference": indifference(understanding),
         "demonstrations": [
@@ -181,8 +183,13 @@ def explain(
     of: Annotated[
         str, typer.Option(help="Whose tree: target (what changes for the target agent) or performer (for itself).")
     ] = "target",
-    band: Annotated[str, typer.Option(help=f"Confusion band: {', '.join(BANDS)}.")] = DEFAULT.learning.band,
-    rule: RuleOption = DEFAULT_RULE,
+    band: Annotated[
+        str | None,
+        typer.Option(
+            help=f"Confusion band of the paper's rule: {', '.join(BANDS)} (default: {DEFAULT.learning.band})."
+        ),
+    ] = None,
+    rule: RuleOption = None,
     other: Annotated[
         str | None, typer.Option("--contrast", help="Only: what tells the task from this other one.")
     ] = None,
@@ -193,21 +200,23 @@ def explain(
 ) -> None:
     """Explain what a task means, and why.
 
-    Prints one sentence, the clause, the tree with each node's figures, and open questions.
+    Prints one sentence; the conjunction that the demonstrations have in common, and other tasks and neutral
+    manipulations have not; how often each part of it holds here and by chance; what is nearly as good; which
+    demonstrations look odd; and what is usual. It learns from the first demonstration on, bears wrong ones, and gets
+    better with each further task.
+
+    With --rule paper: what all demonstrations agree in, the tree with each node's figures, and open questions, as in
+    Pandey and Alami's paper. So also with --why or --band, and where there is nothing to compare with.
 
     With --of performer: how it changes what the performing agent can do, where that was learned (learn --of performer).
     A task that is performed for nobody else has that tree alone, which is shown without the option, too.
-
-    With --rule bayes: the conjunction that the demonstrations have in common, and other tasks and neutral manipulations
-    have not; how often each part of it holds here and by chance; what is nearly as good; and which demonstrations look
-    odd. It learns from the first demonstration on, bears wrong ones, and gets better with each further task.
 
     With --contrast: what tells the task from another one, as in "why is this a hide, and no put away?": which parts of
     their effects hold in how many of the demonstrations of either, and how much that says.
 
     Example: taskgist explain give -k knowledge.db
 
-    Example: taskgist explain give --rule bayes
+    Example: taskgist explain give --rule paper
 
     Example: taskgist explain give --of performer
 
@@ -218,11 +227,13 @@ def explain(
     Example: taskgist explain give --actions
     """
     whose = tree_of(of)
-    if band not in BANDS:
+    if band is not None and band not in BANDS:
         raise UnknownNameError("band", band, BANDS)
-    if rule not in RULES:
+    if rule is not None and rule not in RULES:
         raise UnknownNameError("rule", rule, RULES)
-    _check_together(task, rule, {"--why": node, "--contrast": other, "--actions": "" if actions else None})
+    _check_together(
+        task, rule, {"--why": node, "--contrast": other, "--actions": "" if actions else None, "--band": band}
+    )
     tree = with_predicates(STANDARD_TREE)
     from taskgist.store.address import shown  # with sqlalchemy, which only knowledge should wait for
     from taskgist.store.database import load
@@ -238,10 +249,15 @@ def explain(
     if actions:
         explain_actions(known, shown(knowledge), task, whose, as_json=as_json)
         return
+    if rule is None and node is None and band is None:
+        with about(shown(knowledge), {"of": "--of"}):
+            rule = rule_for(known, task_named(known, task), whose)
     if rule == BAYES:
         explain_clauses(known, shown(knowledge), task, tree, whose, as_json=as_json)
         return
-    understanding = understood(known, shown(knowledge), task, tree, replace(DEFAULT.learning, band=band), whose)
+    understanding = understood(
+        known, shown(knowledge), task, tree, replace(DEFAULT.learning, band=band or DEFAULT.learning.band), whose
+    )
     if node is not None:
         sentence = why(understanding, node)
         document = {"task": understanding.task, "of": understanding.experience.tree_of, "node": node, "why": sentence}
@@ -252,20 +268,22 @@ def explain(
         print_understanding(understanding)
 
 
-def _check_together(task: str | None, rule: str, asked: Mapping[str, str | None]) -> None:
+def _check_together(task: str | None, rule: str | None, asked: Mapping[str, str | None]) -> None:
     """Refuse options that ask for different things, or for something of no task."""
     wanted = {option: value for option, value in asked.items() if value is not None}
     for option, value in wanted.items():
         if task is None:
             hint = f"taskgist explain TASK {option} {'' if option == '--actions' else 'NAME'}".rstrip()
             raise KnowledgeError("of which task?", field=option, value=value or None, hint=hint)
-    if len(wanted) > 1:
-        first, second, *_ = wanted
+    answers = [option for option in wanted if option != "--band"]
+    if len(answers) > 1:
+        first, second, *_ = answers
         hint = f"leave out one of {first} and {second}: each is an answer of its own"
         raise KnowledgeError("asks for something else", field=first, value=wanted[first], hint=hint)
-    if rule == BAYES and "--why" in wanted:
-        hint = "leave out --rule, or --why: each part of a clause is told with what speaks for it"
-        raise KnowledgeError("asks for a verdict of the paper's rule", field="--why", value=wanted["--why"], hint=hint)
+    for option in ("--why", "--band"):
+        if rule == BAYES and option in wanted:
+            hint = f"leave out --rule, or {option}: each part of a clause is told with what speaks for it"
+            raise KnowledgeError("is about the paper's rule", field=option, value=wanted[option], hint=hint)
 
 
 def _list_tasks(known: Knowledge, *, as_json: bool) -> None:

@@ -44,7 +44,7 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import Unknown
 from taskgist.language.phrases import listed
 from taskgist.learning.explanation import Context
-from taskgist.learning.task_clauses import DEFAULT_RULE, RULES, learned_clause
+from taskgist.learning.task_clauses import RULES, learned_clause
 from taskgist.learning.understanding import Clause
 from taskgist.settings import DEFAULT
 
@@ -111,7 +111,7 @@ def perform(
             "that is not in the room is placed.",
         ),
     ] = None,
-    rule: RuleOption = DEFAULT_RULE,
+    rule: RuleOption = None,
     replace: ReplaceOption = False,
     as_json: JsonOption = False,
 ) -> int:
@@ -135,7 +135,7 @@ def perform(
 
     Example: taskgist perform hide r.toml --robot J --for P2 --for P3 --object cup
     """
-    if rule not in RULES:
+    if rule is not None and rule not in RULES:
         raise UnknownNameError("rule", rule, RULES, where="--rule")
     assumed = attention_of(attention)
     files = {
@@ -199,7 +199,7 @@ def perform(
     return OK if outcome.performances else FAILED
 
 
-def _clause(knowledge: str, task: str, rule: str) -> Clause:
+def _clause(knowledge: str, task: str, rule: str | None) -> Clause:
     from taskgist.store.address import shown
     from taskgist.store.database import load
 
@@ -208,7 +208,7 @@ def _clause(knowledge: str, task: str, rule: str) -> Clause:
     with about(shown(knowledge)):
         clause = learned_clause(known, task_named(known, task), rule, tree)
     if not clause.literals:
-        other = next(each for each in RULES if each != rule)
+        other = next(each for each in RULES if each != clause.rule)
         hint = f"its demonstrations have nothing in common by this rule; see taskgist explain, or give --rule {other}"
         raise InputError(
             "nothing was learned of this task", where=shown(knowledge), field="task", value=task, hint=hint

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from fractions import Fraction
 from typing import cast
 
+from taskgist.facts.tree import HypothesisTree
 from taskgist.language.phrases import ABILITIES, AGENTS, listed, phrase, phrase_of, topic
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Explanation
-from taskgist.learning.understanding import AnyLiteral, Choice, Judgement, Question, Understanding, clause_of
+from taskgist.learning.understanding import AnyLiteral, Choice, Clause, Judgement, Question, Understanding, clause_of
 
 
 def meaning(understanding: Understanding) -> str:
@@ -18,12 +19,15 @@ def meaning(understanding: Understanding) -> str:
 
     Where demonstrations had several target agents or objects, it is said of each of them.
     """
-    clause = clause_of(understanding)
-    told = f"“{understanding.task}” means"
+    return clause_meaning(clause_of(understanding), understanding.tree)
+
+
+def clause_meaning(clause: Clause, tree: HypothesisTree) -> str:
+    """What a clause of either rule says, in one sentence; see ``meaning``."""
+    told = f"“{clause.task}” means"
     if not clause.literals:
         return f"{told} nothing yet: the demonstrations have nothing in common."
-    effects = _spoken(understanding, clause.effects)
-    before = _spoken(understanding, clause.preconditions)
+    effects, before = (_spoken(each, tree, clause.each_of) for each in (clause.effects, clause.preconditions))
     target = "each of the target agents" if "target agents" in clause.each_of else AGENTS[clause.tree_of]
     sentence = f"{told} for {target}: {listed(effects)}" if effects else f"{told} no effect yet"
     return f"{sentence}; beforehand, {listed(before)}." if before else f"{sentence}."
@@ -88,13 +92,13 @@ SPOKEN_ORDER = ("see", "visibility", "reach", "grasp", "hands", "placement", "mo
 """What people say first about a task; a user's own predicates come last."""
 
 
-def _spoken(understanding: Understanding, literals: Iterable[AnyLiteral]) -> list[str]:
+def _spoken(literals: Iterable[AnyLiteral], tree: HypothesisTree, each_of: Collection[str]) -> list[str]:
     """Phrases of literals in the order in which people would say them; joint angles are left to the clause."""
     said = [literal for literal in literals if ".state." not in literal.node]
     said.sort(key=lambda literal: _place(literal.node))
-    phrases = [phrase_of(understanding.tree.node(literal.node), literal) for literal in said]
+    phrases = [phrase_of(tree.node(literal.node), literal) for literal in said]
     told = _joined(list(dict.fromkeys(phrases)))
-    if "target objects" not in understanding.each_of:
+    if "target objects" not in each_of:
         return told
     return [each.replace("the object", "each of the objects") for each in told]
 

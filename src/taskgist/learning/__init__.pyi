@@ -35,13 +35,13 @@ from .lessons import OtherStart as OtherStart
 from .lessons import lessons_of as lessons_of
 from .literals import SetLiteral as SetLiteral
 from .must_not import learn_must_not as learn_must_not
-from .task_clauses import DEFAULT_RULE as DEFAULT_RULE
 from .task_clauses import RULES as RULES
 from .task_clauses import Odd as Odd
 from .task_clauses import learn_task as learn_task
 from .task_clauses import learned_clause as learned_clause
 from .task_clauses import odd_demonstrations as odd_demonstrations
 from .task_clauses import open_questions as open_questions
+from .task_clauses import rule_for as rule_for
 from .understanding import AnyLiteral as AnyLiteral
 from .understanding import Choice as Choice
 from .understanding import Clause as Clause
