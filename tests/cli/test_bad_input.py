@@ -298,7 +298,7 @@ CASES: dict[str, list[str]] = {
     "explain show --why see.clas": ["no node 'see.clas'; did you mean 'see.class'? (known: "],
     "explain show --rule bays": ["no rule 'bays'; did you mean 'bayes'? (known: bayes, paper)"],
     "explain shw --rule bayes": ["knowledge.db: no task 'shw'; did you mean 'show'? (known: show)"],
-    "explain show --rule bayes --why see.class": ["--why: asks for a verdict of the paper's rule", "leave out --rule"],
+    "explain show --rule bayes --why see.class": ["--why: is about the paper's rule", "leave out --rule"],
     "explain show --band wid": ["no band 'wid'; did you mean 'wide'? (known: narrow, sharp, wide)"],
     # importing
     "import none.toml -o out.mcap": ["none.toml: cannot be read", NO_FILE],

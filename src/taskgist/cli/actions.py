@@ -84,6 +84,6 @@ def explain_actions(known: Knowledge, where: str, task: str, of: TreeOf, *, as_j
 
 def _learned_document(learned: LearnedActions, of: TreeOf) -> dict[str, Any]:
     k, n = learned.support
-    told = clauses_document(learned.posterior, (), of)
+    told = clauses_document(learned.posterior, "", (), of)
     actions = {"sequence": list(learned.sequence), "k": k, "n": n, "chance": learned.chance}
     return {"task": learned.posterior.task, "of": of, "actions": actions, "clause": told["clause"]}

@@ -65,7 +65,7 @@ def print_clauses(learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...], 
         ("usual circumstances, which were always so but usually are", learned.usual),
         ("always so as well, which tells it from no other task", learned.always),
     ):
-        if literals:
+        if literals and learned.compared:
             console.print(f"{title}:")
             print_literals(literals)
     console.print("what it leaves open: taskgist ask TASK; by the paper's rule: --rule paper")
