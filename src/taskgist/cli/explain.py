@@ -31,8 +31,8 @@ from taskgist.facts.tree import HypothesisTree, Node, TreeOf, tree_of
 from taskgist.language.sentences import asked, indifference, meaning, why
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Context
-from taskgist.learning.task_clauses import BAYES, PAPER, RULES, rule_for
-from taskgist.learning.understanding import Judgement, Understanding, clause_of, questions_of
+from taskgist.learning.task_clauses import BAYES, RULES, rule_for
+from taskgist.learning.understanding import PAPER, Judgement, Understanding, clause_of, questions_of
 from taskgist.settings import BANDS, DEFAULT, Learning
 
 if TYPE_CHECKING:  # with MuJoCo
