@@ -1,3 +1,7 @@
+from .courses import Course as Course
+from .courses import courses_of as courses_of
+from .episodes import Handling as Handling
+from .episodes import handlings_of as handlings_of
 from .label_proposal import Proposal as Proposal
 from .label_proposal import propose as propose
 from .label_proposal import propose_label as propose_label
