@@ -41,6 +41,7 @@ OWN = tuple(
         "facts": "facts:facts",
         "learn": "learn:learn",
         "explain": "explain:explain",
+        "recognise": "recognise:recognise",
         "perform": "perform:perform",
         "see": "see:see",
         "query": "query:query",

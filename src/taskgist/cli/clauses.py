@@ -12,6 +12,7 @@ from taskgist.facts.tree import HypothesisTree, TreeOf
 from taskgist.language.clauses import compared, oddness, supported
 from taskgist.learning.background import NEUTRAL
 from taskgist.learning.clauses import ClausePosterior, LiteralSupport, Support, WeighedClause
+from taskgist.learning.literals import SetLiteral
 from taskgist.learning.task_clauses import Odd, learn_task, odd_demonstrations
 
 if TYPE_CHECKING:  # with MuJoCo
@@ -102,9 +103,13 @@ def _clause(clause: WeighedClause) -> dict[str, Any]:
 
 
 def _literal(each: LiteralSupport) -> dict[str, Any]:
-    literal = each.literal
+    return {**literal_document(each.literal), **_support(each.support)}
+
+
+def literal_document(literal: SetLiteral) -> dict[str, Any]:
+    """A literal: its node, how it is told, and its values."""
     named = {"node": literal.node, "title": literal.title, "text": str(literal)}
-    return {**named, "values": list(literal.values), "but": literal.but, **_support(each.support)}
+    return {**named, "values": list(literal.values), "but": literal.but}
 
 
 def _support(support: Support) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from taskgist.facts.tree import HypothesisTree, TreeOf
 from taskgist.learning.background import Background, shipped_background
 from taskgist.learning.clauses import ClausePosterior, Told, learn_clauses
 from taskgist.learning.estimate import Verdict
-from taskgist.learning.evidence import evidence_of
+from taskgist.learning.evidence import Evidence, evidence_of
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.knowledge import Knowledge
@@ -47,12 +47,26 @@ def learn_task(
         KnowledgeError: It is not known of who performs it.
     """
     own = knowledge.experience(task, of)
-    answers = in_force(each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of))
+    return learn_clauses(compared_with(knowledge, own, background), own.task, tree, told_of(knowledge, own))
+
+
+def compared_with(knowledge: Knowledge, own: Experience, background: Background | None = None) -> Evidence:
+    """The evidence of a task and of all that it is compared with: other tasks, and neutral manipulations.
+
+    Args:
+        knowledge: What is known.
+        own: Experience of the task, in the trees that are meant.
+        background: Neutral manipulations, as ``learn_task``.
+    """
     neutral = background or shipped_background()
-    others = [each for (name, whose), each in knowledge.experiences.items() if whose == own.tree_of and name != task]
+    others = [each for (name, of), each in knowledge.experiences.items() if of == own.tree_of and name != own.task]
     comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
-    evidence = evidence_of([own, *others], neutral.kinds if comparable else {})
-    return learn_clauses(evidence, task, tree, _told(own, answers))
+    return evidence_of([own, *others], neutral.kinds if comparable else {})
+
+
+def told_of(knowledge: Knowledge, own: Experience) -> Told:
+    """What the answers that are in force fix of a task."""
+    return _told(own, in_force(each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of)))
 
 
 def _told(own: Experience, answers: Mapping[str, Answer]) -> Told:

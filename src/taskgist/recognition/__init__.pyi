@@ -5,6 +5,9 @@ from .episodes import handlings_of as handlings_of
 from .label_proposal import Proposal as Proposal
 from .label_proposal import propose as propose
 from .label_proposal import propose_label as propose_label
+from .tasks import Recognised as Recognised
+from .tasks import Recogniser as Recogniser
+from .tasks import TaskProbability as TaskProbability
 from .turns import Change as Change
 from .turns import Grip as Grip
 from .turns import Turn as Turn

@@ -1,0 +1,281 @@
+"""``taskgist recognise``: which of the known tasks was performed in a recording?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.text import Text
+
+from taskgist.cli.clauses import literal_document
+from taskgist.cli.common import (
+    FAILED,
+    KNOWLEDGE,
+    OK,
+    JsonOption,
+    KnowledgeOption,
+    RecordingsArgument,
+    about,
+    command,
+    console,
+    print_json,
+    progress_bar,
+)
+from taskgist.cli.found import files
+from taskgist.cli.many import Outcome, Refused, exit_code, one_by_one, print_table
+from taskgist.common.text import clean_name, one_or_list
+from taskgist.common.workers import Progress, silent
+from taskgist.errors import KnowledgeError
+from taskgist.facts.predicates import known_predicates, with_predicates
+from taskgist.facts.standard import STANDARD_TREE
+from taskgist.facts.tree import HypothesisTree, TreeOf, tree_of
+from taskgist.facts.values import UNKNOWN, Unknown
+from taskgist.language.phrases import listed
+from taskgist.language.recognition import (
+    decided,
+    literal_reason,
+    named,
+    percent,
+    truth_of,
+    unlike_reason,
+    weighed_reason,
+)
+from taskgist.learning.contrast import Contrast, contrast
+from taskgist.learning.explanation import Context
+from taskgist.learning.knowledge import Knowledge
+from taskgist.pipeline.recognise import RecognisedEpisode, TaskRecogniser
+from taskgist.recognition.tasks import Recognised, TaskProbability
+from taskgist.recording.mcap import read
+from taskgist.settings import DEFAULT
+
+Found = tuple[RecognisedEpisode, ...]
+TOLD = 0.01
+"""Tasks that are less probable than this, and than "none of these", are not printed."""
+
+
+@command
+def recognise(
+    recordings: RecordingsArgument,
+    knowledge: KnowledgeOption = KNOWLEDGE,
+    why: Annotated[bool, typer.Option("--why", help="Tell what speaks for and against each task.")] = False,
+    contrasted: Annotated[
+        str | None, typer.Option("--contrast", help="What decides between two tasks there, such as hide,show.")
+    ] = None,
+    of: Annotated[
+        str, typer.Option(help="For whom: target, or performer (by the performing agent's own tree).")
+    ] = "target",
+    as_json: JsonOption = False,
+) -> int:
+    """Say which known tasks are performed in recordings.
+
+    For whom, with which thing, and how probable each task is: several may be right at once, as who hides a thing away
+    hides it, and it may be none of the known ones. The label tells when, who and what; the task that it names plays no
+    part. Without a label these are proposed from the facts (see taskgist label --propose). The exit code is 1 if
+    in any recording nothing known is recognised. Of several recordings a table is printed; those that cannot be read
+    stand there with the reason, and the exit code is 2.
+
+    With --contrast: which literals decide between two tasks in this recording, and how much more often each holds in the
+    demonstrations of the one than of the other.
+
+    Example: taskgist recognise handover.mcap -k knowledge.db
+
+    Example: taskgist recognise recordings -k knowledge.db
+
+    Example: taskgist recognise hidden.mcap --why
+
+    Example: taskgist recognise hidden.mcap --contrast "hide,put away"
+    """
+    whose = tree_of(of)
+    predicates = known_predicates()
+    tree = with_predicates(STANDARD_TREE, predicates)
+    from taskgist.store.address import shown  # with sqlalchemy, which only knowledge should wait for
+    from taskgist.store.database import load
+
+    known = load(knowledge, expected=Context.of(DEFAULT, tree))
+    between = contrast_between(known, contrasted, tree, whose) if contrasted is not None else None
+    with about(shown(knowledge)):
+        recogniser = TaskRecogniser.of(known, tree)
+    paths = files(recordings, suffix=".mcap")
+
+    def recognised(number: int, progress: Progress = silent) -> Found:
+        with about(paths[number], {"of": "--of"}):
+            return recogniser.recognise(read(paths[number]), of=whose, predicates=predicates, progress=progress)
+
+    if len(paths) == 1:
+        with progress_bar(quiet=as_json) as progress:
+            found = recognised(0, progress)
+        if as_json:
+            print_json(_document(paths[0], found, between))
+        else:
+            for each in found:
+                _print(each, between, why=why)
+        return OK if _any_known(found) else FAILED
+    outcomes: list[Outcome[Found]] = [*one_by_one(paths, recognised, "recognising", quiet=as_json)]
+    if as_json:
+        print_json([
+            each.document() if isinstance(each, Refused) else _document(each.path, each.result, between)
+            for each in outcomes
+        ])
+    else:
+        print_table(outcomes, ("for", "with", "start", "end", "recognised", "labelled"), _cells, "looked at")
+    return exit_code(outcomes, good=_any_known)
+
+
+def contrast_between(known: Knowledge, names: str, tree: HypothesisTree, of: TreeOf) -> Contrast:
+    """What tells two tasks apart, given as ``"hide,put away"``, however they are spelled.
+
+    Raises:
+        KnowledgeError: These are not two.
+        UnknownNameError: One of them is not known.
+    """
+    tasks = [name.strip() for name in names.split(",")]
+    if len(tasks) != 2:
+        hint = 'give two, with a comma between them: --contrast "hide,put away"'
+        raise KnowledgeError("not two tasks", field="--contrast", value=names, hint=hint)
+    with about("", {"contrast": "--contrast"}):
+        first, second = (name if name in known.tasks else clean_name(name) for name in tasks)
+        return contrast(known, first, second, tree, of)
+
+
+def _any_known(found: Found) -> bool:
+    return any(each.recognised.best is not None for each in found)
+
+
+def _cells(found: Found) -> list[str | Text]:
+    """The cells of a recording: those of its first episode, and how many more there are."""
+    first, *more = found
+    label = first.label
+    told = named(first.recognised) + (f"; {len(more)} further episodes" if more else "")
+    times = (f"{time_s:.2f} s" for time_s in (label.start_s, label.end_s))
+    said = (first.named or "no label") + (", learned from" if first.learned_from else "")
+    return [listed(label.watched), listed(label.target_objects), *times, told, said]
+
+
+def _print(found: RecognisedEpisode, between: Contrast | None, *, why: bool) -> None:
+    label = found.label
+    targets = f", for {listed(label.target_agents)}" if label.target_agents else ""
+    said = "no label: proposed from the facts" if found.proposed else f"labelled {label.task}"
+    head = f"{label.performing_agent}{targets}, with {listed(label.target_objects)}"
+    console.print(Text(f"{head}, {label.start_s:.2f} s to {label.end_s:.2f} s", "bold") + Text(f"   ({said})"))
+    if found.learned_from:
+        console.print("note: the knowledge was learned from this very recording", style="dim")
+    recognised = found.recognised
+    for each in recognised.tasks:
+        if each.probability >= TOLD or each is recognised.tasks[0]:
+            style = "bold" if each is recognised.best else ""
+            console.print(Text(f"  {percent(each.probability):>6}  {each.task}", style))
+            if why:
+                _print_why(each)
+    style = "bold" if recognised.best is None else ""
+    console.print(Text(f"  {percent(recognised.none):>6}  none of these", style))
+    if between is not None:
+        _print_contrast(between, found)
+
+
+def _print_why(each: TaskProbability) -> None:
+    console.print(Text(f"          what it is about {truth_of(each.holds)}:"))
+    for literal in each.literals:
+        console.print(Text(f"            {literal_reason(literal)}"))
+    if each.unlike:
+        console.print("          unlike its demonstrations:")
+        for node in each.unlike:
+            console.print(Text(f"            {unlike_reason(node)}"))
+
+
+def _print_contrast(between: Contrast, found: RecognisedEpisode) -> None:
+    weighed = between.weigh(found.explanation.nodes)
+    console.print(Text(f"{between.first} or {between.second}? {decided(between, weighed)}", "bold"))
+    for each in weighed:
+        console.print(Text(f"  {weighed_reason(each, between)}"))
+
+
+# --- The same as plain data.
+
+
+def _document(path: Path, found: Found, between: Contrast | None) -> dict[str, Any]:
+    return {"recording": str(path), "episodes": [_episode(each, between) for each in found]}
+
+
+def _episode(found: RecognisedEpisode, between: Contrast | None) -> dict[str, Any]:
+    label = found.label
+    return {
+        "performing_agent": label.performing_agent,
+        "target_agent": one_or_list(label.target_agents) if label.target_agents else None,
+        "target_object": one_or_list(label.target_objects),
+        "start_s": label.start_s,
+        "end_s": label.end_s,
+        "proposed": found.proposed,
+        "labelled": found.named,
+        "learned_from": found.learned_from,
+        **recognised_document(found.recognised),
+        **({"contrast": _weighed_document(between, found)} if between else {}),
+    }
+
+
+def recognised_document(recognised: Recognised) -> dict[str, Any]:
+    """The probability of each task and of none of them, with what decides."""
+    return {
+        "best": recognised.best.task if recognised.best else None,
+        "tasks": [_task(each) for each in recognised.tasks],
+        "none": recognised.none,
+    }
+
+
+def _task(each: TaskProbability) -> dict[str, Any]:
+    return {
+        "task": each.task,
+        "probability": each.probability,
+        "meaning": each.meaning,
+        "circumstances": each.circumstances,
+        "holds": _truth(each.holds),
+        "literals": [
+            {**literal_document(one.literal), "holds": _truth(one.holds), "weight": one.weight}
+            for one in each.literals
+        ],
+        "unlike": [
+            {"node": one.node, "title": one.title, "value": one.value, "usual": one.usual, "weight": one.weight}
+            for one in each.unlike
+        ],
+    }
+
+
+def _truth(holds: bool | Unknown) -> bool | None:
+    return None if holds is UNKNOWN else bool(holds)
+
+
+def contrast_document(between: Contrast) -> dict[str, Any]:
+    """What tells two tasks apart."""
+    return {
+        "first": between.first,
+        "second": between.second,
+        "literals": [
+            {
+                **literal_document(each.literal),
+                "in_first": dict(zip(("k", "n"), each.first, strict=True)),
+                "in_second": dict(zip(("k", "n"), each.second, strict=True)),
+                "weight_if_holds": each.weight(True),
+                "weight_if_not": each.weight(False),
+            }
+            for each in between.literals
+        ],
+    }
+
+
+def _weighed_document(between: Contrast, found: RecognisedEpisode) -> dict[str, Any]:
+    weighed = between.weigh(found.explanation.nodes)
+    return {
+        "first": between.first,
+        "second": between.second,
+        "decided": decided(between, weighed),
+        "literals": [
+            {
+                **literal_document(each.contrasted.literal),
+                "in_first": dict(zip(("k", "n"), each.contrasted.first, strict=True)),
+                "in_second": dict(zip(("k", "n"), each.contrasted.second, strict=True)),
+                "holds": _truth(each.holds),
+                "weight": each.weight,
+            }
+            for each in weighed
+        ],
+    }
