@@ -113,10 +113,12 @@ def recognise(
         return OK if _any_known(found) else FAILED
     outcomes: list[Outcome[Found]] = [*one_by_one(paths, recognised, "recognising", quiet=as_json)]
     if as_json:
-        print_json([
-            each.document() if isinstance(each, Refused) else _document(each.path, each.result, between)
-            for each in outcomes
-        ])
+        print_json(
+            [
+                each.document() if isinstance(each, Refused) else _document(each.path, each.result, between)
+                for each in outcomes
+            ]
+        )
     else:
         print_table(outcomes, ("for", "with", "start", "end", "recognised", "labelled"), _cells, "looked at")
     return exit_code(outcomes, good=_any_known)
@@ -230,8 +232,7 @@ def _task(each: TaskProbability) -> dict[str, Any]:
         "circumstances": each.circumstances,
         "holds": _truth(each.holds),
         "literals": [
-            {**literal_document(one.literal), "holds": _truth(one.holds), "weight": one.weight}
-            for one in each.literals
+            {**literal_document(one.literal), "holds": _truth(one.holds), "weight": one.weight} for one in each.literals
         ],
         "unlike": [
             {"node": one.node, "title": one.title, "value": one.value, "usual": one.usual, "weight": one.weight}

@@ -66,7 +66,9 @@ def compared_with(knowledge: Knowledge, own: Experience, background: Background 
 
 def told_of(knowledge: Knowledge, own: Experience) -> Told:
     """What the answers that are in force fix of a task."""
-    return _told(own, in_force(each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of)))
+    return _told(
+        own, in_force(each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of))
+    )
 
 
 def _told(own: Experience, answers: Mapping[str, Answer]) -> Told:

@@ -24,10 +24,10 @@ from typing import TypeVar
 from taskgist.facts import vocabulary as v
 from taskgist.observe.frames import Interval
 from taskgist.observe.observer import Observer, Placement
+from taskgist.observe.under_way import nearest_hand_m
 from taskgist.recognition.turns import BRIEF_S, RESTING, Change, Turn, all_grips, changes_from, turns_from
 from taskgist.recording.recording import Recording
 from taskgist.settings import Checks, Settings
-from taskgist.world.contacts import hand_gap_m, hand_known
 from taskgist.world.stage import Stage
 
 BEFORE_S = 0.3
@@ -36,8 +36,6 @@ AFTER_S = 0.3
 """How long after the object has come to rest a label ends."""
 LOOKS = 20
 """In as many frames of a turn it is looked whose hand is nearer."""
-FARTHEST_M = 0.5
-"""Beyond this, gaps are not measured."""
 TOO_LATE, UNENDED, UNSEEN = 0.7, 0.4, 0.3
 """Confidence where the start is not seen, where the end is not, and where it is not who takes the thing first."""
 UNSEEN_S = 0.5
@@ -313,12 +311,3 @@ def nearer(recording: Recording, course: Course, change: Change, start_s: float)
         1.0 - (1.0 - share) ** 2,
         f"in {percent(1.0 - share)} of the time in which {has} has {course.name}, {other}'s hand is nearer to it",
     )
-
-
-def nearest_hand_m(stage: Stage, agent: str, name: str) -> float | None:
-    """From an agent's nearest hand to an object, metres; None if no hand, or not the object, was tracked."""
-    body = stage.scene.agent(agent)
-    if not stage.state.known([name]):
-        return None
-    gaps = [hand_gap_m(stage, arm, name, limit_m=FARTHEST_M) for arm in body.arms if hand_known(stage, body, arm)]
-    return max(min(gaps), 0.0) if gaps else None

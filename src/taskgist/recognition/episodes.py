@@ -36,6 +36,7 @@ from typing import Literal
 from taskgist.observe.attention import gaze
 from taskgist.observe.frames import ROUNDING_S
 from taskgist.observe.observer import Observer
+from taskgist.observe.under_way import nearest_hand_m
 from taskgist.recognition.courses import (
     BEFORE_S,
     LOOKS,
@@ -43,11 +44,11 @@ from taskgist.recognition.courses import (
     UNSEEN,
     Course,
     Doubt,
+    Ends,
     Span,
     change_of,
     courses_of,
     ends_of,
-    nearest_hand_m,
     rest_of,
     unclear,
     unseen,
@@ -256,44 +257,59 @@ class _Finder:
 
     def _handlings(self, course: Course, stretch: _Stretch, span: Span) -> list[Handling]:
         """Those of one stretch: until each pause, and until the end."""
-        first_s = float(self._recording.times_s[0])
         turns = (stretch.turn,) if stretch.turn else ()
+        ends = self._ends(course, stretch, span)
+        whole, doubts = (ends.start_s, ends.end_s), [*ends.late, *ends.doubts, *unseen(course, turns)]
+        found = []
+        for pause_s in self._pauses(course, stretch, *whole):
+            how = f"{ends.start_how}; ends while {course.name} is held still, before it is moved on"
+            told = [*doubts, *unclear(course, ends.start_s, pause_s)]
+            told.append(Doubt(PAUSED, f"{stretch.agent} holds {course.name} still for a while, and moves it on"))
+            found.append(self._handling(course.name, stretch, (ends.start_s, pause_s), "held still", told, how))
+        if ends.end_s > ends.start_s and course.part(whole).moving:
+            how = f"{ends.start_how}; {ends.end_how}"
+            ending = self._ending(course, stretch, ends.end_s)
+            found.append(self._handling(course.name, stretch, whole, ending, doubts, how))
+        return found
+
+    def _ends(self, course: Course, stretch: _Stretch, span: Span) -> Ends:
+        """When one stretch starts and ends."""
+        if stretch.turn is None:
+            return self._ends_of_push(course, stretch, span)
         given = (stretch.given,) if stretch.given else ()
         within = (span[0], math.inf if stretch.given else span[1])
-        ends = ends_of(self._recording, course, turns, given, stretch.agent or "", within, self._settings)
-        start_s, start_how, end_s = ends.start_s, ends.start_how, ends.end_s
-        doubts = [*ends.late, *ends.doubts, *unseen(course, turns)]
-        if stretch.taken:
-            start_s, start_how = change_of(course, stretch.taken)[0], "starts when it changes hands"
-        elif stretch.turn is None:  # nothing but its motion tells
-            start_s = max(stretch.start_s - BEFORE_S, first_s, span[0])
-            start_how = f"starts {stretch.start_s - start_s:.2g} s before it is pushed"
-            rest = rest_of(course, after_s=stretch.start_s, until_s=span[1])
-            end_s = rest[0] if rest else float(self._recording.times_s[-1])
-            doubts = [*unclear(course, start_s, end_s)]
-            if rest is None:
-                doubts.append(Doubt(UNENDED, f"the recording ends before {course.name} has come to rest"))
-            if stretch.agent is None:
-                doubts.append(Doubt(0.0, f"nobody is seen to move {course.name}"))
-        if stretch.start_s <= first_s and stretch.turn is None:
+        ends = ends_of(self._recording, course, (stretch.turn,), given, stretch.turn.agent, within, self._settings)
+        if stretch.taken is None:
+            return ends
+        return replace(ends, start_s=change_of(course, stretch.taken)[0], start_how="starts when it changes hands")
+
+    def _ends_of_push(self, course: Course, stretch: _Stretch, span: Span) -> Ends:
+        """When a thing that nobody has is moved: nothing but its motion tells."""
+        first_s, last_s = (float(self._recording.times_s[each]) for each in (0, -1))
+        start_s = max(stretch.start_s - BEFORE_S, first_s, span[0])
+        start_how = f"starts {stretch.start_s - start_s:.2g} s before it is pushed"
+        end_s, end_how = rest_of(course, after_s=stretch.start_s, until_s=span[1]) or (
+            last_s,
+            "ends with the recording",
+        )
+        doubts = [*unclear(course, start_s, end_s)]
+        if end_s >= last_s:
+            doubts.append(Doubt(UNENDED, f"the recording ends before {course.name} has come to rest"))
+        if stretch.agent is None:
+            doubts.append(Doubt(0.0, f"nobody is seen to move {course.name}"))
+        if stretch.start_s <= first_s:
             doubts.append(Doubt(UNSEEN, f"{course.name} moves already when the recording begins"))
-        ending: Ending = "rests"
+        return Ends(start_s, start_how, end_s, end_how, (), tuple(doubts))
+
+    def _ending(self, course: Course, stretch: _Stretch, end_s: float) -> Ending:
+        """With what a stretch ends."""
         if stretch.given:
-            ending = "changes hands"
-        elif end_s >= self._recording.times_s[-1]:
-            ending = "recording ends"
-        elif stretch.turn and not rests_between(resting(course.placements), end_s - ROUNDING_S, end_s):
-            ending = "held still"
-        found = []
-        for pause_s in self._pauses(course, stretch, start_s, end_s):
-            how = f"{start_how}; ends while {course.name} is held still, before it is moved on"
-            told = [*doubts, *unclear(course, start_s, pause_s)]
-            told.append(Doubt(PAUSED, f"{stretch.agent} holds {course.name} still for a while, and moves it on"))
-            found.append(self._handling(course.name, stretch, (start_s, pause_s), "held still", told, how))
-        if end_s > start_s and course.part((start_s, end_s)).moving:
-            span_s = (start_s, end_s)
-            found.append(self._handling(course.name, stretch, span_s, ending, doubts, f"{start_how}; {ends.end_how}"))
-        return found
+            return "changes hands"
+        if end_s >= self._recording.times_s[-1]:
+            return "recording ends"
+        if stretch.turn and not rests_between(resting(course.placements), end_s - ROUNDING_S, end_s):
+            return "held still"
+        return "rests"
 
     def _pauses(self, course: Course, stretch: _Stretch, start_s: float, end_s: float) -> list[float]:
         """When within a stretch the thing has been still for a while, in hand, and is then moved on."""
@@ -307,8 +323,8 @@ class _Finder:
             if rests_between(rests, still.start_s, still.end_s):
                 continue
             later = [each for each in moving if still.end_s <= each.start_s < end_s]
-            moved_s = sum(min(each.end_s, still.start_s) - max(each.start_s, start_s) for each in moving
-                          if each.start_s < still.start_s and each.end_s > start_s)  # fmt: skip
+            before = course.part((start_s, still.start_s)).moving
+            moved_s = sum(min(each.end_s, still.start_s) - max(each.start_s, start_s) for each in before)
             away = self._way_m(course.name, (start_s, still.start_s)) >= AWAY_M or moved_s >= PAUSE_S
             if later and away:
                 found.append(still.start_s + PAUSE_S / 2)
@@ -320,10 +336,8 @@ class _Finder:
         doubt = min(doubts, key=lambda each: each.confidence, default=Doubt(1.0, ""))
         taker = stretch.given.taker if stretch.given and ending == "changes hands" else None
         targets = self._targets(name, stretch.agent, taker, span)
-        return Handling(
-            name, stretch.agent, targets, taker, *span, ending, (), doubt.confidence,
-            doubt.reason if doubt.confidence < 1.0 else "", how,
-        )  # fmt: skip
+        reason = doubt.reason if doubt.confidence < 1.0 else ""
+        return Handling(name, stretch.agent, targets, taker, *span, ending, (), doubt.confidence, reason, how)
 
     def _targets(self, name: str, performer: str | None, taker: str | None, span: Span) -> tuple[str, ...]:
         """The other agents: who takes the thing, then those whose eyes are at it, or who are looked at."""

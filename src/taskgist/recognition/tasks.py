@@ -281,7 +281,10 @@ def _known(evidence: Evidence, posterior: ClausePosterior, tree: HypothesisTree)
         counts = {value: own.of(bits).bit_count() for value, bits in having.items()}
         chance = {value: _share(bits, known, others, len(vocabulary.values)) for value, bits in having.items()}
         ratios[name] = FrozenMap(
-            {value: math.log((counts[value] + PSEUDO * chance[value]) / ((n + PSEUDO) * chance[value])) for value in having}
+            {
+                value: math.log((counts[value] + PSEUDO * chance[value]) / ((n + PSEUDO) * chance[value]))
+                for value in having
+            }
         )
         unseen[name] = math.log(PSEUDO / (n + PSEUDO))
         usual[name] = min(counts, key=lambda value: (-counts[value], value))
