@@ -29,6 +29,7 @@ from taskgist.world.state import State
 from taskgist_lab.evaluation.clause_learning import WRONG_SHARES, ClauseScores, learner_text
 from taskgist_lab.evaluation.experiments import CLAUSE, SETTINGS, Needs, Table, Transfer
 from taskgist_lab.evaluation.ordinary_rooms import Pair
+from taskgist_lab.evaluation.recognition import SHOWN_AFTER, RecognitionScores
 from taskgist_lab.evaluation.robustness import Comparison, Robustness
 from taskgist_lab.evaluation.values import Result
 from taskgist_lab.ordinary.rooms import LENGTH_M, SECOND_M, WIDTH_M, FurnishedRoom
@@ -189,6 +190,35 @@ def draw_clauses(found: ClauseScores) -> Figure:
     return figure
 
 
+def draw_recognition(found: RecognitionScores) -> Figure:
+    """How reliable probabilities are, what is recognised by demonstrations, and what is called none of the tasks."""
+    figure = Figure(figsize=(11.0, 4.0), layout="constrained")
+    reliable, right, none = figure.subplots(1, 3)
+    reliable.plot((0.0, 1.0), (0.0, 1.0), color=SOFT, linewidth=0.8)
+    after = SHOWN_AFTER if SHOWN_AFTER in found.sizes else found.sizes[-1]
+    places = range(len(found.sizes))
+    for name, colour in zip(found.recognisers, COLOURS, strict=False):
+        curve = found.curve(name, after)
+        reliable.plot([each.predicted for each in curve], [each.observed for each in curve], "-o", color=colour, ms=4)
+        rows = [found.row(name, size) for size in found.sizes]
+        right.plot(places, [each.right.mean for each in rows], "-o", color=colour, ms=4, label=name)
+        if all(each.unknown_none.mean is not None for each in rows):
+            none.plot(places, [each.unknown_none.mean for each in rows], "-o", color=colour, ms=4)
+        none.plot(places, [each.own_none.mean for each in rows], "--o", color=colour, ms=4)
+    reliable.set_xlabel(f"probability, after {after} demonstrations")
+    reliable.set_ylabel("how often it was so")
+    right.set_title("the most probable task is right", fontsize=10)
+    none.set_title("called none: unknown kinds (lines), own (dashed)", fontsize=10)
+    for panel in (right, none):
+        panel.set_xticks(places, [str(size) for size in found.sizes])
+        panel.set_xlabel("demonstrations of each task")
+    for panel in (reliable, right, none):
+        panel.set_ylim(-0.03, 1.03)
+        panel.grid(alpha=0.3)
+    figure.legend(*right.get_legend_handles_labels(), loc="outside upper center", ncols=4, frameon=False, fontsize=9)
+    return figure
+
+
 def _curves(axes: Axes, needs: Needs, task: str) -> None:
     whole = needs.row(task)
     counts = np.arange(1, len(whole.curve) + 1)
@@ -227,6 +257,7 @@ DRAWN: Mapping[type[Result], Callable[..., Figure]] = {
     Robustness: draw_robustness,
     Comparison: draw_comparison,
     ClauseScores: draw_clauses,
+    RecognitionScores: draw_recognition,
 }
 """What pictures each kind of result."""
 

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from taskgist.cli.clauses import explain_clauses
 from taskgist.cli.common import KNOWLEDGE, JsonOption, KnowledgeOption, about, command, console, print_json
+from taskgist.cli.contrast import contrast_between, contrast_document, print_contrast
 from taskgist.common.text import clean_name
 from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.predicates import with_predicates
@@ -175,6 +176,9 @@ def explain(
     rule: Annotated[
         str, typer.Option(help="How to learn: paper (what demonstrations agree in) or bayes (what is no chance).")
     ] = PAPER,
+    other: Annotated[
+        str | None, typer.Option("--contrast", help="Only: what tells the task from this other one.")
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Explain what a task means, and why.
@@ -188,6 +192,9 @@ def explain(
     have not; how often each part of it holds here and by chance; what is nearly as good; and which demonstrations look
     odd. It learns from the first demonstration on, bears wrong ones, and gets better with each further task.
 
+    With --contrast: what tells the task from another one, as in "why is this a hide, and no put away?": which parts of
+    their effects hold in how many of the demonstrations of either, and how much that says.
+
     Example: taskgist explain give -k knowledge.db
 
     Example: taskgist explain give --rule bayes
@@ -195,24 +202,26 @@ def explain(
     Example: taskgist explain give --of performer
 
     Example: taskgist explain give --why see.class
+
+    Example: taskgist explain hide --contrast "put away"
     """
     whose = tree_of(of)
     if band not in BANDS:
         raise UnknownNameError("band", band, BANDS)
     if rule not in RULES:
         raise UnknownNameError("rule", rule, RULES)
-    if rule == BAYES and node is not None:
-        hint = "leave out --rule, or --why: each part of a clause is told with what speaks for it"
-        raise KnowledgeError("asks for a verdict of the paper's rule", field="--why", value=node, hint=hint)
+    _check_together(task, node, rule, other)
     tree = with_predicates(STANDARD_TREE)
     from taskgist.store.address import shown  # with sqlalchemy, which only knowledge should wait for
     from taskgist.store.database import load
 
-    if node is not None and task is None:
-        raise KnowledgeError("of which task?", field="--why", value=node, hint="taskgist explain TASK --why NODE")
     known = load(knowledge, expected=Context.of(DEFAULT, tree))
     if task is None:
         _list_tasks(known, as_json=as_json)
+        return
+    if other is not None:
+        between = contrast_between(known, shown(knowledge), task, other, tree, whose)
+        print_json(contrast_document(between, tree)) if as_json else print_contrast(between, tree)
         return
     if rule == BAYES:
         explain_clauses(known, shown(knowledge), task, tree, whose, as_json=as_json)
@@ -226,6 +235,21 @@ def explain(
         print_json(understanding_document(understanding))
     else:
         print_understanding(understanding)
+
+
+def _check_together(task: str | None, node: str | None, rule: str, other: str | None) -> None:
+    """Refuse options that ask for different things, or for something of no task."""
+    if node is not None and task is None:
+        raise KnowledgeError("of which task?", field="--why", value=node, hint="taskgist explain TASK --why NODE")
+    if other is not None and task is None:
+        hint = "taskgist explain TASK --contrast OTHER"
+        raise KnowledgeError("of which task?", field="--contrast", value=other, hint=hint)
+    if rule == BAYES and node is not None:
+        hint = "leave out --rule, or --why: each part of a clause is told with what speaks for it"
+        raise KnowledgeError("asks for a verdict of the paper's rule", field="--why", value=node, hint=hint)
+    if other is not None and node is not None:
+        hint = "leave out one of them: --contrast tells two tasks apart, --why is about one"
+        raise KnowledgeError("asks for something else", field="--why", value=node, hint=hint)
 
 
 def _list_tasks(known: Knowledge, *, as_json: bool) -> None:

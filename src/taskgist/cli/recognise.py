@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -22,28 +23,19 @@ from taskgist.cli.common import (
     print_json,
     progress_bar,
 )
+from taskgist.cli.contrast import contrast_between, contrast_document_in, print_contrast_in, truth, two_tasks
 from taskgist.cli.found import files
 from taskgist.cli.many import Outcome, Refused, exit_code, one_by_one, print_table
-from taskgist.common.text import clean_name, one_or_list
+from taskgist.common.text import one_or_list
 from taskgist.common.workers import Progress, silent
-from taskgist.errors import KnowledgeError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
-from taskgist.facts.tree import HypothesisTree, TreeOf, tree_of
-from taskgist.facts.values import UNKNOWN, Unknown
+from taskgist.facts.tree import HypothesisTree, tree_of
+from taskgist.language.clauses import truth_of
 from taskgist.language.phrases import listed
-from taskgist.language.recognition import (
-    decided,
-    literal_reason,
-    named,
-    percent,
-    truth_of,
-    unlike_reason,
-    weighed_reason,
-)
-from taskgist.learning.contrast import Contrast, contrast
+from taskgist.language.recognition import circumstance_reason, literal_reason, named, percent
+from taskgist.learning.contrast import Contrast
 from taskgist.learning.explanation import Context
-from taskgist.learning.knowledge import Knowledge
 from taskgist.pipeline.recognise import RecognisedEpisode, TaskRecogniser
 from taskgist.recognition.tasks import Recognised, TaskProbability
 from taskgist.recording.mcap import read
@@ -75,8 +67,8 @@ def recognise(
     in any recording nothing known is recognised. Of several recordings a table is printed; those that cannot be read
     stand there with the reason, and the exit code is 2.
 
-    With --contrast: which literals decide between two tasks in this recording, and how much more often each holds in the
-    demonstrations of the one than of the other.
+    With --contrast: which literals decide between two tasks in this recording, and how often each holds in the
+    demonstrations of either.
 
     Example: taskgist recognise handover.mcap -k knowledge.db
 
@@ -93,7 +85,9 @@ def recognise(
     from taskgist.store.database import load
 
     known = load(knowledge, expected=Context.of(DEFAULT, tree))
-    between = contrast_between(known, contrasted, tree, whose) if contrasted is not None else None
+    between = None
+    if contrasted is not None:
+        between = contrast_between(known, shown(knowledge), *two_tasks(contrasted), tree, whose)
     with about(shown(knowledge)):
         recogniser = TaskRecogniser.of(known, tree)
     paths = files(recordings, suffix=".mcap")
@@ -106,38 +100,26 @@ def recognise(
         with progress_bar(quiet=as_json) as progress:
             found = recognised(0, progress)
         if as_json:
-            print_json(_document(paths[0], found, between))
+            print_json(_document(paths[0], found, between, tree))
         else:
             for each in found:
-                _print(each, between, why=why)
+                _print(each, between, tree, why=why)
         return OK if _any_known(found) else FAILED
     outcomes: list[Outcome[Found]] = [*one_by_one(paths, recognised, "recognising", quiet=as_json)]
     if as_json:
         print_json(
             [
+<<<<<<< HEAD
                 each.document() if isinstance(each, Refused) else _document(each.path, each.result, between)
+=======
+                each.document() if isinstance(each, Refused) else _document(each.path, each.result, between, tree)
+>>>>>>> recognise
                 for each in outcomes
             ]
         )
     else:
         print_table(outcomes, ("for", "with", "start", "end", "recognised", "labelled"), _cells, "looked at")
     return exit_code(outcomes, good=_any_known)
-
-
-def contrast_between(known: Knowledge, names: str, tree: HypothesisTree, of: TreeOf) -> Contrast:
-    """What tells two tasks apart, given as ``"hide,put away"``, however they are spelled.
-
-    Raises:
-        KnowledgeError: These are not two.
-        UnknownNameError: One of them is not known.
-    """
-    tasks = [name.strip() for name in names.split(",")]
-    if len(tasks) != 2:
-        hint = 'give two, with a comma between them: --contrast "hide,put away"'
-        raise KnowledgeError("not two tasks", field="--contrast", value=names, hint=hint)
-    with about("", {"contrast": "--contrast"}):
-        first, second = (name if name in known.tasks else clean_name(name) for name in tasks)
-        return contrast(known, first, second, tree, of)
 
 
 def _any_known(found: Found) -> bool:
@@ -154,7 +136,7 @@ def _cells(found: Found) -> list[str | Text]:
     return [listed(label.watched), listed(label.target_objects), *times, told, said]
 
 
-def _print(found: RecognisedEpisode, between: Contrast | None, *, why: bool) -> None:
+def _print(found: RecognisedEpisode, between: Contrast | None, tree: HypothesisTree, *, why: bool) -> None:
     label = found.label
     targets = f", for {listed(label.target_agents)}" if label.target_agents else ""
     said = "no label: proposed from the facts" if found.proposed else f"labelled {label.task}"
@@ -172,34 +154,25 @@ def _print(found: RecognisedEpisode, between: Contrast | None, *, why: bool) -> 
     style = "bold" if recognised.best is None else ""
     console.print(Text(f"  {percent(recognised.none):>6}  none of these", style))
     if between is not None:
-        _print_contrast(between, found)
+        print_contrast_in(between, found.explanation.nodes, tree)
 
 
 def _print_why(each: TaskProbability) -> None:
     console.print(Text(f"          what it is about {truth_of(each.holds)}:"))
     for literal in each.literals:
         console.print(Text(f"            {literal_reason(literal)}"))
-    if each.unlike:
-        console.print("          unlike its demonstrations:")
-        for node in each.unlike:
-            console.print(Text(f"            {unlike_reason(node)}"))
-
-
-def _print_contrast(between: Contrast, found: RecognisedEpisode) -> None:
-    weighed = between.weigh(found.explanation.nodes)
-    console.print(Text(f"{between.first} or {between.second}? {decided(between, weighed)}", "bold"))
-    for each in weighed:
-        console.print(Text(f"  {weighed_reason(each, between)}"))
+    if each.least_typical:
+        console.print(Text(f"          least typical: {circumstance_reason(each.least_typical)}"))
 
 
 # --- The same as plain data.
 
 
-def _document(path: Path, found: Found, between: Contrast | None) -> dict[str, Any]:
-    return {"recording": str(path), "episodes": [_episode(each, between) for each in found]}
+def _document(path: Path, found: Found, between: Contrast | None, tree: HypothesisTree) -> dict[str, Any]:
+    return {"recording": str(path), "episodes": [_episode(each, between, tree) for each in found]}
 
 
-def _episode(found: RecognisedEpisode, between: Contrast | None) -> dict[str, Any]:
+def _episode(found: RecognisedEpisode, between: Contrast | None, tree: HypothesisTree) -> dict[str, Any]:
     label = found.label
     return {
         "performing_agent": label.performing_agent,
@@ -211,7 +184,7 @@ def _episode(found: RecognisedEpisode, between: Contrast | None) -> dict[str, An
         "labelled": found.named,
         "learned_from": found.learned_from,
         **recognised_document(found.recognised),
-        **({"contrast": _weighed_document(between, found)} if between else {}),
+        **({"contrast": contrast_document_in(between, found.explanation.nodes, tree)} if between else {}),
     }
 
 
@@ -229,9 +202,9 @@ def _task(each: TaskProbability) -> dict[str, Any]:
         "task": each.task,
         "probability": each.probability,
         "meaning": each.meaning,
-        "circumstances": each.circumstances,
-        "holds": _truth(each.holds),
+        "holds": truth(each.holds),
         "literals": [
+<<<<<<< HEAD
             {**literal_document(one.literal), "holds": _truth(one.holds), "weight": one.weight} for one in each.literals
         ],
         "unlike": [
@@ -278,5 +251,9 @@ def _weighed_document(between: Contrast, found: RecognisedEpisode) -> dict[str, 
                 "weight": each.weight,
             }
             for each in weighed
+=======
+            {**literal_document(one.literal), "holds": truth(one.holds), "weight": one.weight} for one in each.literals
+>>>>>>> recognise
         ],
+        "least_typical": asdict(each.least_typical) if each.least_typical else None,
     }

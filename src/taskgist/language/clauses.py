@@ -1,10 +1,16 @@
-"""Sentences on whole clauses: what speaks for each literal, and what it was compared with."""
+"""Sentences on whole clauses: what speaks for each literal, what it was compared with, what tells two tasks apart."""
 
 from __future__ import annotations
 
-from taskgist.language.phrases import listed
+import math
+
+from taskgist.facts.tree import HypothesisTree
+from taskgist.facts.values import UNKNOWN, Unknown
+from taskgist.language.phrases import listed, phrase
 from taskgist.learning.background import NEUTRAL
 from taskgist.learning.clauses import ClausePosterior, Support
+from taskgist.learning.contrast import Contrast, Contrasted, Weighed
+from taskgist.learning.literals import SetLiteral
 from taskgist.learning.task_clauses import Odd
 
 
@@ -36,3 +42,67 @@ def oddness(odd: Odd) -> str:
     if odd.looks_like:
         return f"{name} looks like {listed([repr(task) for task in odd.looks_like], 'or')}: is its label right?"
     return f"{name} is not like the others: was it done as it should be?"
+
+
+# --- What tells one task from another.
+
+
+def truth_of(holds: bool | Unknown) -> str:
+    """Whether something holds, in a word."""
+    return "is unknown" if holds is UNKNOWN else "holds" if holds else "does not hold"
+
+
+def contrasted_reason(each: Contrasted, contrast: Contrast) -> str:
+    """How often a literal holds in two tasks: ``"(…)   in 9 of 10 of hide, in 0 of 10 of put away"``."""
+    counts = ((each.first, contrast.first), (each.second, contrast.second))
+    return f"{each.literal}   {', '.join(f'in {hits} of {known} of {task}' for (hits, known), task in counts)}"
+
+
+def likelier(each: Contrasted, contrast: Contrast) -> tuple[str, str]:
+    """What a literal says where it holds, and where it does not: ``"where it holds: hide, 12 times as likely"``."""
+    told = []
+    for holds, where in ((True, "where it holds"), (False, "where it does not")):
+        weight = each.weight(holds)
+        told.append(f"{where}: {times(weight)} as likely {contrast.first if weight > 0 else contrast.second}")
+    return told[0], told[1]
+
+
+def weighed_reason(each: Weighed, contrast: Contrast) -> str:
+    """What a literal of a contrast says of an episode."""
+    told = f"{contrasted_reason(each.contrasted, contrast)}: {truth_of(each.holds)} here"
+    if not each.weight:
+        return told
+    task = contrast.first if each.weight > 0 else contrast.second
+    return f"{told}, {times(each.weight)} as likely {task}"
+
+
+def decided(contrast: Contrast, weighed: tuple[Weighed, ...], tree: HypothesisTree) -> str:
+    """Which of two tasks an episode is the more like, in one sentence in plain words."""
+    total = math.fsum(each.weight for each in weighed)
+    if abs(total) < math.log(2.0):
+        return f"it is as much like {contrast.first} as like {contrast.second}"
+    like, unlike = (contrast.first, contrast.second) if total > 0 else (contrast.second, contrast.first)
+    speaking = [each for each in weighed if each.weight * total > 0]
+    because = [
+        ("" if each.holds else "it is not so that ") + plainly(each.contrasted.literal, tree) for each in speaking[:2]
+    ]
+    return f"it is like {like} rather than {unlike}: {listed(because)}"
+
+
+def plainly(literal: SetLiteral, tree: HypothesisTree) -> str:
+    """What a literal says in plain words: ``"the object ends on a support"``; "it" is the agent whose tree it is."""
+    node = tree.node(literal.node)
+    told = [phrase(node, value) for value in literal.values]
+    if literal.bound == "≤":
+        return f"{told[-1]}, or less"
+    if literal.bound == "≥":
+        return f"{told[0]}, or more"
+    if literal.bound == "to":
+        return f"{told[0]}, or more, but no more than that {told[-1]}"
+    return f"it is not so that {told[0]}" if literal.but else told[0]
+
+
+def times(weight: float) -> str:
+    """A weight as a factor: ``"12 times"``, ``"1.4 times"``."""
+    factor = math.exp(abs(weight))
+    return f"{factor:.0f} times" if factor >= 10 else f"{factor:.1f} times"

@@ -3,7 +3,7 @@ from .clauses import Support as Support
 from .clauses import WeighedClause as WeighedClause
 from .clauses import learn_clauses as learn_clauses
 from .contrast import Contrast as Contrast
-from .contrast import contrast as contrast_of
+from .contrast import contrast_of as contrast_of
 from .estimate import Band as Band
 from .estimate import Estimate as Estimate
 from .estimate import Rule as Rule

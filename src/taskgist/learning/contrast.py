@@ -95,7 +95,7 @@ class Contrast:
         return tuple(sorted(found, key=lambda each: (-round(abs(each.weight), EQUAL), each.contrasted.literal.order)))
 
 
-def contrast(
+def contrast_of(
     knowledge: Knowledge, first: str, second: str, tree: HypothesisTree = STANDARD_TREE, of: TreeOf = "target"
 ) -> Contrast:
     """What tells two known tasks apart.
@@ -116,8 +116,8 @@ def contrast(
         hint = f"name another one (known: {', '.join(knowledge.tasks)})"
         raise KnowledgeError("a task has no contrast with itself", field="contrast", value=second, hint=hint)
     if own.tree_of != other.tree_of:
-        told = {"target": "its target agents", "performer": "who performs it"}
-        problem = f"{own.task!r} is known for {told[own.tree_of]}, {other.task!r} for {told[other.tree_of]}"
+        whose = {"target": "its target agents", "performer": "who performs it"}
+        problem = f"{own.task!r} is known for {whose[own.tree_of]}, {other.task!r} for {whose[other.tree_of]}"
         raise KnowledgeError(problem, field="contrast", value=second, hint="learn both in the same trees: learn --of")
     evidence = evidence_of([own, other])
     best: dict[str, Contrasted] = {}
@@ -141,7 +141,7 @@ def _order(each: Contrasted) -> tuple[float, float, tuple[str, bool, tuple[str, 
 def _candidates(
     evidence: Evidence, first: str, second: str, tree: HypothesisTree
 ) -> Iterator[tuple[Contrasted, tuple[int, int]]]:
-    """Each literal of a value that was seen in either task, how often it holds in both, and where it holds and fails."""
+    """Each literal of a value seen in either task, how often it holds in both, and where it holds and fails."""
     kinds = evidence.kind(first), evidence.kind(second)
     for vocabulary in vocabularies(tree):
         seen = evidence.seen(vocabulary.node.name, first) | evidence.seen(vocabulary.node.name, second)

@@ -46,29 +46,34 @@ def learn_task(
         UnknownNameError: The task is not known.
         KnowledgeError: It is not known of who performs it.
     """
+    evidence = task_evidence(knowledge, task, of, background)
+    return learn_clauses(evidence, task, tree, told_of(knowledge, task, of=of))
+
+
+def task_evidence(
+    knowledge: Knowledge, task: str, of: TreeOf = "target", background: Background | None = None
+) -> Evidence:
+    """The demonstrations of a task beside all that it is compared with; arguments and errors as ``learn_task``."""
     own = knowledge.experience(task, of)
-    return learn_clauses(compared_with(knowledge, own, background), own.task, tree, told_of(knowledge, own))
-
-
-def compared_with(knowledge: Knowledge, own: Experience, background: Background | None = None) -> Evidence:
-    """The evidence of a task and of all that it is compared with: other tasks, and neutral manipulations.
-
-    Args:
-        knowledge: What is known.
-        own: Experience of the task, in the trees that are meant.
-        background: Neutral manipulations, as ``learn_task``.
-    """
     neutral = background or shipped_background()
-    others = [each for (name, of), each in knowledge.experiences.items() if of == own.tree_of and name != own.task]
+    others = [each for (name, whose), each in knowledge.experiences.items() if whose == own.tree_of and name != task]
     comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
     return evidence_of([own, *others], neutral.kinds if comparable else {})
 
 
+<<<<<<< HEAD
 def told_of(knowledge: Knowledge, own: Experience) -> Told:
     """What the answers that are in force fix of a task."""
     return _told(
         own, in_force(each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of))
     )
+=======
+def told_of(knowledge: Knowledge, task: str, *, of: TreeOf = "target") -> Told:
+    """What the answers that are in force fix of a task; arguments and errors as ``learn_task``."""
+    own = knowledge.experience(task, of)
+    key = own.task, own.tree_of
+    return _told(own, in_force(each for each in knowledge.answers if (each.task, each.tree_of) == key))
+>>>>>>> recognise
 
 
 def _told(own: Experience, answers: Mapping[str, Answer]) -> Told:

@@ -1,7 +1,7 @@
 """From recordings to tasks: what was done in each episode, for whom, with which thing.
 
 An episode is told by a label, whose task plays no part: when something is done, by whom, for whom and with what. The
-facts at both ends are explained as a demonstration's are, and the known tasks are asked for with them (``recognition``).
+facts at both ends are explained as a demonstration's are, and the known tasks are asked for with them.
 """
 
 from __future__ import annotations

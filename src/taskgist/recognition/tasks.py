@@ -1,23 +1,27 @@
 """Which of the known tasks was performed? Each with a probability of its own, and that it was none of them.
 
-**The question.** Whoever hides a thing away hides it, too, so several tasks may be right at once; and most of what
-people do all day is none of the tasks that somebody taught. So each task is asked for by itself: how much better are
-the facts of an episode explained by *this is the task* than by *this is something else*?
+**The question.** Who hides a thing away hides it, too, so several tasks may be right at once; and most of what people
+do all day is none of the tasks that somebody taught. So each task is asked for by itself: are the facts of an episode
+better explained by *this is the task*, or by *this is something else*?
 
-**Two voices**, both likelihood ratios that are learned from the same experience (``learning.task_clauses``):
+**The meaning speaks for a task.** A clause that holds in k of the task's n demonstrations, and in a share θ of the
+background, holds in the next demonstration with probability p = (k + b) / (n + a + b), slips being Beta(a, b)
+(``learning.clauses``). Where it holds, the likelihood ratio is p / θ; where it fails, (1 − p) / (1 − θ); where that is
+unknown, 1. The forty best clauses vote with their posterior weights: the mean of their ratios counts.
 
-- *The meaning.* A clause that holds in k of the task's n demonstrations, and in a share θ of the background, holds in
-  the next demonstration with probability p = (k + b) / (n + a + b). Where it holds, the ratio is p / θ; where it fails,
-  (1 − p) / (1 − θ); where it is unknown, 1. The ratios of the forty best clauses are averaged by their weights.
-- *The circumstances.* A task's demonstrations also agree in what says nothing about its meaning: the thing rests in the
-  end, nobody stands up. For each node, v the value there, the ratio is (h + m θ) / ((n + m) θ), where h of n
-  demonstrations had v and a share θ of the background has it: the m-estimate (Eq. 27) whose prior is what is usual.
-  To have what is usual says almost nothing; to lack what always was so says much. Nodes of one subtree repeat
-  each other, so the logarithms are averaged over the nodes of a subtree and added over the subtrees.
+**The least typical circumstance speaks against it.** A clause is compared with what is known, and a manipulation of a
+kind that nobody has seen may fulfil it: who lifts a thing up may make it easier to see, and shows it to nobody. But
+demonstrations of a task also agree in what is no part of its meaning: the thing comes to rest, the posture stays. For
+each node with value v the ratio is (h + m θ) / ((n + m) θ), where h of the task's n demonstrations had v and a share θ
+of the background has it: the m-estimate (Eq. 27) whose prior is what is usual, m = 2. To have what is usual says
+hardly anything, to lack what always was so says much. The nodes of one subtree repeat each other, so their logarithms
+are averaged; and subtrees depend on each other, so they are not added: the one that speaks most against counts, and
+what speaks for the task does not.
 
-**The probability.** With the prior odds of a task, the odds of task t are o(t) = prior · meaning · circumstances, its
-probability o / (1 + o); and that it is none of n known tasks is 1 / (1 + o(1) + … + o(n)): something else, or one of
-them.
+**The probability.** With the prior odds π of a task, its odds are o = π · meaning · least typical circumstance, and its
+probability is o / (1 + o). That it is none of n known tasks has probability 1 / (1 + o₁ + … + oₙ): it is something else
+or one of them, each weighing as its odds; so it is never more than what is left by the most probable one. π is the one
+number that was fitted (``PRIOR_ODDS``). Figures stand in docs/howto/recognition.md.
 """
 
 from __future__ import annotations
@@ -32,26 +36,39 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, Nodes, TreeOf
 from taskgist.facts.values import UNKNOWN, Unknown
 from taskgist.learning.background import Background
-from taskgist.learning.clauses import SLIPS, SMOOTHING, ClausePosterior, Support, WeighedClause, learn_clauses
+from taskgist.learning.clauses import (
+    NOTHING_TOLD,
+    SLIPS,
+    SMOOTHING,
+    ClausePosterior,
+    Support,
+    Told,
+    WeighedClause,
+    learn_clauses,
+)
 from taskgist.learning.evidence import Evidence, Kind
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.literals import SetLiteral, vocabularies
-from taskgist.learning.task_clauses import compared_with, told_of
+from taskgist.learning.task_clauses import LIKELY, task_evidence, told_of
 
-PRIOR_ODDS = 0.25
-MEANING, CIRCUMSTANCES = 1.0, 1.0
+PRIOR_ODDS = 0.7
+"""π: fitted on generated demonstrations of seed 101 (``taskgist evaluate recognition``): the log loss after 3 to 15
+demonstrations of each of six tasks is within 0.02 of its least, and 3 % of what is a task are called none."""
 PSEUDO = 2.0
+"""m of the m-estimate of how often a task's demonstrations have a value: as a + b of the paper's default."""
+LEAST_LN_ODDS = -30.0
+"""Log odds are kept within ± 30: nothing is certain."""
 
 
 @dataclass(frozen=True)
 class LiteralWeight:
-    """What one literal says about an episode.
+    """What one literal of a task's clause says about an episode.
 
     Args:
         literal: The literal.
         holds: Whether it holds there.
-        weight: Natural logarithm of how much more often it holds, or fails, in the task's demonstrations than by
-            chance; 0 where it is unknown.
+        weight: Natural logarithm of how much more often it holds, or fails, in the task's demonstrations than
+            elsewhere; 0 where it is unknown.
     """
 
     literal: SetLiteral
@@ -60,15 +77,15 @@ class LiteralWeight:
 
 
 @dataclass(frozen=True)
-class NodeWeight:
-    """What one circumstance says about an episode.
+class Circumstance:
+    """How typical of a task the values of one subtree are.
 
     Args:
-        node: Name of the node.
+        node: The node of the subtree that is least typical.
         title: Its title.
         value: Its value in the episode.
-        usual: The value that the task's demonstrations mostly have.
-        weight: Natural logarithm of its likelihood ratio, as it counts.
+        usual: The value that the task's demonstrations have most often.
+        weight: Natural logarithm of the likelihood ratio, the mean over the subtree's nodes.
     """
 
     node: str
@@ -84,18 +101,17 @@ class TaskProbability:
 
     task: str
     probability: float
+    odds: float
     clause: WeighedClause
     """The task's best clause."""
     holds: bool | Unknown
     """Whether it holds in the episode."""
     literals: tuple[LiteralWeight, ...]
-    """Those of the clause, each by itself."""
+    """Those of the best clause, each by itself."""
     meaning: float
-    """Natural logarithm of the likelihood ratio of all clauses, as it counts."""
-    circumstances: float
-    """That of the circumstances."""
-    unlike: tuple[NodeWeight, ...]
-    """Circumstances that speak against the task by ``WORTH_A_WORD`` or more, the strongest first."""
+    """Natural logarithm of the likelihood ratio of what the task is about."""
+    least_typical: Circumstance | None
+    """The circumstance that speaks most against the task; None where none does."""
 
 
 @dataclass(frozen=True)
@@ -109,39 +125,24 @@ class Recognised:
 
     @property
     def best(self) -> TaskProbability | None:
-        """The most probable task; None where none of them is more probable than the most probable one."""
-        first = self.tasks[0]
-        return first if first.probability > self.none else None
+        """The most probable task; None where it is more probably none of them than that one."""
+        return self.tasks[0] if self.tasks[0].probability > self.none else None
 
     @property
     def likely(self) -> tuple[TaskProbability, ...]:
         """The tasks that are more probable than not."""
-        return tuple(each for each in self.tasks if each.probability > 0.5)
-
-
-@dataclass(frozen=True)
-class _Known:
-    """What is known of one task: its clauses, each literal's support, and how much each value of a node says."""
-
-    posterior: ClausePosterior
-    circumstances: FrozenMap[str, FrozenMap[str, float]]
-    """By node and value: logarithms of likelihood ratios."""
-    unseen: FrozenMap[str, float]
-    """By node: that of a value that nothing known has ever had."""
-    usual: FrozenMap[str, str]
-    """By node: the most frequent value."""
-
-
-WORTH_A_WORD = 0.3
-"""Weight of a circumstance from which on it is told."""
+        return tuple(each for each in self.tasks if each.probability > LIKELY)
 
 
 @dataclass(frozen=True)
 class Recogniser:
-    """Known tasks, each learned once."""
+    """Known tasks, each learned once.
 
-    known: tuple[_Known, ...]
-    tree: HypothesisTree
+    Args:
+        known: What is known of each, sorted by name.
+    """
+
+    known: tuple[KnownTask, ...]
 
     @classmethod
     def of(
@@ -156,27 +157,28 @@ class Recogniser:
         Args:
             knowledge: What is known.
             tree: Whose effects clauses are about.
-            of: Whose trees: those of target agents, or of who performs.
+            of: In whose trees: those of target agents, or of who performs.
             background: Neutral manipulations, as ``learn_task``.
 
         Raises:
-            KnowledgeError: No task is known in the trees of these agents, or one alone and nothing to compare it with.
+            KnowledgeError: No task is known in these trees, or one alone and there is nothing to compare it with.
         """
-        own = [each for (_, whose), each in sorted(knowledge.experiences.items()) if whose == of]
+        own = [task for task, whose in sorted(knowledge.experiences) if whose == of]
         if not own:
-            raise KnowledgeError(f"no task is known for {of} agents", hint="learn some first: taskgist learn --help")
+            others = "learn tasks first: taskgist learn --help; or ask in the trees of other agents (of)"
+            raise KnowledgeError("no task is known in the trees of these agents", field="of", value=of, hint=others)
         known = []
-        for experience in own:
-            evidence = compared_with(knowledge, experience, background)
+        for task in own:
+            evidence = task_evidence(knowledge, task, of, background)
             if len(evidence.kinds) == 1:
                 raise KnowledgeError(
                     "there is nothing to compare it with",
-                    where=f"task {experience.task}",
-                    hint="learn another task as well; neutral manipulations are known for the standard tree and settings",
+                    where=f"task {task}",
+                    hint="learn another task as well: the neutral manipulations that are shipped are known for "
+                    "target agents, with the standard tree and settings",
                 )
-            posterior = learn_clauses(evidence, experience.task, tree, told_of(knowledge, experience))
-            known.append(_known(evidence, posterior, tree))
-        return cls(tuple(known), tree)
+            known.append(KnownTask.of(evidence, task, tree, told_of(knowledge, task, of=of)))
+        return cls(tuple(known))
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -189,46 +191,80 @@ class Recogniser:
         Args:
             nodes: Values of the tree's nodes; what is missing or unknown says nothing.
         """
-        found = [self._probability(each, nodes) for each in self.known]
-        odds = math.fsum(each.probability / (1.0 - each.probability) for each in found)
-        ordered = sorted(found, key=lambda each: (-each.probability, each.task))
-        return Recognised(tuple(ordered), 1.0 / (1.0 + odds))
+        found = sorted((each.recognised(nodes) for each in self.known), key=lambda each: (-each.odds, each.task))
+        return Recognised(tuple(found), 1.0 / (1.0 + math.fsum(each.odds for each in found)))
 
-    def _probability(self, known: _Known, nodes: Nodes) -> TaskProbability:
-        posterior = known.posterior
-        meaning = MEANING * meaning_of(posterior, nodes)
-        weights = self._circumstances(known, nodes)
-        circumstances = CIRCUMSTANCES * math.fsum(each.weight for each in weights)
-        log_odds = math.log(PRIOR_ODDS) + meaning + circumstances
-        against = sorted((w for w in weights if w.weight <= -WORTH_A_WORD), key=lambda each: (each.weight, each.node))
+
+@dataclass(frozen=True)
+class KnownTask:
+    """What is known of one task.
+
+    Args:
+        posterior: What it is about.
+        typical: Of each node, how typical its values are.
+    """
+
+    posterior: ClausePosterior
+    typical: tuple[TypicalNode, ...]
+
+    @classmethod
+    def of(
+        cls, evidence: Evidence, task: str, tree: HypothesisTree = STANDARD_TREE, told: Told = NOTHING_TOLD
+    ) -> KnownTask:
+        """What is known of a task; arguments and errors as ``learn_clauses``."""
+        return cls(learn_clauses(evidence, task, tree, told), _typical(evidence, task, tree))
+
+    def recognised(self, nodes: Nodes) -> TaskProbability:
+        """How probable it is that an episode is a demonstration of it; ``nodes`` as ``Recogniser.recognise``."""
+        best = self.posterior.best
+        meaning, against = meaning_of(self.posterior, nodes), self._least_typical(nodes)
+        ln_odds = math.log(PRIOR_ODDS) + meaning + (against.weight if against else 0.0)
+        odds = math.exp(min(max(ln_odds, LEAST_LN_ODDS), -LEAST_LN_ODDS))
+        truths = [(each, each.literal.holds(nodes)) for each in self.posterior.alone]
         return TaskProbability(
-            posterior.task,
-            1.0 / (1.0 + math.exp(-min(max(log_odds, -30.0), 30.0))),
-            posterior.best,
-            posterior.best.holds(nodes),
-            tuple(
-                LiteralWeight(each.literal, truth, ln_ratio(each.support, truth))
-                for each in posterior.alone
-                for truth in (each.literal.holds(nodes),)
-            ),
-            meaning,
-            circumstances,
-            tuple(against),
+            task=self.posterior.task,
+            probability=odds / (1.0 + odds),
+            odds=odds,
+            clause=best,
+            holds=best.holds(nodes),
+            literals=tuple(LiteralWeight(each.literal, truth, ln_ratio(each.support, truth)) for each, truth in truths),
+            meaning=meaning,
+            least_typical=against,
         )
 
-    def _circumstances(self, known: _Known, nodes: Nodes) -> list[NodeWeight]:
-        found: dict[str, list[tuple[str, str, str, float]]] = {}
-        for vocabulary in vocabularies(self.tree):
-            name = vocabulary.node.name
-            if name not in nodes or isinstance(value := nodes[name].value, Unknown) or name not in known.usual:
-                continue
-            ratio = known.circumstances[name].get(value, known.unseen[name])
-            found.setdefault(name.partition(".")[0], []).append((name, vocabulary.node.title, value, ratio))
-        return [
-            NodeWeight(name, title, value, known.usual[name], ratio / len(group))
-            for group in found.values()
-            for name, title, value, ratio in group
-        ]
+    def _least_typical(self, nodes: Nodes) -> Circumstance | None:
+        by_subtree: dict[str, list[Circumstance]] = {}
+        for each in self.typical:
+            if each.node in nodes and not isinstance(value := nodes[each.node].value, Unknown):
+                weight = each.weights.get(value, each.unseen)
+                found = Circumstance(each.node, each.title, value, each.usual, weight)
+                by_subtree.setdefault(each.node.partition(".")[0], []).append(found)
+        least: Circumstance | None = None
+        for group in by_subtree.values():
+            mean = math.fsum(each.weight for each in group) / len(group)
+            if mean < (least.weight if least else 0.0):
+                told = min(group, key=lambda each: each.weight)
+                least = Circumstance(told.node, told.title, told.value, told.usual, mean)
+        return least
+
+
+@dataclass(frozen=True)
+class TypicalNode:
+    """How typical of a task the values of a node are.
+
+    Args:
+        node: Its name.
+        title: Its title.
+        weights: By value, the natural logarithm of how much more often the task's demonstrations have it than others.
+        unseen: That of a value that nothing known has had.
+        usual: The value that the task's demonstrations have most often.
+    """
+
+    node: str
+    title: str
+    weights: FrozenMap[str, float]
+    unseen: float
+    usual: str
 
 
 def ln_ratio(support: Support, truth: bool | Unknown, slips: tuple[int, int] = SLIPS) -> float:
@@ -236,63 +272,51 @@ def ln_ratio(support: Support, truth: bool | Unknown, slips: tuple[int, int] = S
 
     Args:
         support: How often it holds.
-        truth: Whether it holds now; 0 is the answer where that is unknown.
+        truth: Whether it holds now; where that is unknown, the answer is 0.
         slips: Parameters (a, b) of the rate of slips.
     """
     a, b = slips
-    if truth is UNKNOWN or not 0.0 < support.chance < 1.0:
+    if truth is UNKNOWN or support.chance >= 1.0:  # the empty clause holds everywhere and says nothing
         return 0.0
     rate = (support.k + b) / (support.n + a + b)
     return math.log(rate / support.chance) if truth else math.log((1.0 - rate) / (1.0 - support.chance))
 
 
 def meaning_of(posterior: ClausePosterior, nodes: Nodes) -> float:
-    """Natural logarithm of the likelihood ratio of what a task is about, averaged over its clauses."""
-    truths: dict[SetLiteral, bool | Unknown] = {}
+    """Natural logarithm of the likelihood ratio of what a task is about: the weighted mean over its clauses."""
+    truths = {each: each.holds(nodes) for each in {each for one in posterior.clauses for each in one.literals}}
     total = []
     for clause in posterior.clauses:
-        holds: bool | Unknown = True
-        for literal in clause.literals:
-            if literal not in truths:
-                truths[literal] = literal.holds(nodes)
-            truth = truths[literal]
-            if truth is False:
-                holds = False
-                break
-            if truth is UNKNOWN:
-                holds = UNKNOWN
+        found = [truths[literal] for literal in clause.literals]
+        holds = False if False in found else UNKNOWN if UNKNOWN in found else True
         total.append(clause.weight * math.exp(ln_ratio(clause.support, holds)))
     return math.log(math.fsum(total))
 
 
-def _known(evidence: Evidence, posterior: ClausePosterior, tree: HypothesisTree) -> _Known:
-    own = evidence.kind(posterior.task)
-    others = [kind for name, kind in evidence.kinds.items() if name != posterior.task and kind.count]
-    ratios: dict[str, FrozenMap[str, float]] = {}
-    unseen: dict[str, float] = {}
-    usual: dict[str, str] = {}
+def _typical(evidence: Evidence, task: str, tree: HypothesisTree) -> tuple[TypicalNode, ...]:
+    """How typical of a task the values of each node are of which anything is known in its demonstrations."""
+    own = evidence.kind(task)
+    others = [kind for name, kind in evidence.kinds.items() if name != task and kind.count]
+    found = []
     for vocabulary in vocabularies(tree):
         name = vocabulary.node.name
         having: Mapping[str, int] = evidence.having.get(name, FrozenMap())
         known = evidence.known.get(name, 0)
         n = own.of(known).bit_count()
-        if not n:
-            continue
-        counts = {value: own.of(bits).bit_count() for value, bits in having.items()}
-        chance = {value: _share(bits, known, others, len(vocabulary.values)) for value, bits in having.items()}
-        ratios[name] = FrozenMap(
-            {
-                value: math.log((counts[value] + PSEUDO * chance[value]) / ((n + PSEUDO) * chance[value]))
-                for value in having
-            }
-        )
-        unseen[name] = math.log(PSEUDO / (n + PSEUDO))
-        usual[name] = min(counts, key=lambda value: (-counts[value], value))
-    return _Known(posterior, FrozenMap(ratios), FrozenMap(unseen), FrozenMap(usual))
+        if n:
+            hits = {value: own.of(bits).bit_count() for value, bits in having.items()}
+            weights = {}
+            for value, bits in having.items():
+                chance = _share(bits, known, others, len(vocabulary.values))
+                weights[value] = math.log((hits[value] + PSEUDO * chance) / ((n + PSEUDO) * chance))
+            usual = min(hits, key=lambda value: (-hits[value], value))
+            unseen = math.log(PSEUDO / (n + PSEUDO))
+            found.append(TypicalNode(name, vocabulary.node.title, FrozenMap(weights), unseen, usual))
+    return tuple(found)
 
 
 def _share(bits: int, known: int, kinds: list[Kind], values: int) -> float:
-    """Share of the background that has a value: the mean over its kinds, each smoothed."""
+    """Share of the background that has one of so many values: the mean over its kinds, each smoothed."""
     shares = [
         (kind.of(bits).bit_count() + SMOOTHING) / (kind.of(known).bit_count() + values * SMOOTHING) for kind in kinds
     ]

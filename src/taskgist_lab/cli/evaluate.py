@@ -30,6 +30,7 @@ from taskgist_lab.evaluation.performing.means_rooms import TASK_OF
 from taskgist_lab.evaluation.performing.trials import ROBOTS, TrialsFound, performed_trials
 from taskgist_lab.evaluation.performing.trials import sheets as trial_sheets
 from taskgist_lab.evaluation.pool import BACKGROUND, HELD_OUT_EVERY, SOURCES, Pool, Wanted, kept_pool
+from taskgist_lab.evaluation.recognition import recognition
 from taskgist_lab.evaluation.robustness import compared, makers, robustness
 from taskgist_lab.evaluation.sheets import Sheet, sheets_of
 from taskgist_lab.evaluation.values import CLEAN, Result
@@ -48,6 +49,7 @@ EXPERIMENTS: Mapping[str, Experiment] = {
         coded, runs=runs, seed=seed, peers=makers(seed), progress=progress
     ),
     "clauses": lambda coded, runs, seed, progress: clause_learning(coded, runs=runs, seed=seed, progress=progress),
+    "recognition": lambda coded, runs, seed, progress: recognition(coded, runs=runs, seed=seed, progress=progress),
 }
 """The experiments on learning by name, in their order."""
 PERFORM = "perform"
@@ -106,6 +108,10 @@ def evaluate(
 
     clauses: whole clauses, learned by comparing with neutral manipulations and other tasks, beside the paper's rule,
     judged by the task that a demonstration was played as, and by all that it fulfils.
+
+    recognition: whether held-out demonstrations are recognised as what they fulfil, with which probability, and
+    manipulations of kinds that nobody has taught as none of the tasks, beside a forest, nearest demonstrations and
+    naive Bayes on the very same facts (of taskgist[peers]).
 
     perform: in how many random rooms that can be solved robots perform the tasks of the study, how cleanly for a second
     auditor, and in what time of the processor. The tasks cover, clear and relay are hide and show by these means alone,

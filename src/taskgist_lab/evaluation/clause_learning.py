@@ -125,7 +125,7 @@ def clause_learning(
                 for task in orders
             }
             rows.append(ClauseScore(CLAUSES, count, setting, after, *judges.scores(held)))
-    return ClauseScores(tuple(rows), runs, sum(map(len, _neutral(coded).values())))
+    return ClauseScores(tuple(rows), runs, sum(map(len, neutral_effects(coded).values())))
 
 
 def _posteriors(
@@ -138,7 +138,7 @@ def _posteriors(
         chosen = [names[int(i)] for i in rng.permutation(len(names))[:others]]
         kinds = {name: effects(coded, orders[name][run, :OF_OTHERS]) for name in chosen}
         own = effects(coded, order[:after])
-        yield learn_clauses(Evidence.of({**_neutral(coded), **kinds, task: own}), task)
+        yield learn_clauses(Evidence.of({**neutral_effects(coded), **kinds, task: own}), task)
 
 
 def effects(coded: Coded, codes: Codes) -> list[Effects]:
@@ -153,8 +153,8 @@ def effects(coded: Coded, codes: Codes) -> list[Effects]:
     ]
 
 
-def _neutral(coded: Coded) -> Mapping[str, Sequence[Effects]]:
-    """The shipped manipulations by kind; none where the pool was explained under another context."""
+def neutral_effects(coded: Coded) -> Mapping[str, Sequence[Effects]]:
+    """The shipped manipulations by kind of background; none where the pool was explained under another context."""
     shipped = shipped_background()
     return shipped.kinds if shipped.context == coded.pool.context else {}
 

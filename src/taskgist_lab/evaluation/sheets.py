@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from taskgist_lab.evaluation.clause_learning import WRONG_SHARES, ClauseScores, learner_text
@@ -20,6 +20,8 @@ from taskgist_lab.evaluation.experiments import (
 )
 from taskgist_lab.evaluation.learner import PAPER, RULES
 from taskgist_lab.evaluation.pool import mean_f1
+from taskgist_lab.evaluation.recognition import BINS, RecognitionScores
+from taskgist_lab.evaluation.recognition import SHOWN_AFTER as RECOGNISED_AFTER
 from taskgist_lab.evaluation.robustness import Comparison, Robustness
 from taskgist_lab.evaluation.values import Result, Spread
 from taskgist_lab.paper.published import COLUMNS
@@ -265,6 +267,70 @@ def clauses_sheet(found: ClauseScores, setting: str) -> Sheet:
     )
 
 
+def recognition_sheets(found: RecognitionScores) -> Iterator[Sheet]:
+    """What is recognised, how good probabilities are, what is called none of the tasks, and how reliable that is."""
+    runs = f"Means over tasks and {found.runs} runs."
+    yield _recognition_sheet(
+        found,
+        "What is recognised, by demonstrations",
+        {"right": "right", "as_played": "as played", "f1": "F1"},
+        "Right: the most probable task is one that the demonstration fulfils; as played: it is the one that it was "
+        f"played as; F1: of all tasks that are more probable than not. {runs}",
+    )
+    yield _recognition_sheet(
+        found,
+        "How good the probabilities are, by demonstrations",
+        {"log_loss": "log loss", "brier": "Brier"},
+        f"Of each task in each episode; all unknown kinds together weigh as one task more. {runs}",
+    )
+    by_kind = ", ".join(f"{kind} {percent(share)}" for kind, share in found.unknown.items())
+    yield _recognition_sheet(
+        found,
+        "What is called none of the tasks, by demonstrations",
+        {"own_none": "own", "unknown_none": "unknown", "unknown_told": "at 3 %"},
+        "Own: demonstrations of the tasks; unknown: manipulations of a kind that was left out, mean over kinds"
+        + (f" ({found.recognisers[0]} after {RECOGNISED_AFTER}: {by_kind})" if by_kind else "")
+        + f"; at 3 %: of these, if the line is drawn where 3 % of the tasks' demonstrations are called none. {runs}",
+    )
+    if RECOGNISED_AFTER in found.sizes:
+        yield reliability_sheet(found, RECOGNISED_AFTER)
+
+
+def _recognition_sheet(found: RecognitionScores, title: str, measures: Mapping[str, str], note: str) -> Sheet:
+    """All recognisers by some measures, which are called as given, after each number of demonstrations."""
+    columns = [(measure, after) for measure in measures for after in found.sizes]
+    rows = [
+        (name, *(_measured(getattr(found.row(name, after), measure), measure) for measure, after in columns))
+        for name in found.recognisers
+    ]
+    return Sheet(title, ("recogniser", *(f"{measures[key]} {after}" for key, after in columns)), tuple(rows), note)
+
+
+def _measured(value: Spread, measure: str) -> str:
+    """A share in percent, a loss as a number."""
+    if measure not in ("log_loss", "brier"):
+        return mean_text(value)
+    return NONE if value.mean is None else f"{value.mean:.3f}"
+
+
+def reliability_sheet(found: RecognitionScores, after: int) -> Sheet:
+    """How often it was so where each recogniser gave a probability."""
+    rows = []
+    for number in range(BINS):
+        low = number / BINS
+        cells = []
+        for name in found.recognisers:
+            mine = next((each for each in found.curve(name, after) if each.low == low), None)
+            cells.append(f"{percent(mine.observed)} of {mine.share:.1%}" if mine else NONE)
+        rows.append((f"{percent(low)}-{percent(low + 1 / BINS)}", *cells))
+    return Sheet(
+        f"Reliability after {after} demonstrations: how often it was so",
+        ("probability", *found.recognisers),
+        tuple(rows),
+        "In each cell: the share in which it was so, of the share of all probabilities that were given.",
+    )
+
+
 def transfer_sheets(found: Transfer, after: tuple[int, ...] = SIZES) -> Iterator[Sheet]:
     """Scores, tables of the whole clause, misses."""
     yield scores_sheet(found)
@@ -298,6 +364,8 @@ def sheets_of(result: Result) -> Iterable[Sheet]:
         return tuple(transfer_sheets(result, (1, 5, 10)))
     if isinstance(result, Robustness):
         return (robustness_sheet(result, PAPER.name), rules_sheet(result))
+    if isinstance(result, RecognitionScores):
+        return tuple(recognition_sheets(result))
     if isinstance(result, ClauseScores):
         return tuple(clauses_sheet(result, setting) for setting in WRONG_SHARES)
     assert isinstance(result, Comparison)
