@@ -27,7 +27,7 @@ SURFACE: dict[str, set[str]] = {
         *("--trajectory", "--plan", "--positions", "--picture", "--film", "--pddl"),
     },
     "explain": {"task", "--knowledge", "-k", "--why", "--of", "--band", "--rule", "--contrast"},
-    "recognise": {"recordings", "--knowledge", "-k", "--why", "--contrast", "--of"},
+    "recognise": {"recordings", "--knowledge", "-k", "--why", "--contrast", "--of", "--episodes", "--at"},
     "agent check": {"profile", "--out", "-o", "--replace"},
     "agent draft": {"model", "--out", "-o", "--replace"},
     "see": {"where", "--agent", "--at", "--object", "--out", "-o", "--replace"},

@@ -24,6 +24,7 @@ from taskgist.cli.common import (
     progress_bar,
 )
 from taskgist.cli.contrast import contrast_between, contrast_document_in, print_contrast_in, truth, two_tasks
+from taskgist.cli.episodes import foresee_at, print_list
 from taskgist.cli.found import files
 from taskgist.cli.many import Outcome, Refused, exit_code, one_by_one, print_table
 from taskgist.common.text import one_or_list
@@ -36,6 +37,7 @@ from taskgist.language.phrases import listed
 from taskgist.language.recognition import circumstance_reason, literal_reason, named, percent
 from taskgist.learning.contrast import Contrast
 from taskgist.learning.explanation import Context
+from taskgist.pipeline.episodes import recognise_handlings
 from taskgist.pipeline.recognise import RecognisedEpisode, TaskRecogniser
 from taskgist.recognition.tasks import Recognised, TaskProbability
 from taskgist.recording.mcap import read
@@ -57,18 +59,28 @@ def recognise(
     of: Annotated[
         str, typer.Option(help="For whom: target, or performer (by the performing agent's own tree).")
     ] = "target",
+    episodes: Annotated[
+        bool, typer.Option("--episodes", help="Find each time that a thing is handled, whatever the label says.")
+    ] = False,
+    at: Annotated[
+        str | None, typer.Option(help="Foresee what it will be, from what is seen until then: seconds, or 50%.")
+    ] = None,
     as_json: JsonOption = False,
 ) -> int:
     """Say which known tasks are performed in recordings.
 
     For whom, with which thing, and how probable each task is: several may be right at once, as who hides a thing away
     hides it, and it may be none of the known ones. The label tells when, who and what; the task that it names plays no
-    part. Without a label these are proposed from the facts (see taskgist label --propose). The exit code is 1 if
-    in any recording nothing known is recognised. Of several recordings a table is printed; those that cannot be read
+    part. Without a label, or with --episodes, each time that a thing is handled is found, and what it was is told for
+    each agent for whom it may have been done: a day becomes a list of tasks. The exit code is 1 if in any recording
+    nothing known is recognised. Of several recordings a table is printed; those that cannot be read
     stand there with the reason, and the exit code is 2.
 
     With --contrast: which literals decide between two tasks in this recording, and how often each holds in the
     demonstrations of either.
+
+    With --at: what a task that is under way will be, and what of it does not hold yet. Nothing after that time is
+    looked at; percent are those of the labelled time, or of a recording without a label.
 
     Example: taskgist recognise handover.mcap -k knowledge.db
 
@@ -77,6 +89,10 @@ def recognise(
     Example: taskgist recognise hidden.mcap --why
 
     Example: taskgist recognise hidden.mcap --contrast "hide,put away"
+
+    Example: taskgist recognise day.mcap --episodes
+
+    Example: taskgist recognise handover.mcap --at 50%
     """
     whose = tree_of(of)
     predicates = known_predicates()
@@ -94,26 +110,35 @@ def recognise(
 
     def recognised(number: int, progress: Progress = silent) -> Found:
         with about(paths[number], {"of": "--of"}):
-            return recogniser.recognise(read(paths[number]), of=whose, predicates=predicates, progress=progress)
+            recording = read(paths[number])
+            if recording.label is None or episodes:
+                handlings = recognise_handlings(
+                    recogniser, recording, of=whose, predicates=predicates, progress=progress
+                )
+                return tuple(each for handling in handlings for each in handling.told or handling.readings[:1])
+            return recogniser.recognise(recording, of=whose, predicates=predicates, progress=progress)
 
+    if at is not None:
+        return foresee_at(paths, at, recogniser, as_json=as_json)
     if len(paths) == 1:
         with progress_bar(quiet=as_json) as progress:
             found = recognised(0, progress)
         if as_json:
             print_json(_document(paths[0], found, between, tree))
         else:
-            for each in found:
-                _print(each, between, tree, why=why)
+            if not found:
+                console.print("nothing is handled here")
+            if len(found) > 1 and not why and between is None:
+                print_list(found)
+            else:
+                for each in found:
+                    _print(each, between, tree, why=why)
         return OK if _any_known(found) else FAILED
     outcomes: list[Outcome[Found]] = [*one_by_one(paths, recognised, "recognising", quiet=as_json)]
     if as_json:
         print_json(
             [
-<<<<<<< HEAD
-                each.document() if isinstance(each, Refused) else _document(each.path, each.result, between)
-=======
                 each.document() if isinstance(each, Refused) else _document(each.path, each.result, between, tree)
->>>>>>> recognise
                 for each in outcomes
             ]
         )
@@ -128,6 +153,8 @@ def _any_known(found: Found) -> bool:
 
 def _cells(found: Found) -> list[str | Text]:
     """The cells of a recording: those of its first episode, and how many more there are."""
+    if not found:
+        return ["", "", "", "", "nothing is handled here", "no label"]
     first, *more = found
     label = first.label
     told = named(first.recognised) + (f"; {len(more)} further episodes" if more else "")
@@ -204,56 +231,7 @@ def _task(each: TaskProbability) -> dict[str, Any]:
         "meaning": each.meaning,
         "holds": truth(each.holds),
         "literals": [
-<<<<<<< HEAD
-            {**literal_document(one.literal), "holds": _truth(one.holds), "weight": one.weight} for one in each.literals
-        ],
-        "unlike": [
-            {"node": one.node, "title": one.title, "value": one.value, "usual": one.usual, "weight": one.weight}
-            for one in each.unlike
-        ],
-    }
-
-
-def _truth(holds: bool | Unknown) -> bool | None:
-    return None if holds is UNKNOWN else bool(holds)
-
-
-def contrast_document(between: Contrast) -> dict[str, Any]:
-    """What tells two tasks apart."""
-    return {
-        "first": between.first,
-        "second": between.second,
-        "literals": [
-            {
-                **literal_document(each.literal),
-                "in_first": dict(zip(("k", "n"), each.first, strict=True)),
-                "in_second": dict(zip(("k", "n"), each.second, strict=True)),
-                "weight_if_holds": each.weight(True),
-                "weight_if_not": each.weight(False),
-            }
-            for each in between.literals
-        ],
-    }
-
-
-def _weighed_document(between: Contrast, found: RecognisedEpisode) -> dict[str, Any]:
-    weighed = between.weigh(found.explanation.nodes)
-    return {
-        "first": between.first,
-        "second": between.second,
-        "decided": decided(between, weighed),
-        "literals": [
-            {
-                **literal_document(each.contrasted.literal),
-                "in_first": dict(zip(("k", "n"), each.contrasted.first, strict=True)),
-                "in_second": dict(zip(("k", "n"), each.contrasted.second, strict=True)),
-                "holds": _truth(each.holds),
-                "weight": each.weight,
-            }
-            for each in weighed
-=======
             {**literal_document(one.literal), "holds": truth(one.holds), "weight": one.weight} for one in each.literals
->>>>>>> recognise
         ],
         "least_typical": asdict(each.least_typical) if each.least_typical else None,
     }

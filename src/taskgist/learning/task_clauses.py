@@ -61,19 +61,11 @@ def task_evidence(
     return evidence_of([own, *others], neutral.kinds if comparable else {})
 
 
-<<<<<<< HEAD
-def told_of(knowledge: Knowledge, own: Experience) -> Told:
-    """What the answers that are in force fix of a task."""
-    return _told(
-        own, in_force(each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of))
-    )
-=======
 def told_of(knowledge: Knowledge, task: str, *, of: TreeOf = "target") -> Told:
     """What the answers that are in force fix of a task; arguments and errors as ``learn_task``."""
     own = knowledge.experience(task, of)
     key = own.task, own.tree_of
     return _told(own, in_force(each for each in knowledge.answers if (each.task, each.tree_of) == key))
->>>>>>> recognise
 
 
 def _told(own: Experience, answers: Mapping[str, Answer]) -> Told:

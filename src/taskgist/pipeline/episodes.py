@@ -14,6 +14,7 @@ import numpy as np
 
 from taskgist.common.workers import Progress, silent
 from taskgist.facts.predicates import Predicate, known_predicates
+from taskgist.facts.tree import TreeOf
 from taskgist.observe.observer import Observer
 from taskgist.perspective.viewpoint import Viewpoint
 from taskgist.pipeline.explain import explain_recording
@@ -59,6 +60,7 @@ def recognise_handlings(
     recogniser: TaskRecogniser,
     recording: Recording,
     *,
+    of: TreeOf = "target",
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] | None = None,
     observer: Observer | None = None,
@@ -69,6 +71,7 @@ def recognise_handlings(
     Args:
         recogniser: What is known.
         recording: The recording.
+        of: For whom: the other agents, or who performs. Who is alone performs for nobody else in any case.
         settings: All settings.
         predicates: A user's own predicates; by default all that are known.
         observer: One of this recording, if there is one.
@@ -86,7 +89,9 @@ def recognise_handlings(
         progress("recognising", number / len(handlings))
         span = _with_margins(recording, handling, every)
         found.append(
-            RecognisedHandling(handling, _readings(recogniser, recording, observer, handling, span, settings, known))
+            RecognisedHandling(
+                handling, _readings(recogniser, recording, observer, handling, span, of, settings, known)
+            )
         )
     progress("done", 1.0)
     return tuple(found)
@@ -109,17 +114,20 @@ def _readings(
     observer: Observer,
     handling: Handling,
     span: tuple[float, float],
+    of: TreeOf,
     settings: Settings,
     predicates: tuple[Predicate, ...],
 ) -> tuple[RecognisedEpisode, ...]:
     if handling.performing_agent is None:
         return ()
-    beside = _beside(recording, observer, handling, span, settings)
-    pairs = [(agent, handling.thing) for agent in handling.target_agents or (None,)]
-    pairs += [(agent, name) for agent in handling.target_agents for name in beside.get(agent, ())]
+    pairs: list[tuple[str | None, str]] = [(None, handling.thing)]
+    if of == "target" and handling.target_agents:
+        beside = _beside(recording, observer, handling, span, settings)
+        pairs = [(agent, handling.thing) for agent in handling.target_agents]
+        pairs += [(agent, name) for agent in handling.target_agents for name in beside.get(agent, ())]
     found = []
     for agent, name in pairs:
-        whose = "target" if agent else "performer"
+        whose: TreeOf = "target" if agent else "performer"
         if whose not in recogniser.by_tree:
             continue
         told = handling.label(agent, name)

@@ -1,3 +1,7 @@
+from .completion import Case as Case
+from .completion import Foreseen as Foreseen
+from .completion import foresee as foresee
+from .completion import shipped_cases as shipped_cases
 from .courses import Course as Course
 from .courses import courses_of as courses_of
 from .episodes import Handling as Handling
