@@ -1,10 +1,11 @@
-"""The cases that are shipped: moments of handlings that were watched to their end; tasks under way are foreseen by them.
+"""The cases that are shipped: moments of handlings that were watched to their end.
 
     python -m tools.under_way_cases --kept cases.jsonl
 
-Demonstrations of tasks, and neutral manipulations, are made by the generator; each gives a case at 25, 50, 75 and 90 %
-of the time. A case does not know which task it was. What is made is kept in a file, a line for each demonstration, so that
-it can be run again; made anew, it takes half an hour.
+Tasks under way are foreseen by them (``recognition.completion``). Demonstrations of tasks, and neutral manipulations,
+are made by the generator; each gives a case at 25, 50, 75 and 90 % of the labelled time. A case does not know which
+task it was. What is made is kept in a file, a line for each demonstration, so that it can be run again; made anew, it
+takes half an hour.
 """
 
 from __future__ import annotations

@@ -126,13 +126,7 @@ def recognise(
         if as_json:
             print_json(_document(paths[0], found, between, tree))
         else:
-            if not found:
-                console.print("nothing is handled here")
-            if len(found) > 1 and not why and between is None:
-                print_list(found)
-            else:
-                for each in found:
-                    _print(each, between, tree, why=why)
+            _print_all(found, between, tree, why=why)
         return OK if _any_known(found) else FAILED
     outcomes: list[Outcome[Found]] = [*one_by_one(paths, recognised, "recognising", quiet=as_json)]
     if as_json:
@@ -161,6 +155,17 @@ def _cells(found: Found) -> list[str | Text]:
     times = (f"{time_s:.2f} s" for time_s in (label.start_s, label.end_s))
     said = (first.named or "no label") + (", learned from" if first.learned_from else "")
     return [listed(label.watched), listed(label.target_objects), *times, told, said]
+
+
+def _print_all(found: Found, between: Contrast | None, tree: HypothesisTree, *, why: bool) -> None:
+    """Print all episodes of a recording: a line each, unless there is one, or more is asked for."""
+    if not found:
+        console.print("nothing is handled here")
+    elif len(found) > 1 and not why and between is None:
+        print_list(found)
+    else:
+        for each in found:
+            _print(each, between, tree, why=why)
 
 
 def _print(found: RecognisedEpisode, between: Contrast | None, tree: HypothesisTree, *, why: bool) -> None:

@@ -88,11 +88,8 @@ def recognise_handlings(
     for number, handling in enumerate(handlings):
         progress("recognising", number / len(handlings))
         span = _with_margins(recording, handling, every)
-        found.append(
-            RecognisedHandling(
-                handling, _readings(recogniser, recording, observer, handling, span, of, settings, known)
-            )
-        )
+        readings = _readings(recogniser, recording, observer, handling, span, of, settings, known)
+        found.append(RecognisedHandling(handling, readings))
     progress("done", 1.0)
     return tuple(found)
 

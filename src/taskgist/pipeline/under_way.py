@@ -84,6 +84,7 @@ def foresee_recording(
         RecordingError: The moment is outside of the recording.
     """
     so_far = until(recording, time_s)
+    time_s = float(so_far.times_s[-1])
     if "target" not in recogniser.by_tree:
         raise LabelError("no task is known that is done for another", hint="learn some first: taskgist learn --help")
     known = known_predicates() if predicates is None else tuple(predicates)

@@ -1,7 +1,7 @@
 """How well episodes are found in recordings whose label was taken away, and which tasks are recognised in them.
 
-A labelled demonstration is *found* if some handling of its time is by its performing agent, and about its thing: the one
-that was handled, or one that came into view or went out of it thereby. Handlings beside it are *further* ones: false,
+A labelled demonstration is *found* if some handling of its time is by its performing agent, and about its thing:
+the one that was handled, or one that came into view or went out of it thereby. Handlings beside it are *further* ones: false,
 or true ones that nobody labelled, as where who was given a thing puts it down.
 
 Scripted labels begin before the hand sets out, and end when it is back. Start and end are therefore held against the
@@ -21,7 +21,7 @@ from taskgist.recording.recording import Label, Recording
 from taskgist_lab.evaluation.values import Result
 
 AWAY_M = 0.02
-"""A thing that is farther than this from where it was has been moved: as far as trackers and settling things are off."""
+"""A thing that is farther than this from where it was has been moved: trackers and settling things are as far off."""
 
 
 @dataclass(frozen=True)
