@@ -208,7 +208,7 @@ def draw_recognition(found: RecognitionScores) -> Figure:
     reliable.set_xlabel(f"probability, after {after} demonstrations")
     reliable.set_ylabel("how often it was so")
     right.set_title("the most probable task is right", fontsize=10)
-    none.set_title("called none: unknown kinds (lines), own (dashed)", fontsize=10)
+    none.set_title("called none: unknown kinds, own dashed", fontsize=10)
     for panel in (right, none):
         panel.set_xticks(places, [str(size) for size in found.sizes])
         panel.set_xlabel("demonstrations of each task")

@@ -8,8 +8,8 @@ weights speak for the first task. How well it decides is what both kinds of demo
 ``(p − p') (weight where it holds − weight where it fails)``, p and p' being the shares (Jeffreys' divergence).
 
 Nodes of one subtree repeat each other: the class of an effort follows from its two ends. Of each subtree only the
-literal that decides best is told, of equal ones the shortest in description; and of literals that hold in the very same
-demonstrations (what is hard to grasp is hard to reach) only the first.
+literal that decides best is told, of equal ones the shortest in description; and where that holds in the very same
+demonstrations as one that was told already (what is hard to grasp is hard to reach), nothing is told of the subtree.
 """
 
 from __future__ import annotations
@@ -120,14 +120,18 @@ def contrast_of(
         problem = f"{own.task!r} is known for {whose[own.tree_of]}, {other.task!r} for {whose[other.tree_of]}"
         raise KnowledgeError(problem, field="contrast", value=second, hint="learn both in the same trees: learn --of")
     evidence = evidence_of([own, other])
-    best: dict[str, Contrasted] = {}
+    best: list[Contrasted] = []
+    subtrees: set[str] = set()
     told: set[tuple[int, int]] = set()
     for each, bits in sorted(_candidates(evidence, own.task, other.task, tree), key=lambda pair: _order(pair[0])):
         subtree = each.literal.node.partition(".")[0]
-        if each.decides >= LEAST and subtree not in best and bits not in told:
-            best[subtree] = each
+        if each.decides < LEAST or subtree in subtrees:
+            continue
+        subtrees.add(subtree)
+        if bits not in told:
+            best.append(each)
             told |= {bits, bits[::-1]}
-    return Contrast(own.task, other.task, tuple(best.values()))
+    return Contrast(own.task, other.task, tuple(best))
 
 
 def _share(hits: int, known: int) -> float:

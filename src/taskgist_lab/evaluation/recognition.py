@@ -102,7 +102,8 @@ def _peer(make: Callable[[], Any], *, weighed: bool = True) -> Recognising:
         rows = _rows([each for name in kinds for each in kinds[name]])
         names = np.array([name for name in kinds for _ in kinds[name]])
         labels = np.stack([names == task for task in tasks], axis=1)
-        weights = np.array([1.0 / len(each) for each in kinds.values() for _ in each])
+        whole = max(len(kinds[task]) for task in tasks)  # a demonstration of a task weighs 1
+        weights = np.array([whole / len(each) for each in kinds.values() for _ in each])
         classifier = make().fit(rows, labels, **({"sample_weight": weights} if weighed else {}))
         by_task = classifier.predict_proba(_rows(episodes))  # (episodes, [no,] yes) of each task
         found = np.stack([each[:, -1] for each in by_task], axis=1)

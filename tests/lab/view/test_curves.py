@@ -11,8 +11,9 @@ import pytest
 from taskgist.errors import InputError
 from taskgist_lab.evaluation.experiments import CLAUSE, demonstrations_needed, transfer
 from taskgist_lab.evaluation.learner import RULES, Coded
+from taskgist_lab.evaluation.recognition import OURS, RecognitionScore, RecognitionScores, Reliable
 from taskgist_lab.evaluation.robustness import compared, robustness
-from taskgist_lab.evaluation.values import Result
+from taskgist_lab.evaluation.values import Result, Spread
 from taskgist_lab.view import TABLES_AFTER, draw_needs, draw_robustness, draw_transfer, picture_of
 from tests.lab.evaluation.pools import study_pool
 
@@ -21,9 +22,19 @@ NEEDS = demonstrations_needed(CODED, runs=5, seed=0)
 TRANSFER = transfer(CODED, runs=5, seed=0)
 ROBUSTNESS = robustness(CODED, runs=3, seed=0, rules=(RULES["paper"], RULES["wide-asked"]))
 COMPARISON = compared(CODED, runs=3, seed=0, peers={})
+RECOGNISED = RecognitionScores(
+    tuple(
+        RecognitionScore(OURS, after, *(Spread.of([share]) for _ in range(8))) for after, share in ((1, 0.5), (10, 0.9))
+    ),
+    tuple(Reliable(OURS, 10, low, low + 0.05, low, 0.1) for low in (0.0, 0.5, 0.9)),
+    {},
+    1,
+)
 
 
-@pytest.mark.parametrize("result", [NEEDS, TRANSFER, ROBUSTNESS, COMPARISON], ids=lambda each: type(each).__name__)
+@pytest.mark.parametrize(
+    "result", [NEEDS, TRANSFER, ROBUSTNESS, COMPARISON, RECOGNISED], ids=lambda each: type(each).__name__
+)
 def test_pictures_are_saved_with_something_on_them(result: Result, tmp_path: Path) -> None:
     path = picture_of(result, tmp_path / "picture.png")
     pixels = matplotlib.image.imread(path)[:, :, :3]
