@@ -57,10 +57,10 @@ def foreseen_sentence(foreseen: Foreseen | None) -> str:
     if foreseen is None:
         return "too little is tracked to tell what it will be"
     task, probability = foreseen.tasks[0]
+    surely = "will be" if max(probability, foreseen.none) > SURELY else "may be"
     if foreseen.best is None:
-        return f"it will be none of the known tasks ({percent(foreseen.none)})"
-    surely = "will be" if probability > SURELY else "may be"
+        return f"it {surely} none of the known tasks ({percent(foreseen.none)})"
     if not foreseen.missing:
-        return f"it {surely} {task!r} ({percent(probability)}), and is, if it ends now"
+        return f"it {surely} {task!r} ({percent(probability)}); nothing that it is about is missing"
     literals = listed([str(each) for each in foreseen.missing])
     return f"it {surely} {task!r} ({percent(probability)}), once {literals} hold{'s' * (len(foreseen.missing) == 1)}"
