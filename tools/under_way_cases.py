@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import gzip
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -92,12 +92,9 @@ def cases_of(row: dict[str, Any]) -> Iterator[Case]:
 
 def _values(nodes: Nodes) -> dict[str, str]:
     """The known values of nodes that clauses or the likeness of cases are about."""
-    told: Sequence[str] = (*(each.node.name for each in vocabularies(STANDARD_TREE)), *FACTS)
-    return {
-        name: nodes[name].value
-        for name in sorted({*told})
-        if not isinstance(nodes[name].value, Unknown)  # type: ignore[misc]
-    }
+    told = {*(each.node.name for each in vocabularies(STANDARD_TREE)), *FACTS}
+    values = {name: nodes[name].value for name in sorted(told)}
+    return {name: value for name, value in values.items() if not isinstance(value, Unknown)}
 
 
 if __name__ == "__main__":

@@ -216,8 +216,8 @@ def _look(stage: Stage, performer: str, target: str, thing: str) -> _Look:
     }
     gaps = (nearest_hand_m(stage, agent, thing) for agent in (performer, target))
     own, others = (FARTHEST_M if gap is None else min(gap, FARTHEST_M) for gap in gaps)
-    eyes = (np.array(stage.eye(scene.agent(agent)).position) for agent in (performer, target))
-    return _Look(places, *eyes, own, others)
+    own_eye, other_eye = (np.array(stage.eye(scene.agent(agent)).position) for agent in (performer, target))
+    return _Look(places, own_eye, other_eye, own, others)
 
 
 def _stage_of(first: _Look, now: _Look, thing: str, other: str | None) -> tuple[Progression, bool | None]:

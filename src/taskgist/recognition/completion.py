@@ -147,7 +147,9 @@ def foresee(recogniser: Recogniser, cues: Cues, nodes: Nodes, cases: Sequence[Ca
         ((SHARPNESS * likeness(own, facts, case), number) for number, case in enumerate(cases)), reverse=True
     )[:MOST_CASES]
     # Without any case, it is recognised as if it ended now.
-    ends = [(math.exp(each - weighed[0][0]), cases[number].ends(nodes)) for each, number in weighed] or [(1.0, nodes)]
+    ends: list[tuple[float, Nodes]] = [
+        (math.exp(each - weighed[0][0]), cases[number].ends(nodes)) for each, number in weighed
+    ] or [(1.0, nodes)]
     total = math.fsum(weight for weight, _ in ends)
     found = dict.fromkeys(recogniser.tasks, 0.0)
     none = 0.0
@@ -237,7 +239,7 @@ def cases_from(document: Mapping[str, Any], *, where: Path | None = None) -> tup
         if missing := {*WORDS, *SCALES} - set(fields):
             raise ValueError(f"no cues {sorted(missing)}")
         return tuple(
-            Case(FrozenMap(zip(fields, cues, strict=True)), *(_row(nodes, row, values) for row in (now, end)))
+            Case(FrozenMap(dict(zip(fields, cues, strict=True))), *(_row(nodes, row, values) for row in (now, end)))
             for cues, now, end in document["cases"]
         )
     except (KeyError, TypeError, ValueError, IndexError) as error:
