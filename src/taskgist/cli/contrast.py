@@ -29,7 +29,7 @@ def contrast_between(
         KnowledgeError: They are the same, or not known in the trees of the same agents.
     """
     with about(where, {"contrast": "--contrast", "of": "--of"}):
-        return contrast_of(known, *(_name(known, name) for name in (first, second)), tree=tree, of=of)
+        return contrast_of(known, _name(known, first), _name(known, second), tree, of)
 
 
 def two_tasks(names: str) -> tuple[str, str]:
