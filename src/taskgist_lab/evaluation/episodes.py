@@ -1,9 +1,8 @@
 """How well episodes are found in recordings whose label was taken away, and which tasks are recognised in them.
 
 A labelled demonstration is *found* if some handling of its time is by its performing agent, and about its thing: the
-one that was handled, or one that came into view or went out of it thereby.
-Handlings beside it are *further* ones: false,
-or true ones that nobody labelled, as where who was given a thing puts it down.
+one that was handled, or one that came into view or went out of it thereby. Handlings beside it are *further* ones:
+false, or true ones that nobody labelled, as where who was given a thing puts it down.
 
 Scripted labels begin before the hand sets out, and end when it is back. Start and end are therefore held against the
 thing's own way: when it was first away from where it was at the start of the label, and first where it is at its end.
