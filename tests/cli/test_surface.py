@@ -27,7 +27,7 @@ SURFACE: dict[str, set[str]] = {
         *("--trajectory", "--plan", "--positions", "--picture", "--film", "--pddl", "--rule"),
     },
     "explain": {"task", "--knowledge", "-k", "--why", "--of", "--band", "--rule", "--contrast", "--actions"},
-    "recognise": {"recordings", "--knowledge", "-k", "--why", "--contrast", "--of"},
+    "recognise": {"recordings", "--knowledge", "-k", "--why", "--contrast", "--of", "--episodes", "--at"},
     "ask": {"task", "--knowledge", "-k", "--answer", "--question", "--withdraw", "--author", "--list", "--of"},
     "agent check": {"profile", "--out", "-o", "--replace"},
     "agent draft": {"model", "--out", "-o", "--replace"},

@@ -23,6 +23,7 @@ from taskgist.cli.common import (
     progress_bar,
 )
 from taskgist.cli.contrast import contrast_between, contrast_document_in, print_contrast_in, truth, two_tasks
+from taskgist.cli.episodes import foresee_at, print_list
 from taskgist.cli.found import files
 from taskgist.cli.many import Outcome, Refused, exit_code, one_by_one, print_table
 from taskgist.common.text import one_or_list
@@ -36,6 +37,7 @@ from taskgist.language.recognition import circumstance_reason, literal_reason, n
 from taskgist.learning.contrast import Contrast
 from taskgist.learning.explanation import Context
 from taskgist.learning.understanding import literal_to_json
+from taskgist.pipeline.episodes import recognise_handlings
 from taskgist.pipeline.recognise import RecognisedEpisode, TaskRecogniser
 from taskgist.recognition.tasks import Recognised, TaskProbability
 from taskgist.recording.mcap import read
@@ -57,18 +59,28 @@ def recognise(
     of: Annotated[
         str, typer.Option(help="For whom: target, or performer (by the performing agent's own tree).")
     ] = "target",
+    episodes: Annotated[
+        bool, typer.Option("--episodes", help="Find each time that a thing is handled, whatever the label says.")
+    ] = False,
+    at: Annotated[
+        str | None, typer.Option(help="Foresee what it will be, from what is seen until then: seconds, or 50%.")
+    ] = None,
     as_json: JsonOption = False,
 ) -> int:
     """Say which known tasks are performed in recordings.
 
     For whom, with which thing, and how probable each task is: several may be right at once, as who hides a thing away
     hides it, and it may be none of the known ones. The label tells when, who and what; the task that it names plays no
-    part. Without a label these are proposed from the facts (see taskgist label --propose). The exit code is 1 if
-    in any recording nothing known is recognised. Of several recordings a table is printed; those that cannot be read
+    part. Without a label, or with --episodes, each time that a thing is handled is found, and what it was is told for
+    each agent for whom it may have been done: a day becomes a list of tasks. The exit code is 1 if in any recording
+    nothing known is recognised. Of several recordings a table is printed; those that cannot be read
     stand there with the reason, and the exit code is 2.
 
     With --contrast: which literals decide between two tasks in this recording, and how often each holds in the
     demonstrations of either.
+
+    With --at: what a task that is under way will be, and what of it does not hold yet. Nothing after that time is
+    looked at; percent are those of the labelled time, or of a recording without a label.
 
     Example: taskgist recognise handover.mcap -k knowledge.db
 
@@ -77,6 +89,10 @@ def recognise(
     Example: taskgist recognise hidden.mcap --why
 
     Example: taskgist recognise hidden.mcap --contrast "hide,put away"
+
+    Example: taskgist recognise day.mcap --episodes
+
+    Example: taskgist recognise handover.mcap --at 50%
     """
     whose = tree_of(of)
     predicates = known_predicates()
@@ -94,16 +110,23 @@ def recognise(
 
     def recognised(number: int, progress: Progress = silent) -> Found:
         with about(paths[number], {"of": "--of"}):
-            return recogniser.recognise(read(paths[number]), of=whose, predicates=predicates, progress=progress)
+            recording = read(paths[number])
+            if recording.label is None or episodes:
+                handlings = recognise_handlings(
+                    recogniser, recording, of=whose, predicates=predicates, progress=progress
+                )
+                return tuple(each for handling in handlings for each in handling.told or handling.readings[:1])
+            return recogniser.recognise(recording, of=whose, predicates=predicates, progress=progress)
 
+    if at is not None:
+        return foresee_at(paths, at, recogniser, as_json=as_json)
     if len(paths) == 1:
         with progress_bar(quiet=as_json) as progress:
             found = recognised(0, progress)
         if as_json:
             print_json(_document(paths[0], found, between, tree))
         else:
-            for each in found:
-                _print(each, between, tree, why=why)
+            _print_all(found, between, tree, why=why)
         return OK if _any_known(found) else FAILED
     outcomes: list[Outcome[Found]] = [*one_by_one(paths, recognised, "recognising", quiet=as_json)]
     if as_json:
@@ -124,12 +147,25 @@ def _any_known(found: Found) -> bool:
 
 def _cells(found: Found) -> list[str | Text]:
     """The cells of a recording: those of its first episode, and how many more there are."""
+    if not found:
+        return ["", "", "", "", "nothing is handled here", "no label"]
     first, *more = found
     label = first.label
     told = named(first.recognised) + (f"; {len(more)} further episodes" if more else "")
     times = (f"{time_s:.2f} s" for time_s in (label.start_s, label.end_s))
     said = (first.named or "no label") + (", learned from" if first.learned_from else "")
     return [listed(label.watched), listed(label.target_objects), *times, told, said]
+
+
+def _print_all(found: Found, between: Contrast | None, tree: HypothesisTree, *, why: bool) -> None:
+    """Print all episodes of a recording: a line each, unless there is one, or more is asked for."""
+    if not found:
+        console.print("nothing is handled here")
+    elif len(found) > 1 and not why and between is None:
+        print_list(found)
+    else:
+        for each in found:
+            _print(each, between, tree, why=why)
 
 
 def _print(found: RecognisedEpisode, between: Contrast | None, tree: HypothesisTree, *, why: bool) -> None:

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from taskgist.language.clauses import times, truth_of
+from taskgist.language.phrases import listed
+from taskgist.recognition.completion import Foreseen
 from taskgist.recognition.tasks import Circumstance, LiteralWeight, Recognised
 
+SURELY = 0.5
+"""What is more probable is told as what will be; what is less, as what may be."""
 CERTAIN = 0.995
 """From this probability on, percent are told as more than 99."""
 
@@ -43,3 +47,20 @@ def _likelihood(weight: float) -> str:
         return ""
     more, less = ("in this task", "elsewhere") if weight > 0 else ("elsewhere", "in this task")
     return f": {times(weight)} as often {more} as {less}"
+
+
+def foreseen_sentence(foreseen: Foreseen | None) -> str:
+    """What a task under way will be, and what of it does not hold yet.
+
+    ``"it will be 'give' (83 %), once (Nature_Hand_Status = Manip_Desired) holds"``.
+    """
+    if foreseen is None:
+        return "too little is tracked to tell what it will be"
+    task, probability = foreseen.tasks[0]
+    surely = "will be" if max(probability, foreseen.none) > SURELY else "may be"
+    if foreseen.best is None:
+        return f"it {surely} none of the known tasks ({percent(foreseen.none)})"
+    if not foreseen.missing:
+        return f"it {surely} {task!r} ({percent(probability)}); nothing that it is about is missing"
+    literals = listed([str(each) for each in foreseen.missing])
+    return f"it {surely} {task!r} ({percent(probability)}), once {literals} hold{'s' * (len(foreseen.missing) == 1)}"

@@ -37,3 +37,5 @@ from .relations import next_to as next_to
 from .relations import touching as touching
 from .relations_over_time import RelationsOverTime as RelationsOverTime
 from .relations_over_time import relations_of as relations_of
+from .under_way import Cues as Cues
+from .under_way import cues_at as cues_at

@@ -318,13 +318,23 @@ class Refined(Generic[V]):
     @property
     def intervals(self) -> tuple[Interval[V], ...]:
         """The confirmed values in order, each as it was at its onset; it ends where the next begins."""
-        spans = (*self._kind.intervals, *self._whole.intervals)
-        found: list[tuple[float, V]] = []
+        kinds, wholes = self._kind.intervals, self._whole.intervals
+        spans, found = (*kinds, *wholes), list[tuple[float, V]]()
         for start_s in sorted({span.start_s for span in spans}):
-            value = self.at(start_s)
+            kind, whole = _covering(kinds, start_s), _covering(wholes, start_s)
+            if kind and whole and self._kind_of(whole.value) == self._kind_of(kind.value):
+                value: V | None = whole.value  # as ``at`` says; a long recording is not looked at again for it
+            else:
+                value = self.at(start_s)
             if value is not None and (not found or found[-1][1] != value):
                 found.append((start_s, value))
         return _spans(found, max((span.end_s for span in spans), default=0.0))
+
+
+def _covering(intervals: Sequence[Interval[V]], time_s: float) -> Interval[V] | None:
+    """The last interval that begins no later than a time; they are in order."""
+    number = bisect.bisect_right(intervals, time_s, key=lambda interval: interval.start_s)
+    return intervals[number - 1] if number else None
 
 
 def _spans(onsets: Sequence[tuple[float, V]], end_s: float) -> tuple[Interval[V], ...]:

@@ -1,4 +1,6 @@
 from .checkup import check as check
+from .episodes import RecognisedHandling as RecognisedHandling
+from .episodes import recognise_handlings as recognise_handlings
 from .explain import episode_of as episode_of
 from .explain import episodes_of as episodes_of
 from .explain import explain_all as explain_all
@@ -16,3 +18,5 @@ from .shipped import shipped_study as shipped_study
 from .timelines import Timeline as Timeline
 from .timelines import attribute_nodes as attribute_nodes
 from .timelines import timeline as timeline
+from .under_way import UnderWay as UnderWay
+from .under_way import foresee_recording as foresee_recording

@@ -1,5 +1,13 @@
 from .actions import Action as Action
 from .actions import actions_of as actions_of
+from .completion import Case as Case
+from .completion import Foreseen as Foreseen
+from .completion import foresee as foresee
+from .completion import shipped_cases as shipped_cases
+from .courses import Course as Course
+from .courses import courses_of as courses_of
+from .episodes import Handling as Handling
+from .episodes import handlings_of as handlings_of
 from .label_proposal import Proposal as Proposal
 from .label_proposal import propose as propose
 from .label_proposal import propose_label as propose_label

@@ -12,12 +12,14 @@ Hands hold things (``grips_of``); people have them, with one hand or with both, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from bisect import bisect_left
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 from taskgist.facts import vocabulary as v
-from taskgist.observe.observer import Observer
+from taskgist.observe.frames import Interval
+from taskgist.observe.observer import Observer, Placement
 
 RESTING = frozenset({v.ON_SUPPORT, v.INSIDE_CONTAINER, v.HANGING, v.ON_AGENT})
 """Placements in which nobody's hand has an object."""
@@ -80,16 +82,27 @@ def grips_of(observer: Observer, name: str) -> tuple[Grip, ...]:
     Raises:
         UnknownNameError: There is no such object.
     """
-    scene = observer.scene
-    scene.object_body(name)
-    grips = [
-        Grip(agent, side, interval.start_s, interval.end_s)
-        for agent in scene.agents
-        for side in scene.agent(agent).sides
-        for interval in observer.hand(agent, side).intervals
-        if interval.value.symbol == v.HOLDING_OBJECT and interval.value.thing == name
-    ]
-    return tuple(sorted(grips, key=lambda grip: (grip.start_s, grip.agent, grip.side)))
+    observer.scene.object_body(name)
+    return all_grips(observer).get(name, ())
+
+
+def all_grips(observer: Observer) -> dict[str, tuple[Grip, ...]]:
+    """Which hands hold what when: by object, in order of time; what nobody holds is left out.
+
+    Args:
+        observer: One of a whole recording.
+    """
+    scene, grips = observer.scene, dict[str, list[Grip]]()
+    for agent in scene.agents:
+        for side in scene.agent(agent).sides:
+            for interval in observer.hand(agent, side).intervals:
+                if interval.value.symbol == v.HOLDING_OBJECT and interval.value.thing is not None:
+                    grip = Grip(agent, side, interval.start_s, interval.end_s)
+                    grips.setdefault(interval.value.thing, []).append(grip)
+    return {
+        name: tuple(sorted(found, key=lambda grip: (grip.start_s, grip.agent, grip.side)))
+        for name, found in grips.items()
+    }
 
 
 def turns_of(observer: Observer, name: str) -> tuple[Turn, ...]:
@@ -102,8 +115,13 @@ def turns_of(observer: Observer, name: str) -> tuple[Turn, ...]:
     Raises:
         UnknownNameError: There is no such object.
     """
-    turns = [Turn(grip.agent, grip.start_s, grip.end_s) for grip in grips_of(observer, name)]
-    turns = _joined(observer, name, turns)
+    return turns_from(grips_of(observer, name), observer.placement(name).intervals)
+
+
+def turns_from(grips: Iterable[Grip], placements: Iterable[Interval[Placement]]) -> tuple[Turn, ...]:
+    """The turns of ``turns_of``, from which hands hold the object when, and where it is when."""
+    rests = resting(placements)
+    turns = _joined(rests, [Turn(grip.agent, grip.start_s, grip.end_s) for grip in grips])
     # Who helps for a while, while another has it all along, does not have a turn.
     own = [turn for turn in turns if not any(_covers(other, turn) for other in turns)]
     own = [
@@ -111,7 +129,7 @@ def turns_of(observer: Observer, name: str) -> tuple[Turn, ...]:
         for number, turn in enumerate(own)
         if not (0 < number < len(own) - 1 and _steadies(turn, own[number - 1], own[number + 1]))
     ]
-    return tuple(_joined(observer, name, own))
+    return tuple(_joined(rests, own))
 
 
 def changes_of_hands(observer: Observer, name: str, turns: Sequence[Turn]) -> tuple[Change, ...]:
@@ -122,21 +140,36 @@ def changes_of_hands(observer: Observer, name: str, turns: Sequence[Turn]) -> tu
         name: The object.
         turns: Who has it when.
     """
+    return changes_from(turns, observer.placement(name).intervals)
+
+
+def changes_from(turns: Sequence[Turn], placements: Iterable[Interval[Placement]]) -> tuple[Change, ...]:
+    """The changes of ``changes_of_hands``, from who has the object when, and where it is when."""
+    rests = resting(placements)
     return tuple(
         Change(before.agent, after.agent, after.start_s, before.end_s, after.end_s)
         for before, after in pairwise(turns)
         if before.agent != after.agent
         and before.end_s < after.end_s
-        and not rests_between(observer, name, before.end_s, after.start_s)
+        and not rests_between(rests, before.end_s, after.start_s)
     )
 
 
-def rests_between(observer: Observer, name: str, start_s: float, end_s: float) -> bool:
-    """Whether an object rests at some time within a span, in seconds."""
-    return any(
-        interval.value.symbol in RESTING and interval.start_s < end_s and interval.end_s > start_s
-        for interval in observer.placement(name).intervals
-    )
+def resting(placements: Iterable[Interval[Placement]]) -> tuple[Interval[Placement], ...]:
+    """Those in which nobody's hand has the object, for sure."""
+    return tuple(interval for interval in placements if interval.value.symbol in RESTING)
+
+
+def rests_between(rests: Sequence[Interval[Placement]], start_s: float, end_s: float) -> bool:
+    """Whether an object rests at some time within a span, in seconds.
+
+    Args:
+        rests: When it rests, in order.
+        start_s: Start of the span.
+        end_s: End of the span.
+    """
+    before = bisect_left(rests, end_s, key=lambda rest: rest.start_s)
+    return before > 0 and rests[before - 1].end_s > start_s
 
 
 def _covers(longer: Turn, turn: Turn) -> bool:
@@ -151,7 +184,7 @@ def _steadies(turn: Turn, before: Turn, after: Turn) -> bool:
     return min(turn.end_s, after.start_s) - max(turn.start_s, before.end_s) < BRIEF_S
 
 
-def _joined(observer: Observer, name: str, turns: Sequence[Turn]) -> list[Turn]:
+def _joined(rests: Sequence[Interval[Placement]], turns: Sequence[Turn]) -> list[Turn]:
     """The turns of each agent, joined where they overlap, or where the object rests nowhere and goes to nobody else."""
     joined: list[Turn] = []
     for turn in sorted(turns, key=lambda turn: (turn.start_s, turn.end_s)):
@@ -162,10 +195,7 @@ def _joined(observer: Observer, name: str, turns: Sequence[Turn]) -> list[Turn]:
         if (
             last is not None
             and before
-            and (
-                turn.start_s <= before.end_s
-                or (alone and not rests_between(observer, name, before.end_s, turn.start_s))
-            )
+            and (turn.start_s <= before.end_s or (alone and not rests_between(rests, before.end_s, turn.start_s)))
         ):
             joined[last] = Turn(turn.agent, before.start_s, max(before.end_s, turn.end_s))
         else:
