@@ -13,6 +13,7 @@ from taskgist.cli.common import FAILED, OK, about, console, print_json
 from taskgist.errors import InputError
 from taskgist.language.phrases import listed
 from taskgist.language.recognition import foreseen_sentence, named, percent
+from taskgist.learning.understanding import literal_to_json
 from taskgist.pipeline.recognise import RecognisedEpisode, TaskRecogniser
 from taskgist.pipeline.under_way import UnderWay, foresee_recording
 from taskgist.recording.mcap import read
