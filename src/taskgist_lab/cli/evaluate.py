@@ -44,6 +44,8 @@ LEARNED_FROM = tuple(name for name in SOURCES if name not in (BACKGROUND, UNFAMI
 """Sources of demonstrations of the paper's tasks."""
 Experiment = Callable[[Coded, int, int, Progress], Result]
 
+ASKING = "asking"
+"""The one of them that takes ten minutes, and is run if it is named."""
 EXPERIMENTS: Mapping[str, Experiment] = {
     "needed": lambda coded, runs, seed, _: demonstrations_needed(coded, runs=runs, seed=seed),
     "transfer": lambda coded, runs, seed, _: transfer(coded, runs=runs, seed=seed),
@@ -53,7 +55,7 @@ EXPERIMENTS: Mapping[str, Experiment] = {
     ),
     "clauses": lambda coded, runs, seed, progress: clause_learning(coded, runs=runs, seed=seed, progress=progress),
     "recognition": lambda coded, runs, seed, progress: recognition(coded, runs=runs, seed=seed, progress=progress),
-    "asking": lambda coded, runs, seed, progress: asking(coded, runs=runs, seed=seed, progress=progress),
+    ASKING: lambda coded, runs, seed, progress: asking(coded, runs=runs, seed=seed, progress=progress),
 }
 """The experiments on learning by name, in their order."""
 PERFORM = "perform"
@@ -64,7 +66,7 @@ PERFORM = "perform"
 def evaluate(
     experiments: Annotated[
         list[str] | None,
-        typer.Argument(help=f"Which: {', '.join(EXPERIMENTS)}, {PERFORM}; by default all but the last."),
+        typer.Argument(help=f"Which: {', '.join(EXPERIMENTS)}, {PERFORM}; by default all but the last two."),
     ] = None,
     pool: Annotated[
         Path | None, typer.Option("--pool", help="File of judged demonstrations: reused, extended, made if missing.")
@@ -196,7 +198,8 @@ def _chosen(names: list[str], *, all_by_default: bool) -> tuple[str, ...]:
     for name in names:
         if name not in EXPERIMENTS:
             raise UnknownNameError("experiment", name, (*EXPERIMENTS, PERFORM))
-    return tuple(name for name in EXPERIMENTS if name in names or (not names and all_by_default))
+    by_default = EXPERIMENTS.keys() - {ASKING} if all_by_default and not names else ()
+    return tuple(name for name in EXPERIMENTS if name in names or name in by_default)
 
 
 def _check(
