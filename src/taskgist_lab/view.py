@@ -27,12 +27,12 @@ from taskgist.view.scene import camera_outside, draw_eye, draw_outside
 from taskgist.world.stage import Stage
 from taskgist.world.state import State
 from taskgist_lab.evaluation.asking import Asked
-from taskgist_lab.evaluation.clause_learning import WRONG_SHARES, ClauseScores, learner_text
+from taskgist_lab.evaluation.clause_learning import ONE_WRONG, ClauseScores, learner_text
 from taskgist_lab.evaluation.experiments import CLAUSE, SETTINGS, Needs, Table, Transfer
 from taskgist_lab.evaluation.ordinary_rooms import Pair
 from taskgist_lab.evaluation.recognition import SHOWN_AFTER, RecognitionScores
 from taskgist_lab.evaluation.robustness import Comparison, Robustness
-from taskgist_lab.evaluation.values import Result
+from taskgist_lab.evaluation.values import CLEAN, Result
 from taskgist_lab.ordinary.rooms import LENGTH_M, SECOND_M, WIDTH_M, FurnishedRoom
 from taskgist_lab.ordinary.truth import Truth
 from taskgist_lab.paper.judging import Judged, understanding_of
@@ -174,8 +174,9 @@ def draw_comparison(found: Comparison) -> Figure:
 def draw_clauses(found: ClauseScores) -> Figure:
     """F1 of both learners by demonstrations, a panel for each setting, judged by all tasks that are fulfilled."""
     figure = Figure(figsize=(9.0, 3.8), layout="constrained")
-    panels = figure.subplots(1, len(WRONG_SHARES), sharey=True)
-    for panel, setting in zip(panels, WRONG_SHARES, strict=True):
+    shown = (CLEAN, ONE_WRONG)
+    panels = figure.subplots(1, len(shown), sharey=True)
+    for panel, setting in zip(panels, shown, strict=True):
         for number, (learner, others) in enumerate(found.learners):
             f1 = [found.row(learner, others, setting, after).as_fulfilled.mean or 0.0 for after in found.sizes]
             panel.plot(range(len(f1)), f1, "-o", color=COLOURS[number], label=learner_text(others))

@@ -1,10 +1,11 @@
 """How well the learner of whole clauses does beside the paper's rule, on demonstrations that were held out.
 
-Both learn each task in the same random orders, cleanly and with one wrong demonstration in ten, and are judged twice:
-by the one task that a held-out demonstration was played as (as in ``experiments.transfer``), and by all tasks that it
-fulfils, so that a *hide away* in which *hide* holds is no mistake. The clauses are compared with the shipped neutral
-manipulations, and with none, one, two or all of the pool's other tasks: what a user has when the first, second, third
-and last task is taught.
+Both learn each task in the same random orders, cleanly, with one wrong demonstration in ten, and under each condition
+that the pool has beside the clean one, such as a tracker's noise or label ends that are off. They are judged twice, by
+clean demonstrations: by the one task that a held-out demonstration was played as (as in ``experiments.transfer``), and
+by all tasks that it fulfils, so that a *hide away* in which *hide* holds is no mistake. The clauses are compared with
+the shipped neutral manipulations, and with none, one, two or all of the pool's other tasks: what a user has when the
+first, second, third and last task is taught.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from taskgist_lab.evaluation.values import CLEAN, Result, Spread
 
 SIZES = (1, 3, 5, 10, 20)
 """Demonstrations after which clauses are judged."""
-WRONG_SHARES = {"clean": 0.0, "one wrong in ten": 0.1}
+ONE_WRONG, WRONG_SHARE = "one wrong in ten", 0.1
 OTHERS = (0, 1, 2, 5)
 """Other tasks that clauses are compared with, beside neutral manipulations."""
 OF_OTHERS = 10
@@ -51,7 +52,7 @@ class ClauseScore:
     Attributes:
         learner: ``PAPER_RULE`` or ``CLAUSES``.
         others: Other tasks that it was compared with; None for the paper's rule, which compares with nothing.
-        setting: Of ``WRONG_SHARES``.
+        setting: A condition under which demonstrations were watched, or ``ONE_WRONG``.
         after: Demonstrations that were learned from.
         as_played: Judged by the one task that a demonstration was played as.
         as_fulfilled: Judged by all tasks that it fulfils.
@@ -78,6 +79,11 @@ class ClauseScores(Result):
     def sizes(self) -> tuple[int, ...]:
         """Demonstrations after which there are scores."""
         return tuple(dict.fromkeys(each.after for each in self.rows))
+
+    @property
+    def settings(self) -> tuple[str, ...]:
+        """Settings, the clean one first."""
+        return tuple(dict.fromkeys(each.setting for each in self.rows))
 
     @property
     def learners(self) -> tuple[tuple[str, int | None], ...]:
@@ -108,9 +114,11 @@ def clause_learning(
     judges = Judges.of(coded)
     runs = min(runs, MOST_RUNS)
     rows: list[ClauseScore] = []
-    for setting, share in WRONG_SHARES.items():
+    spoiled = [(condition, condition, 0.0) for condition in coded.pool.conditions if condition != CLEAN]
+    for setting, condition, share in ((CLEAN, CLEAN, 0.0), (ONE_WRONG, CLEAN, WRONG_SHARE), *spoiled):
         orders = {
-            task: in_random_order(coded, task, runs=runs, seed=seed, wrong_share=share) for task in coded.pool.tasks
+            task: in_random_order(coded, task, runs=runs, seed=seed, condition=condition, wrong_share=share)
+            for task in coded.pool.tasks
         }
         sizes = sizes_within(SIZES, orders.values())
         known = {task: learned(order, coded) for task, order in orders.items()}

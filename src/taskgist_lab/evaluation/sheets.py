@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from taskgist_lab.evaluation.asking import Asked
-from taskgist_lab.evaluation.clause_learning import WRONG_SHARES, ClauseScores, learner_text
+from taskgist_lab.evaluation.clause_learning import ClauseScores, learner_text
 from taskgist_lab.evaluation.experiments import (
     ALL,
     CLAUSE,
@@ -395,7 +395,7 @@ def sheets_of(result: Result) -> Iterable[Sheet]:
     if isinstance(result, RecognitionScores):
         return tuple(recognition_sheets(result))
     if isinstance(result, ClauseScores):
-        return tuple(clauses_sheet(result, setting) for setting in WRONG_SHARES)
+        return tuple(clauses_sheet(result, setting) for setting in result.settings)
     if isinstance(result, Asked):
         return tuple(asking_sheets(result))
     assert isinstance(result, Comparison)
