@@ -63,7 +63,7 @@ def print_clauses(learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...], 
                 console.print(Text(f"  {line}"))
     for title, literals in (
         ("usual circumstances, which were always so but usually are", learned.usual),
-        ("always so as well, which tells it from no other task", learned.always),
+        ("always so as well", learned.always),
     ):
         if literals and learned.compared:
             console.print(f"{title}:")
