@@ -28,6 +28,7 @@ from taskgist.cli.found import files
 from taskgist.cli.many import Outcome, Refused, exit_code, one_by_one, print_table
 from taskgist.common.text import one_or_list
 from taskgist.common.workers import Progress, silent
+from taskgist.errors import InputError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, tree_of
@@ -95,6 +96,11 @@ def recognise(
     Example: taskgist recognise handover.mcap --at 50%
     """
     whose = tree_of(of)
+    if at is not None:
+        others = {"--why": why, "--contrast": contrasted is not None, "--episodes": episodes, "--of": whose != "target"}
+        for option in (option for option, given in others.items() if given):
+            hint = f"leave out {option}, or --at: what is under way is foreseen for target agents, by its probability"
+            raise InputError("does not go with --at", field=option, hint=hint)
     predicates = known_predicates()
     tree = with_predicates(STANDARD_TREE, predicates)
     from taskgist.store.address import shown  # with sqlalchemy, which only knowledge should wait for
@@ -107,6 +113,9 @@ def recognise(
     with about(shown(knowledge)):
         recogniser = TaskRecogniser.of(known, tree)
     paths = files(recordings, suffix=".mcap")
+    if len(paths) > 1 and not as_json and (why or contrasted is not None):
+        field = "--why" if why else "--contrast"
+        raise InputError("tells of one recording", field=field, value=len(paths), hint="name one, or add --json")
 
     def recognised(number: int, progress: Progress = silent) -> Found:
         with about(paths[number], {"of": "--of"}):

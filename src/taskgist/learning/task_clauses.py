@@ -180,10 +180,11 @@ def _contradiction(task: str, *answers: Answer) -> KnowledgeError:
         f"({each.author}, {each.time})"
         for each in answers
     )
+    kept = min(answers, key=lambda each: (each.time, each.about))  # the last one may be that which is refused here
     return KnowledgeError(
         f"answers contradict each other: {told}",
         where=f"task {task}",
-        hint=f"withdraw one of them: taskgist ask {task!r} --withdraw --question {answers[0].about!r}",
+        hint=f"withdraw one that is kept: taskgist ask {task!r} --withdraw --question {kept.about!r}",
     )
 
 
