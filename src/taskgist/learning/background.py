@@ -1,8 +1,8 @@
 """The background that is shipped: neutral manipulations, as what people do when they do nothing for anybody.
 
-Things are lifted, tapped, dropped, dumped, thrown, moved, turned and stacked here, in generated rooms, and explained as demonstrations
-are. A user's first task is compared with them; from the second on, tasks are compared with each other as well. Tasks
-of the paper are not among them: whoever teaches *hide* shall not compete with ours.
+Things are lifted, tapped, dropped, dumped, thrown, moved, turned and stacked here, in generated rooms, and explained as
+demonstrations are. A user's first task is compared with them; from the second on, tasks are compared with each other as
+well. Tasks of the paper are not among them: whoever teaches *hide* shall not compete with ours.
 """
 
 from __future__ import annotations
