@@ -25,6 +25,7 @@ from tests.learning.learning_samples import STUDY, explained
         (0.004, "1 of 250"),
         (0.125, "1 of 8"),
         (0.5, "1 of 2"),
+        (0.53, "1 of 2"),
         (0.72, "7 of 10"),
         (0.97, "97 of 100"),
         (0.998, "99 of 100"),

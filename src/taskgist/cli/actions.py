@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rich.text import Text
 
 from taskgist.cli.clauses import clauses_document, print_literals
-from taskgist.cli.common import about, console, print_json, progress_bar
-from taskgist.common.text import clean_name
+from taskgist.cli.common import about, console, print_json, progress_bar, task_named
 from taskgist.facts.tree import TreeOf
 from taskgist.language.clauses import by_chance, compared
 from taskgist.learning.actions import LearnedActions, learn_actions
@@ -66,7 +65,7 @@ def _document(action: Action) -> dict[str, Any]:
 def explain_actions(known: Knowledge, where: str, task: str, of: TreeOf, *, as_json: bool) -> None:
     """Print what is done in a task, however it is spelled; errors name where the knowledge is kept."""
     with about(where, {"of": "--of"}):
-        learned = learn_actions(known, task if task in known.tasks else clean_name(task), of)
+        learned = learn_actions(known, task_named(known, task), of)
     if as_json:
         print_json(_learned_document(learned, known.experience(learned.posterior.task, of).tree_of))
         return
@@ -74,7 +73,8 @@ def explain_actions(known: Knowledge, where: str, task: str, of: TreeOf, *, as_j
     console.print(Text(f"What is done in a {posterior.task!r}, {compared(posterior)}", style="bold"))
     k, n = learned.support
     chance = "" if learned.chance is None else f"; by chance in {by_chance(learned.chance)}"
-    console.print(f"in this order, in {k} of {n}{chance}:")
+    order = "in this order" if k else "done in most, each by itself; in this order"
+    console.print(f"{order}, in {k} of {n}{chance}:")
     for number, name in enumerate(learned.sequence, start=1):
         console.print(f"  {number}. {name}")
     if posterior.best.literals:

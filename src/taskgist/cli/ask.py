@@ -10,8 +10,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.text import Text
 
-from taskgist.cli.common import KNOWLEDGE, JsonOption, KnowledgeOption, about, command, console, print_json
-from taskgist.common.text import clean_name
+from taskgist.cli.common import (
+    KNOWLEDGE,
+    JsonOption,
+    KnowledgeOption,
+    about,
+    command,
+    console,
+    print_json,
+    task_named,
+)
 from taskgist.errors import InputError, KnowledgeError, UnknownNameError
 from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
@@ -73,6 +81,9 @@ def ask(
         problem = "withdraws and answers at once" if answer is not None else "which answer?"
         hint = "taskgist ask TASK --withdraw --question ID; --list shows the answers that hold"
         raise KnowledgeError(problem, field="--withdraw", hint=hint)
+    if question is not None and answer is None and not withdraw:
+        hint = "say what is answered: --answer yes, no, either or unknown; or --withdraw"
+        raise KnowledgeError("what is the answer?", field="--question", value=question, hint=hint)
     reply, told = (None, None) if answer is None else _read(answer)
     if told is not None and question is not None and told != question:
         raise KnowledgeError("answers another question", field="--question", value=question, hint=f"it says {told}")
@@ -81,7 +92,7 @@ def ask(
 
     known = load(knowledge, expected=Context.of(DEFAULT, tree))
     with about(shown(knowledge), {"of": "--of"}):
-        name = task if task in known.tasks else clean_name(task)
+        name = task_named(known, task)
         whose = known.experience(name, whose).tree_of
         noted = None
         if answer is not None or withdraw:
@@ -162,8 +173,11 @@ def _literal(wanted: str, tree: HypothesisTree) -> SetLiteral:
     node, sign, rest = wanted.partition("=")
     but, node = node.endswith("!"), node.removesuffix("!")
     known = {each.node.name: each for each in vocabularies(tree)}
-    if not sign or node not in known:
+    if node not in known:
         raise UnknownNameError("question about", node or wanted, known)
+    if not sign:
+        hint = f"name one, such as {node}={next(iter(known[node].values))}"
+        raise KnowledgeError("names no value", field="--question", value=wanted, hint=hint)
     values = rest.split("|")
     for value in values:
         if value not in known[node].values:

@@ -1,7 +1,8 @@
-"""``taskgist explain --rule bayes``: what a task means by whole clauses, compared with all else that is known."""
+"""``taskgist explain``: what a task means by whole clauses, compared with all else that is known."""
 
 from __future__ import annotations
 
+import shlex
 from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
@@ -33,12 +34,16 @@ def explain_clauses(
     meaning = clause_meaning(clause_of_posterior(own, learned, tree), tree)
     if as_json:
         print_json(clauses_document(learned, meaning, odd, own.tree_of))
-    else:
-        print_clauses(learned, meaning, odd, own.tree_of)
+        return
+    print_clauses(learned, meaning, odd, own.tree_of, where)
+    if not learned.must_not and (wrong := known.wrong.get((own.task, own.tree_of))):
+        count = len(wrong.explanations)
+        told = f"{count} demonstration{'s' * (count != 1)} done wrong"
+        console.print(f"{told}: nothing is found there that right ones have not, so that nothing must not hold")
 
 
-def print_clauses(learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...], of: TreeOf) -> None:
-    """Print what the best clause says, what speaks for each literal, alternatives, odd ones, circumstances."""
+def print_clauses(learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...], of: TreeOf, where: str) -> None:
+    """Print what the best clause says, what speaks for each literal, alternatives, odd ones, circumstances, ways on."""
     best = learned.best
     if best.literals:
         console.print(Text(meaning, style="bold"))
@@ -63,12 +68,14 @@ def print_clauses(learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...], 
                 console.print(Text(f"  {line}"))
     for title, literals in (
         ("usual circumstances, which were always so but usually are", learned.usual),
-        ("always so as well", learned.always),
+        ("always so as well, but not in the clause", learned.always),
     ):
         if literals and learned.compared:
             console.print(f"{title}:")
             print_literals(literals)
-    console.print("what it leaves open: taskgist ask TASK; by the paper's rule: --rule paper")
+    options = f"-k {where}{' --of performer' if of == 'performer' else ''}"
+    console.print(f"what it leaves open: taskgist ask {shlex.quote(learned.task)} {options}")
+    console.print("with --rule paper: what all demonstrations agree in, and the whole tree with its figures")
 
 
 def print_literals(literals: tuple[LiteralSupport, ...]) -> None:

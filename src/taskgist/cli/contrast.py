@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
-from taskgist.cli.common import about, console
-from taskgist.common.text import clean_name
+from taskgist.cli.common import about, console, task_named
 from taskgist.errors import KnowledgeError
 from taskgist.facts.tree import HypothesisTree, Nodes, TreeOf
 from taskgist.facts.values import UNKNOWN, Unknown
@@ -30,7 +29,7 @@ def contrast_between(
         KnowledgeError: They are the same, or not known in the trees of the same agents.
     """
     with about(where, {"contrast": "--contrast", "of": "--of"}):
-        return contrast_of(known, _name(known, first), _name(known, second), tree, of)
+        return contrast_of(known, task_named(known, first), task_named(known, second), tree, of)
 
 
 def two_tasks(names: str) -> tuple[str, str]:
@@ -44,10 +43,6 @@ def two_tasks(names: str) -> tuple[str, str]:
         hint = 'give two, with a comma between them: --contrast "hide,put away"'
         raise KnowledgeError("not two tasks", field="--contrast", value=names, hint=hint)
     return tasks[0], tasks[1]
-
-
-def _name(known: Knowledge, name: str) -> str:
-    return name if name in known.tasks else clean_name(name)
 
 
 def print_contrast(between: Contrast, tree: HypothesisTree) -> None:

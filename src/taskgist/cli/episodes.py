@@ -81,7 +81,8 @@ def moment_s(recording: Recording, at: str) -> float:
     except ValueError:
         number = math.nan
     if not math.isfinite(number) or (text.endswith("%") and not 0.0 <= number <= 100.0):
-        raise InputError("is no time", field="--at", value=at, hint="give seconds, such as 4.5, or percent: 50%")
+        hint = "give seconds, such as 4.5, or percent from 0% to 100%"
+        raise InputError("is no time", field="--at", value=at, hint=hint)
     return first_s + number / 100.0 * (last_s - first_s) if text.endswith("%") else number
 
 

@@ -261,7 +261,7 @@ def explain(
     if node is not None:
         sentence = why(understanding, node)
         document = {"task": understanding.task, "of": understanding.experience.tree_of, "node": node, "why": sentence}
-        print_json(document) if as_json else console.print(sentence)
+        print_json(document) if as_json else console.print(f"By the paper's rule: {sentence}")
     elif as_json:
         print_json(understanding_document(understanding))
     else:
@@ -280,6 +280,11 @@ def _check_together(task: str | None, rule: str | None, asked: Mapping[str, str 
         first, second, *_ = answers
         hint = f"leave out one of {first} and {second}: each is an answer of its own"
         raise KnowledgeError("asks for something else", field=first, value=wanted[first], hint=hint)
+    chosen = {"--rule": rule, "--band": wanted.get("--band")}
+    for given, value in chosen.items():
+        if value is not None and answers and answers != ["--why"]:
+            hint = f"leave it out, or {answers[0]}, which no rule decides"
+            raise KnowledgeError("makes no difference here", field=given, value=value, hint=hint)
     for option in ("--why", "--band"):
         if rule == BAYES and option in wanted:
             hint = f"leave out --rule, or {option}: each part of a clause is told with what speaks for it"

@@ -140,7 +140,8 @@ def learn(
             how = f"what must not hold: {told}" if task in known.tasks else "none that was done right is known yet"
             console.print(f"{task}: {count} demonstration{'s' * (count != 1)} done wrong; {how}")
     options = f"-k {shown(knowledge)}{' --of performer' if whose == 'performer' else ''}"
-    console.print(f"kept in {shown(knowledge)}; for the whole tree: taskgist explain TASK {options}")
+    console.print(f"kept in {shown(knowledge)}; compared with all else: taskgist explain TASK {options}")
+    console.print("with --rule paper: the whole tree with its figures")
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
@@ -28,6 +29,7 @@ from taskgist.cli.found import files
 from taskgist.cli.many import Outcome, Refused, exit_code, one_by_one, print_table
 from taskgist.common.text import one_or_list
 from taskgist.common.workers import Progress, silent
+from taskgist.errors import InputError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, tree_of
@@ -95,6 +97,8 @@ def recognise(
     Example: taskgist recognise handover.mcap --at 50%
     """
     whose = tree_of(of)
+    if at is not None:
+        _check_alone({"--why": why, "--contrast": contrasted, "--episodes": episodes, "--of": whose != "target"})
     predicates = known_predicates()
     tree = with_predicates(STANDARD_TREE, predicates)
     from taskgist.store.address import shown  # with sqlalchemy, which only knowledge should wait for
@@ -107,6 +111,8 @@ def recognise(
     with about(shown(knowledge)):
         recogniser = TaskRecogniser.of(known, tree)
     paths = files(recordings, suffix=".mcap")
+    if len(paths) > 1 and not as_json:
+        _check_of_one({"--why": why, "--contrast": contrasted}, len(paths))
 
     def recognised(number: int, progress: Progress = silent) -> Found:
         with about(paths[number], {"of": "--of"}):
@@ -139,6 +145,19 @@ def recognise(
     else:
         print_table(outcomes, ("for", "with", "start", "end", "recognised", "labelled"), _cells, "looked at")
     return exit_code(outcomes, good=_any_known)
+
+
+def _check_alone(given: Mapping[str, object]) -> None:
+    """Refuse options that say nothing of what is under way."""
+    for option in (option for option, value in given.items() if value):
+        hint = f"leave out {option}, or --at: what is under way is foreseen for target agents, by its probability"
+        raise InputError("does not go with --at", field=option, hint=hint)
+
+
+def _check_of_one(given: Mapping[str, object], count: int) -> None:
+    """Refuse options for which a table has no room."""
+    for option in (option for option, value in given.items() if value):
+        raise InputError("tells of one recording", field=option, value=count, hint="name one, or add --json")
 
 
 def _any_known(found: Found) -> bool:

@@ -22,8 +22,8 @@ def supported(support: Support) -> str:
 
 
 def by_chance(share: float) -> str:
-    """A share in words of frequency: ``"1 of 8"``, or ``"7 of 10"`` where it is more than a half."""
-    if share <= 0.5:
+    """A share in words of frequency: ``"1 of 8"``, or ``"7 of 10"`` where it is more than about a half."""
+    if share < 0.55:
         return f"1 of {round(1 / share)}"
     tenths = round(10 * share)
     return f"{tenths} of 10" if tenths < 10 else f"{int(100 * share)} of 100"

@@ -29,7 +29,9 @@ def clause_meaning(clause: Clause, tree: HypothesisTree) -> str:
         return f"{told} nothing yet: the demonstrations have nothing in common."
     effects, before = (_spoken(each, tree, clause.each_of) for each in (clause.effects, clause.preconditions))
     target = "each of the target agents" if "target agents" in clause.each_of else AGENTS[clause.tree_of]
-    sentence = f"{told} for {target}: {listed(effects)}" if effects else f"{told} no effect yet"
+    # "…, or more, or is not possible": where a part ends is not to be guessed
+    parts = "; and ".join(effects) if any(", or " in each for each in effects) else listed(effects)
+    sentence = f"{told} for {target}: {parts}" if effects else f"{told} no effect yet"
     return f"{sentence}; beforehand, {listed(before)}." if before else f"{sentence}."
 
 
