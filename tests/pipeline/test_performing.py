@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from taskgist.common import extras
+from taskgist.common.workers import Progress
 from taskgist.errors import InputError
 from taskgist.facts import vocabulary as v
 from taskgist.facts.standard import STANDARD_TREE
@@ -22,6 +24,7 @@ from taskgist.performing.findings import Audit
 from taskgist.pipeline import performing
 from taskgist.pipeline.performing import Outcome, perform
 from taskgist.planning.one_by_one import OneByOne
+from taskgist.planning.plan import Plan
 from taskgist.planning.requests import Request
 from taskgist.world import Scene, Stage
 from taskgist_lab.simulator.room import TABLE, Person, Room, Thing, on_table
@@ -220,6 +223,49 @@ def test_what_was_always_so_is_left_before_what_is_usual() -> None:
     assert outcome.goal.circumstances == (free,)
     assert [each.literal for each in outcome.dropped] == [inside]
     assert outcome.performances[0].circumstances == {free: True, inside: False}
+
+
+def watched_searches(monkeypatch: pytest.MonkeyPatch) -> list[OneByOne]:
+    searches, plans = list[OneByOne](), OneByOne.plans
+
+    def watched(self: OneByOne, progress: Progress) -> Iterator[Plan]:
+        searches.append(self)
+        return plans(self, progress)
+
+    monkeypatch.setattr(OneByOne, "plans", watched)
+    return searches
+
+
+def test_circumstances_are_left_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is harder to reach is not grasped without effort: only that is left, though most places are not hidden."""
+    hidden, at_hand = among("visibility.score.2", NEGLIGIBLE), among("grasp.effort.2", v.REACH_EFFORTS[0])
+    harder = among("reach.class", v.BECOMES_DIFFICULT)
+    meaning = Clause("put away", (harder,), usual=(ON_SUPPORT,), always=(hidden, at_hand))
+    monkeypatch.setattr("taskgist.planning.planner.MOST_PLACES", 300)
+    searches = watched_searches(monkeypatch)
+    outcome = perform(scene("jido"), Request(meaning, "R", "P2", "cup", means=("move",)))
+    (found,) = outcome.performances
+    assert found.circumstances == {ON_SUPPORT: True, hidden: True, at_hand: False}
+    assert [(each.literal, each.why) for each in outcome.dropped] == [(at_hand, performing.NONE_BESIDE)]
+    first, _ = (each.search for each in searches)
+    assert first.refused_by(hidden) > first.refused_by(at_hand) > 0
+    assert first.wanted == 0
+
+
+def test_where_it_ends_is_left_last_and_searches_are_few(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("taskgist.planning.planner.MOST_PLACES", 20)
+    in_hand, hidden = among("placement.status.2", v.IN_HAND), among("visibility.score.2", NEGLIGIBLE)
+    seen, far = among("see.effort.2", v.SEE_EFFORTS[0]), among("reach.effort.2", v.REACH_EFFORTS[3])
+    nowhere = among("grasp.effort.2", v.REACH_EFFORTS[-1])
+    meaning = Clause("put away", (nowhere,), usual=(in_hand,), always=(hidden, seen, far))
+    searches = watched_searches(monkeypatch)
+    monkeypatch.setattr(OneByOne, "helps", lambda _: ())
+    outcome = perform(scene("jido"), Request(meaning, "R", "P2", "cup", allow=("white_box",), means=("move",)))
+    assert not outcome.performances
+    kept = [each.goal.circumstances for each in searches]
+    assert kept == [(in_hand, hidden, seen, far), (in_hand, seen, far), (in_hand, seen), (in_hand,), ()]
+    assert [each.literal for each in outcome.dropped] == [hidden, far, seen, in_hand]
+    assert len(searches) <= performing.LEFT_ONE_BY_ONE + 3
 
 
 def test_a_set_that_fails_everywhere_is_told_in_words(monkeypatch: pytest.MonkeyPatch) -> None:

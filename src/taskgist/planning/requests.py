@@ -140,6 +140,11 @@ class Search:
     details: tuple[str, ...] = ()
     others: list[Tried] = field(default_factory=list)
 
+    def refused_by(self, literal: AnyLiteral) -> int:
+        """How many ends a literal refused: of places, of what the performer brought about, and of other ways."""
+        ended = (n for why, n in self.refusals.items() if not isinstance(why, str) and why.literal == literal)
+        return self.missed[literal] + sum(ended) + sum(each.why == literal for each in self.others)
+
 
 @dataclass(frozen=True)
 class Tried:
