@@ -281,10 +281,10 @@ def _check_together(task: str | None, rule: str | None, asked: Mapping[str, str 
         hint = f"leave out one of {first} and {second}: each is an answer of its own"
         raise KnowledgeError("asks for something else", field=first, value=wanted[first], hint=hint)
     chosen = {"--rule": rule, "--band": wanted.get("--band")}
-    for given, value in chosen.items():
-        if value is not None and answers and answers != ["--why"]:
+    for given, choice in chosen.items():
+        if choice is not None and answers and answers != ["--why"]:
             hint = f"leave it out, or {answers[0]}, which no rule decides"
-            raise KnowledgeError("makes no difference here", field=given, value=value, hint=hint)
+            raise KnowledgeError("makes no difference here", field=given, value=choice, hint=hint)
     for option in ("--why", "--band"):
         if rule == BAYES and option in wanted:
             hint = f"leave out --rule, or {option}: each part of a clause is told with what speaks for it"
