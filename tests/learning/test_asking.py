@@ -231,3 +231,15 @@ def test_a_contrast_parts_what_always_was_so() -> None:
         for explanation in known.experience("show").explanations.values():
             assert each.fails.holds(explanation.nodes) is True
             assert each.holds is None or ENTAILMENT.worlds(each.holds).space != ENTAILMENT.worlds(each.fails).space
+
+
+def test_what_demonstrations_contradict_is_believed_and_what_they_have_in_common_besides_is_not_lost() -> None:
+    """All demonstrations end with somebody who sits; told that nobody must, seeing still becomes harder."""
+    known = knowledge("hide", "give", "show", count=3)
+    before = learn_task(known, "hide").best
+    told = known.answer(said(Reply.NO, "posture.value.2", "Sitting"))
+    after = learn_task(told, "hide").best
+    assert [each for each in after.literals if each.node != "posture.value.2"] == list(before.literals)
+    assert [str(each) for each in after.literals if each.node == "posture.value.2"] == ["(Final_Posture ≠ Sitting)"]
+    assert after.support.k == 0, "no demonstration shows all of it"
+    assert learn_task(told, "hide").probability(next(iter(study("hide", 3).explanations.values())).nodes) < 0.5

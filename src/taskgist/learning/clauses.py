@@ -223,7 +223,7 @@ def learn_clauses(
     return ClausePosterior(
         task=task,
         clauses=tuple(
-            WeighedClause(search.literals_of(one), Support(one.k, one.n, one.chance), one.score, weight / total)
+            WeighedClause(search.literals_of(one), search.supported(one), one.score, weight / total)
             for one, weight in zip(found, weights, strict=True)
         ),
         alone=tuple(map(search.alone, found[0].members)),
@@ -429,6 +429,13 @@ class _Search(Counting):
         """The literals of a clause."""
         return tuple(self._candidates[index].literal for index in found.members)
 
+    def supported(self, found: _Found) -> Support:
+        """How often a clause holds, what was told among it, even where that is no evidence."""
+        told_apart = self._first.members and self._first.true == self._all
+        if told_apart:
+            return self.support(*self.truth(self.literals_of(found)))
+        return Support(found.k, found.n, found.chance)
+
     def alone(self, index: int) -> LiteralSupport:
         """One literal, and how often it holds."""
         candidate = self._candidates[index]
@@ -505,13 +512,19 @@ class _Search(Counting):
         return _Found(tuple(sorted(members)), true, false, bits, k, n, chance, self._score(k, n, chance, bits))
 
     def _start(self, fixed: Collection[SetLiteral]) -> _Found:
-        """The clause that all others lengthen: what was told to be relevant, or nothing."""
+        """The clause that all others lengthen: what was told to be relevant, or nothing.
+
+        Where the demonstrations contradict what was told, they are no evidence on it: what else they have in common
+        is learned as if nothing had been told, and stands beside it.
+        """
         chosen = tuple(index for index, candidate in enumerate(self._candidates) if candidate.literal in fixed)
         if not chosen:
             return _Found((), self._all, 0, 0.0, self._n, self._n, 1.0, 0.0)
         true, false = self.truth(fixed)
         bits = math.fsum(self._candidates[index].bits for index in chosen)
         support = self.support(true, false)
+        if support.k < COVERAGE * support.n:
+            return _Found(chosen, self._all, 0, bits, self._n, self._n, 1.0, -LN_2 * bits)
         return _Found(chosen, true, false, bits, support.k, support.n, support.chance, clause_score(support, bits))
 
     def _score(self, k: int, n: int, chance: float, bits: float) -> float:
