@@ -93,7 +93,8 @@ class Action:
     def __str__(self) -> str:
         hand = f" with the {self.side} hand" if self.side else ""
         where = {"hand over": " to", "place": " at"}.get(self.kind, "")
-        return f"{self.agent}: {self.kind} {self.thing}{f'{where} {self.to}' if self.to else ''}{hand}"
+        done = {"look": "look at", "point": "point at"}.get(self.kind, self.kind)
+        return f"{self.agent}: {done} {self.thing}{f'{where} {self.to}' if self.to else ''}{hand}"
 
 
 def actions_of(
