@@ -216,9 +216,10 @@ def _helpers(
         robot, has_it = not moves_itself(body), other in holders
         if effort.level is None:
             unknown.append(other)
-        elif effort.is_known_to_do and (has_it or _free_hand(stage, other, settings)):
-            if has_it or robot or effort.level < level:
-                helpers.append(Helper(other, effort, robot, has_it))
+        elif has_it or (
+            effort.is_known_to_do and (robot or effort.level < level) and _free_hand(stage, other, settings)
+        ):
+            helpers.append(Helper(other, effort, robot, has_it))
     helpers.sort(key=lambda each: (not each.robot, each.grasping.level or 0, _amount(each.grasping), each.name))
     return tuple(helpers), tuple(unknown)
 
