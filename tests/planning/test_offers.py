@@ -170,6 +170,11 @@ def test_behind_a_wall_who_stands_on_the_other_side_could_show_it() -> None:
     assert offers_for(stage, "P1", "cup", "see", clauses()).declined == "own act"
 
 
+def test_whose_hand_is_on_its_way_leans_along() -> None:
+    found = offers_for(room(), "P2", "cup", "reach", clauses(), under_way=True)
+    assert (found.effort.level, found.declined, found.tasks) == (2, "own act", ())
+
+
 def test_people_who_would_have_as_far_to_go_are_not_named() -> None:
     far = agent("P1", -3.5, 0.0, yaw_deg=180)
     stage = Stage(scene(TABLE, CHAIR, cylinder("cup", 0.35, 0.0, 0.77), agents=SITTER + far))

@@ -52,7 +52,7 @@ def offer(
     rule: RuleOption = None,
     as_json: JsonOption = False,
 ) -> int:
-    """Say which known task would help somebody who is after a thing.
+    """Say which known task would help who is after a thing.
 
     What it takes the agent now, which tasks lower that and to which level at most, by what they mean, and who could do
     them. Nothing is offered where the agent's own next act does it: where it takes no more than stretching out an arm

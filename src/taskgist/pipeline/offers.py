@@ -88,6 +88,7 @@ def offers_in(
                 each.thing,
                 each.ability,
                 known,
+                under_way=each.behaviour == "reaching",
                 tree=tree,
                 settings=settings,
                 predicates=told,

@@ -13,7 +13,8 @@ respects it where it can.
 take any effort for that, people only less than it spares. If somebody has the thing, nobody else hands it on.
 
 **When nothing is offered**: where the agent's own next act does it. What takes no more than stretching out an arm or
-turning the head, people just do.
+turning the head, people just do. Whose hand is on its way already leans along, too; but not where another has the
+thing, who may let go of it or not.
 
 No plan is made: whether there is a place and a way, ``planning.OneByOne`` tells.
 """
@@ -42,6 +43,8 @@ from taskgist.world.state import HEADS_ALONE
 
 OWN_ACT_LEVEL = 1
 """What takes no greater effort, an agent's next act does: it stretches out an arm, or turns the head."""
+UNDER_WAY_LEVEL = 2
+"""What takes no greater effort, an agent does whose hand is on its way already: it leans along."""
 IN_HAND_LEVEL = 0
 """Effort for a thing that one has in hand."""
 
@@ -116,6 +119,7 @@ def offers_for(
     ability: Ability,
     clauses: Sequence[Clause],
     *,
+    under_way: bool = False,
     tree: HypothesisTree = STANDARD_TREE,
     settings: Settings = DEFAULT,
     predicates: Iterable[Predicate] = (),
@@ -128,6 +132,7 @@ def offers_for(
         name: The object that it is after.
         ability: What it wants: ``see``, ``reach`` or ``grasp``.
         clauses: What the known tasks mean for target agents.
+        under_way: Whether the agent's hand is on its way to the object already.
         tree: What the clauses were learned in.
         settings: All settings.
         predicates: A user's own predicates.
@@ -153,7 +158,9 @@ def offers_for(
         level = effort.level
         if level is None:
             return Offers(effort, declined="unknown effort")
-        if level <= OWN_ACT_LEVEL or _held_by(stage, agent, name, settings):
+        others_have_it = bool(set(carried_by(stage, name, settings) or ()) - {agent})
+        own_level = UNDER_WAY_LEVEL if under_way and not others_have_it else OWN_ACT_LEVEL
+        if level <= own_level or _held_by(stage, agent, name, settings):
             return Offers(effort, declined="own act")
         start = resting_snapshot(stage, agent=agent, name=name, settings=settings, predicates=tuple(predicates))
         found = (lowering(clause, start, ability, level, tree, settings) for clause in clauses)

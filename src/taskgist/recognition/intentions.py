@@ -1,7 +1,7 @@
 """Intentions: which agent is after which thing at a moment of a recording, seen from what came before.
 
 - **reaching**: an empty hand goes towards a thing, faster than hands drift, as seen from its own shoulder: who walks
-  past reaches for nothing. It is the thing that the hand's way meets.
+  past reaches for nothing. It is the thing that lies on the hand's way; of several there, the nearest.
 - **walking**: an agent with an empty hand approaches a thing, as relations over time have it, and looks at it.
 
 Whoever looks for a thing turns the head and looks at nothing known: which thing it is, no movement tells. That is to
@@ -35,6 +35,9 @@ REACHES_M_S = 0.2
 """A hand that is slower reaches for nothing (ours: reaches peak at 0.5 to 1.5 m/s, hands that hang sway below 0.1)."""
 OFF_WAY_RAD = math.radians(25.0)
 """Farther off a hand's way lies nothing that it goes to (ours: reaches are curved, and hands come from above)."""
+ALIKE_RAD = math.radians(20.0)
+"""Of things that lie no farther off the way than the least one and this, the nearest is meant (ours: hands go around
+what stands in front)."""
 
 Behaviour = Literal["reaching", "walking"]
 WANTED: dict[Behaviour, Ability] = {"reaching": "reach", "walking": "reach"}
@@ -89,19 +92,20 @@ def _reached_for(stage: Stage, before: State, now: State, agent: str, settings: 
     first = _from_shoulders(stage.show(before), body)
     last = _from_shoulders(stage.show(now), body)
     empty = [side for side in first if side in last and held_in(stage, agent, side, settings.contact) is None]
-    found: list[tuple[float, str]] = []
+    chosen: list[tuple[float, str]] = []
     for side in empty:
         way = last[side] - first[side]
         speed_m_s = float(np.linalg.norm(way)) / since_s
         if speed_m_s < REACHES_M_S:
             continue
         palm = stage.site(body.arm(side).palm_site).position
-        for name in stage.scene.objects:
-            if stage.state.known([name]):
-                off_rad = _angle_rad(way, middle_of(stage, name) - palm)
-                if off_rad < OFF_WAY_RAD:
-                    found.append((off_rad, name))
-    return min(found)[1] if found else None
+        ways = {name: middle_of(stage, name) - palm for name in stage.scene.objects if stage.state.known([name])}
+        off_rad = {name: _angle_rad(way, towards) for name, towards in ways.items()}
+        least_rad = min(off_rad.values(), default=math.pi)
+        if least_rad < OFF_WAY_RAD:
+            there = [name for name, each in off_rad.items() if each <= least_rad + ALIKE_RAD]
+            chosen.append(min((float(np.linalg.norm(ways[name])), name) for name in there))
+    return min(chosen)[1] if chosen else None
 
 
 def _from_shoulders(stage: Stage, agent: Agent) -> dict[str, Array]:
