@@ -28,6 +28,7 @@ SURFACE: dict[str, set[str]] = {
     },
     "explain": {"task", "--knowledge", "-k", "--why", "--of", "--band", "--rule", "--contrast", "--actions"},
     "recognise": {"recordings", "--knowledge", "-k", "--why", "--contrast", "--of", "--episodes", "--at"},
+    "offer": {"where", "--knowledge", "-k", "--at", "--for", "--object", "--ability", "--rule"},
     "ask": {"task", "--knowledge", "-k", "--answer", "--question", "--withdraw", "--author", "--list", "--of"},
     "agent check": {"profile", "--out", "-o", "--replace"},
     "agent draft": {"model", "--out", "-o", "--replace"},

@@ -44,6 +44,7 @@ OWN = tuple(
         "recognise": "recognise:recognise",
         "ask": "ask:ask",
         "perform": "perform:perform",
+        "offer": "offer:offer",
         "see": "see:see",
         "query": "query:query",
         "map": "map_:map_",

@@ -9,6 +9,9 @@ from .explain import label_of as label_of
 from .explain import learn as learn
 from .findings import Checkup as Checkup
 from .findings import Finding as Finding
+from .offers import OffersTo as OffersTo
+from .offers import known_clauses as known_clauses
+from .offers import offers_in as offers_in
 from .performing import Outcome as Outcome
 from .performing import Performance as Performance
 from .performing import perform as perform

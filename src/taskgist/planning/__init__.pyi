@@ -9,6 +9,10 @@ from .judging import ATTENTIONS as ATTENTIONS
 from .judging import Attention as Attention
 from .judging import Judge as Judge
 from .judging import Verdict as Verdict
+from .offers import Helper as Helper
+from .offers import Lowering as Lowering
+from .offers import Offers as Offers
+from .offers import offers_for as offers_for
 from .plan import Action as Action
 from .plan import Plan as Plan
 from .planner import Planner as Planner

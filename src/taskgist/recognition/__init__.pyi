@@ -8,6 +8,8 @@ from .courses import Course as Course
 from .courses import courses_of as courses_of
 from .episodes import Handling as Handling
 from .episodes import handlings_of as handlings_of
+from .intentions import Intention as Intention
+from .intentions import intentions_at_the_end as intentions_at_the_end
 from .label_proposal import Proposal as Proposal
 from .label_proposal import propose as propose
 from .label_proposal import propose_label as propose_label
