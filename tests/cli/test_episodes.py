@@ -71,7 +71,7 @@ def test_what_is_under_way_is_told_with_what_is_missing() -> None:
 
 
 REFUSED = {
-    "given.mcap --at soon": "--at: is no time (got 'soon'); give seconds, such as 4.5, or percent: 50%",
+    "given.mcap --at soon": "--at: is no time (got 'soon'); give seconds, such as 4.5, or percent from 0% to 100%",
     "given.mcap --at 120%": "--at: is no time (got '120%')",
     "given.mcap --at 1.3": "--at: nothing has begun yet (got 1.3); ask for a time after",
     "given.mcap --at 99": "--at: the time is outside of the recording (got 99",

@@ -77,7 +77,7 @@ def test_explaining_needs_neither_mujoco_nor_numba_nor_numpy(knowledge: str, wor
 def test_learning_from_knowledge_and_facts_needs_them_neither(knowledge: str, tmp_path: Path) -> None:
     (tmp_path / "told.json").write_text(json.dumps(FACTS | {"demonstration": "told"}), encoding="utf-8")
     words = ("learn", knowledge, str(tmp_path / "told.json"), "-k", str(tmp_path / "other.db"))
-    assert "learned from 2 demonstrations" in python(BLOCKED + RUN, *words).stdout
+    assert "by the paper's rule, from 2 demonstrations" in python(BLOCKED + RUN, *words).stdout
 
 
 @pytest.mark.parametrize("room", ["facts", "learning", "store", "language"])
@@ -138,7 +138,7 @@ def test_other_packages_add_commands(tmp_path: Path) -> None:
     package(tmp_path, OTHERS, "count = others:count", "group = others:group", "learn = others:count")
     path = str(tmp_path)
     listed = python(RUN, "--help", path=path).stdout
-    assert "  count     Count.\n" in listed
+    assert "  count      Count.\n" in listed
     assert "  group     A group of commands.\n" in listed
     assert "imported" not in listed, "a help that its source tells needs no import"
     assert listed.count("  learn ") == 1, "a name of ours is ours"
@@ -150,7 +150,7 @@ def test_other_packages_add_commands(tmp_path: Path) -> None:
 
 def test_a_help_that_its_source_does_not_tell_is_asked_from_the_command(tmp_path: Path) -> None:
     package(tmp_path, OTHERS, "made = others:made")
-    assert "  made      Count.\n" in python(RUN, "--help", path=str(tmp_path)).stdout
+    assert "  made       Count.\n" in python(RUN, "--help", path=str(tmp_path)).stdout
 
 
 BROKEN = "import no_such_module\nmade = no_such_module.command\n\n\ndef count() -> None:\n    '''Count.'''\n"
