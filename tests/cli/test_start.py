@@ -139,7 +139,7 @@ def test_other_packages_add_commands(tmp_path: Path) -> None:
     path = str(tmp_path)
     listed = python(RUN, "--help", path=path).stdout
     assert "  count      Count.\n" in listed
-    assert "  group     A group of commands.\n" in listed
+    assert "  group      A group of commands.\n" in listed
     assert "imported" not in listed, "a help that its source tells needs no import"
     assert listed.count("  learn ") == 1, "a name of ours is ours"
     assert python(RUN, "count", "3", "--json", path=path, status=1).stdout == "imported\n3\n"
