@@ -20,7 +20,7 @@ from taskgist_lab.generator.outcomes import share_in_view
 from taskgist_lab.generator.simulation import ways_of
 
 SEED = 21
-NUMBERS = {"behind-from-both": 1, "inside-from-both": 1, "hold-up-to-both": 1, "one-after-the-other": 1}
+NUMBERS = {"behind-from-both": 1, "inside-from-both": 1, "hold-up-to-both": 1, "one-after-the-other": 3}
 """Demonstrations for which few rooms are tried; 0 where nothing is said."""
 MEANS = [(task, way.name) for task, ways in SEVERAL.items() for way in ways]
 CLASSES = {"hide": ("see.class", "Becomes_Difficult"), "show": ("see.nature", "Supportive")}
