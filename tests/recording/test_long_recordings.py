@@ -97,6 +97,6 @@ def test_watching_holds_times_and_no_more(files: dict[int, Path]) -> None:
 
 
 def test_checking_and_digests_hold_blocks(files: dict[int, Path]) -> None:
-    """A check asks who has things at any time, and so for every hand: what was found of 4,096 frames is kept, no more."""
+    """A check asks who has things at any time, so for every hand: what was found of 4,096 frames is kept, no more."""
     opened = {frames: read(path) for frames, path in files.items()}
     assert bytes_per_frame(lambda frames: (check(opened[frames]), opened[frames].digest)) < 3000
