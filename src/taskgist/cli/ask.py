@@ -29,7 +29,7 @@ from taskgist.learning.answers import Answer, Reply, in_force, replies_in_force
 from taskgist.learning.asking import SetQuestion, question_id
 from taskgist.learning.explanation import Context
 from taskgist.learning.lessons import OtherEnd, OtherStart, lessons_of
-from taskgist.learning.literals import SetLiteral, vocabularies
+from taskgist.learning.literals import SetLiteral, vocabulary_by_node
 from taskgist.learning.task_clauses import learn_task, open_questions, sides
 from taskgist.settings import DEFAULT
 
@@ -172,7 +172,7 @@ def _literal(wanted: str, tree: HypothesisTree) -> SetLiteral:
     """The literal of a question's id."""
     node, sign, rest = wanted.partition("=")
     but, node = node.endswith("!"), node.removesuffix("!")
-    known = {each.node.name: each for each in vocabularies(tree)}
+    known = vocabulary_by_node(tree)
     if node not in known:
         raise UnknownNameError("question about", node or wanted, known)
     if not sign:
@@ -315,7 +315,7 @@ def _print(document: dict[str, Any]) -> None:
 
 def _print_answers(known: Knowledge, task: str, tree: HypothesisTree, of: TreeOf) -> None:
     holding = _holding(known, task, of)
-    known_nodes = {each.node.name: each for each in vocabularies(tree)}
+    known_nodes = vocabulary_by_node(tree)
     for answer in holding:
         vocabulary = known_nodes.get(answer.node)
         literal = vocabulary.literal(answer.among, but=answer.but) if vocabulary and answer.among else None

@@ -64,7 +64,7 @@ from taskgist.learning.clauses import (
 )
 from taskgist.learning.entailment import Worlds, entailment_of
 from taskgist.learning.evidence import Evidence
-from taskgist.learning.literals import LADDERS, SetLiteral, Vocabulary, vocabularies
+from taskgist.learning.literals import LADDERS, SetLiteral, Vocabulary, vocabulary_by_node
 
 LEAST_GAIN = 0.002
 """Gain below which a question is not asked, bits for each demonstration."""
@@ -140,7 +140,7 @@ class Asking:
         self.evidence = evidence
         self.counting = Counting(evidence, posterior.task)
         self.entailment = entailment_of(tree)
-        self.vocabularies = {each.node.name: each for each in vocabularies(tree)}
+        self.vocabularies = vocabulary_by_node(tree)
         self._must = self.entailment.together(told.fixed(tree))
         self._free = [self.entailment.worlds(each) for each in told.free]
         self._asked = {self._key(self.entailment.worlds(each)) for each in (*asked, *told.free)}
@@ -293,7 +293,7 @@ def entropy(probability: float) -> float:
 
 def told_by(replies: Sequence[tuple[SetLiteral, Reply]], tree: HypothesisTree) -> Told:
     """What answers about sets of values fix."""
-    known = {each.node.name: each for each in vocabularies(tree)}
+    known = vocabulary_by_node(tree)
     must = [literal for literal, reply in replies if reply is Reply.YES]
     must += [known[literal.node].complement(literal) for literal, reply in replies if reply is Reply.NO]
     free = [literal for literal, reply in replies if reply is Reply.EITHER]

@@ -20,6 +20,7 @@ from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
+from taskgist.common.frozen import FrozenMap
 from taskgist.facts import vocabulary as v
 from taskgist.facts.tree import HypothesisTree, Instant, Leaf, Node, Nodes
 from taskgist.facts.values import NEGLIGIBLE, UNKNOWN, ScoreAttribute, Unknown, score_bins
@@ -92,6 +93,10 @@ class SetLiteral:
         """Whether it holds where the nodes are as given; unknown where its node is missing or unknown."""
         if self.node not in nodes or isinstance(value := nodes[self.node].value, Unknown):
             return UNKNOWN
+        return self.admits(value)
+
+    def admits(self, value: str) -> bool:
+        """Whether a value of its node is in the set."""
         return (value in self.values) != self.but
 
 
@@ -184,6 +189,12 @@ def vocabularies(tree: HypothesisTree, settings: Settings = DEFAULT) -> tuple[Vo
         elif node.values:
             found.append(Vocabulary(node, node.values if node.values in LADDERS else ()))
     return tuple(found)
+
+
+@lru_cache(maxsize=8)
+def vocabulary_by_node(tree: HypothesisTree, settings: Settings = DEFAULT) -> FrozenMap[str, Vocabulary]:
+    """The same by the name of the node."""
+    return FrozenMap({each.node.name: each for each in vocabularies(tree, settings)})
 
 
 def _leaves(tree: HypothesisTree) -> Iterator[tuple[str, Leaf]]:

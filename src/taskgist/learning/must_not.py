@@ -77,7 +77,7 @@ def _reasons(
 
 
 def _holds(literal: SetLiteral, effects: Effects) -> bool:
-    return literal.node in effects and (effects[literal.node] in literal.values) != literal.but
+    return literal.node in effects and literal.admits(effects[literal.node])
 
 
 def _counted(evidence: Evidence, literal: SetLiteral, name: str) -> tuple[int, int]:

@@ -22,7 +22,7 @@ from taskgist.learning.evidence import Effects, Evidence, effects_of, evidence_o
 from taskgist.learning.experience import Experience
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.knowledge import Knowledge
-from taskgist.learning.literals import SetLiteral, vocabularies
+from taskgist.learning.literals import SetLiteral, vocabulary_by_node
 from taskgist.learning.must_not import learn_must_not
 from taskgist.learning.understanding import PAPER, Clause, clause_of, several_of
 
@@ -80,17 +80,23 @@ def task_evidence(
 ) -> Evidence:
     """The demonstrations of a task beside all that it is compared with; arguments and errors as ``learn_task``."""
     own = knowledge.experience(task, of)
-    neutral = background or shipped_background()
-    others = [
-        each
-        for (name, whose), each in knowledge.experiences.items()
-        if whose == own.tree_of and name != task and set(each.contexts) <= set(own.contexts)
-    ]
-    comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
-    kinds: dict[str, Iterable[Effects]] = dict(neutral.kinds) if comparable else {}
+    others, kinds = _background(knowledge, own, background or shipped_background())
     if (own.task, own.tree_of) in knowledge.wrong:
         kinds[WRONG] = _wrong(knowledge, own)
     return evidence_of([own, *others], kinds)
+
+
+def _background(
+    knowledge: Knowledge, own: Experience, neutral: Background
+) -> tuple[list[Experience], dict[str, Iterable[Effects]]]:
+    """The other tasks, and the neutral manipulations by kind, that a task can be compared with."""
+    others = [
+        each
+        for (name, whose), each in knowledge.experiences.items()
+        if whose == own.tree_of and name != own.task and set(each.contexts) <= set(own.contexts)
+    ]
+    comparable = own.tree_of == "target" and set(own.contexts) == {neutral.context}
+    return others, dict(neutral.kinds) if comparable else {}
 
 
 def _wrong(knowledge: Knowledge, own: Experience) -> list[Effects]:
@@ -116,7 +122,7 @@ def told_of(knowledge: Knowledge, task: str, tree: HypothesisTree = STANDARD_TRE
 def own_told(own: Experience, answers: Iterable[Answer], tree: HypothesisTree = STANDARD_TREE) -> Told:
     """As ``told_of``, by the experience of a task and the answers about it."""
     answers = list(answers)
-    known = {each.node.name: each for each in vocabularies(tree)}
+    known = vocabulary_by_node(tree)
     relevant: dict[str, str] = {}
     stated: list[tuple[Answer, SetLiteral, Reply]] = []
     irrelevant = {}
@@ -215,7 +221,7 @@ def open_questions(
     """What there is to ask about a task, by all that is known; arguments and errors as ``learn_task``."""
     own = knowledge.experience(task, of)
     evidence, told = task_evidence(knowledge, task, of, background), told_of(knowledge, task, tree, of)
-    known = {each.node.name: each for each in vocabularies(tree)}
+    known = vocabulary_by_node(tree)
     given = (each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of))
     asked = [
         known[each.node].literal(each.among, but=each.but) for each in replies_in_force(given) if each.node in known
@@ -234,8 +240,8 @@ def rule_for(knowledge: Knowledge, task: str, of: TreeOf = "target") -> str:
         UnknownNameError: The task is not known.
         KnowledgeError: It is not known of who performs it.
     """
-    compared = task_evidence(knowledge, task, of).kinds.keys() - {task, WRONG}
-    return BAYES if compared else PAPER
+    others, kinds = _background(knowledge, knowledge.experience(task, of), shipped_background())
+    return BAYES if others or kinds else PAPER
 
 
 def learned_clause(
@@ -273,7 +279,7 @@ def learned_clause(
 def clause_of_posterior(own: Experience, learned: ClausePosterior, tree: HypothesisTree = STANDARD_TREE) -> Clause:
     """The best of whole clauses as a clause: with what keeps to all that must not hold, circumstances apart."""
     usual, always = (tuple(each.literal for each in part) for part in (learned.usual, learned.always))
-    known = {each.node.name: each for each in vocabularies(tree)}
+    known = vocabulary_by_node(tree)
     avoided = (known[each.literal.node].complement(each.literal) for each in learned.must_not)
     literals = tuple(dict.fromkeys((*learned.best.literals, *avoided)))
     return Clause(own.task, literals, several_of(own), own.tree_of, usual, always, BAYES)

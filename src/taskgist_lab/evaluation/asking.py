@@ -31,7 +31,7 @@ from taskgist.learning.asking import Asking, told_by
 from taskgist.learning.clauses import ClausePosterior, learn_clauses
 from taskgist.learning.entailment import entailment_of
 from taskgist.learning.evidence import Evidence
-from taskgist.learning.literals import SetLiteral, vocabularies
+from taskgist.learning.literals import SetLiteral, vocabulary_by_node
 from taskgist_lab.evaluation.clause_learning import MOST_RUNS, Judges, run_evidence
 from taskgist_lab.evaluation.learner import Coded, in_random_order
 from taskgist_lab.evaluation.values import CLEAN, Result, Spread
@@ -93,7 +93,7 @@ def intention(task: str) -> tuple[SetLiteral, ...]:
     Raises:
         KeyError: The generator has no check of it.
     """
-    known = {each.node.name: each for each in vocabularies(STANDARD_TREE)}
+    known = vocabulary_by_node(STANDARD_TREE)
     return tuple(known[node].literal(values) for node, values in INTENTIONS[task])
 
 
@@ -232,6 +232,6 @@ def _truth(coded: Coded) -> dict[str, float]:
         for literal in intention(task):
             values = [each.values[columns[literal.node]] for each in done]
             known = [value for value in values if value is not None]
-            holding = sum((value in literal.values) != literal.but for value in known)
+            holding = sum(literal.admits(value) for value in known)
             found[f"{task}: {literal}"] = holding / len(known) if known else float("nan")
     return found

@@ -225,7 +225,7 @@ class Judges:
     def _truth(self, literal: SetLiteral) -> Codes:
         """1 where a literal holds, 0 where it fails, −1 where it is unknown, (demonstrations,)."""
         column = self.coded.index(literal.node)
-        table = [(value in literal.values) != literal.but for value in self.coded.values[column]]
+        table = [literal.admits(value) for value in self.coded.values[column]]
         return np.array([*table, UNKNOWN_CODE], dtype=np.int32)[self.held_out.codes[:, column]]
 
     def scores(self, held: Mapping[str, Mask]) -> tuple[Spread, Spread]:
