@@ -177,10 +177,11 @@ def draw_clauses(found: ClauseScores) -> Figure:
     shown = (CLEAN, ONE_WRONG)
     panels = figure.subplots(1, len(shown), sharey=True)
     for panel, setting in zip(panels, shown, strict=True):
-        for number, (learner, others) in enumerate(found.learners):
-            f1 = [found.row(learner, others, setting, after).as_fulfilled.mean or 0.0 for after in found.sizes]
-            panel.plot(range(len(f1)), f1, "-o", color=COLOURS[number], label=learner_text(others))
-        panel.set_xticks(range(len(found.sizes)), [str(size) for size in found.sizes])
+        sizes = found.sizes(setting)
+        for number, (learner, others) in enumerate(found.learners(setting)):
+            f1 = [found.row(learner, others, setting, after).as_fulfilled.mean or 0.0 for after in sizes]
+            panel.plot(range(len(f1)), f1, "-o", color=COLOURS[number], label=learner_text(learner, others))
+        panel.set_xticks(range(len(sizes)), [str(size) for size in sizes])
         panel.set_ylim(0.0, 1.0)
         panel.set_title(setting, fontsize=10)
         panel.grid(alpha=0.3)

@@ -6,6 +6,10 @@ clean demonstrations: by the one task that a held-out demonstration was played a
 by all tasks that it fulfils, so that a *hide away* in which *hide* holds is no mistake. The clauses are compared with
 the shipped neutral manipulations, and with none, one, two or all of the pool's other tasks: what a user has when the
 first, second, third and last task is taught.
+
+**What the facts allow.** Beside them stands a random forest that is told more than any learner of ours: all tasks that
+each demonstration fulfils, of as many demonstrations of each of the tasks. What it misses after fifty is hardly in the
+facts.
 """
 
 from __future__ import annotations
@@ -18,15 +22,18 @@ import numpy as np
 
 from taskgist.common.arrays import Array, Mask
 from taskgist.common.workers import Progress, silent
+from taskgist.errors import InputError
+from taskgist.facts.standard import STANDARD_TREE
 from taskgist.learning.background import shipped_background
 from taskgist.learning.clauses import ClausePosterior, learn_clauses
 from taskgist.learning.evidence import Effects, Evidence
-from taskgist.learning.literals import SetLiteral
+from taskgist.learning.literals import SetLiteral, vocabularies
 from taskgist_lab.evaluation.experiments import CLAUSE, HeldOut, held_in, scores_of
 from taskgist_lab.evaluation.learner import UNKNOWN_CODE, Coded, Codes, in_random_order, learned, sizes_within
-from taskgist_lab.evaluation.values import CLEAN, Result, Spread
+from taskgist_lab.evaluation.peers import door
+from taskgist_lab.evaluation.values import CLEAN, Result, Sample, Spread
 
-SIZES = (1, 3, 5, 10, 20)
+SIZES = (1, 3, 5, 10, 20, 50)
 """Demonstrations after which clauses are judged."""
 ONE_WRONG, WRONG_SHARE = "one wrong in ten", 0.1
 OTHERS = (0, 1, 2, 5)
@@ -35,13 +42,17 @@ OF_OTHERS = 10
 """Demonstrations of each of them."""
 MOST_RUNS = 20
 """Random orders that are learned: a fit for each of them, task, size and background takes some milliseconds."""
-PAPER_RULE, CLAUSES = "paper", "clauses"
+PAPER_RULE, CLAUSES, FOREST = "paper", "clauses", "forest"
+TREES = 200
+"""Of the forest."""
 
 
-def learner_text(others: int | None) -> str:
+def learner_text(learner: str, others: int | None) -> str:
     """A learner and what it was compared with, in a few words."""
-    if others is None:
+    if learner == PAPER_RULE:
         return "the paper's rule"
+    if learner == FOREST:
+        return "a forest, told all that each fulfils"
     return f"clauses, {others or 'no'} other task{'s' * (others != 1)}"
 
 
@@ -50,8 +61,8 @@ class ClauseScore:
     """One learner in one setting after so many demonstrations: F1 as means over tasks, with its spread over runs.
 
     Attributes:
-        learner: ``PAPER_RULE`` or ``CLAUSES``.
-        others: Other tasks that it was compared with; None for the paper's rule, which compares with nothing.
+        learner: ``PAPER_RULE``, ``CLAUSES`` or ``FOREST``.
+        others: Other tasks that clauses were compared with; None for the rest.
         setting: A condition under which demonstrations were watched, or ``ONE_WRONG``.
         after: Demonstrations that were learned from.
         as_played: Judged by the one task that a demonstration was played as.
@@ -76,19 +87,17 @@ class ClauseScores(Result):
     """Neutral manipulations that clauses were compared with."""
 
     @property
-    def sizes(self) -> tuple[int, ...]:
-        """Demonstrations after which there are scores."""
-        return tuple(dict.fromkeys(each.after for each in self.rows))
-
-    @property
     def settings(self) -> tuple[str, ...]:
         """Settings, the clean one first."""
         return tuple(dict.fromkeys(each.setting for each in self.rows))
 
-    @property
-    def learners(self) -> tuple[tuple[str, int | None], ...]:
-        """Learners and the numbers of other tasks that they were compared with, in order."""
-        return tuple(dict.fromkeys((each.learner, each.others) for each in self.rows))
+    def sizes(self, setting: str) -> tuple[int, ...]:
+        """Demonstrations after which there are scores in a setting."""
+        return tuple(sorted({each.after for each in self.rows if each.setting == setting}))
+
+    def learners(self, setting: str) -> tuple[tuple[str, int | None], ...]:
+        """Learners in a setting and the numbers of other tasks that they were compared with, in order."""
+        return tuple(dict.fromkeys((each.learner, each.others) for each in self.rows if each.setting == setting))
 
     def row(self, learner: str, others: int | None, setting: str, after: int) -> ClauseScore:
         """One of the rows."""
@@ -117,7 +126,9 @@ def clause_learning(
     spoiled = [(condition, condition, 0.0) for condition in coded.pool.conditions if condition != CLEAN]
     for setting, condition, share in ((CLEAN, CLEAN, 0.0), (ONE_WRONG, CLEAN, WRONG_SHARE), *spoiled):
         orders = {
-            task: in_random_order(coded, task, runs=runs, seed=seed, condition=condition, wrong_share=share)
+            task: in_random_order(
+                coded, task, runs=runs, seed=seed, condition=condition, wrong_share=share, longest=SIZES[-1]
+            )
             for task in coded.pool.tasks
         }
         sizes = sizes_within(SIZES, orders.values())
@@ -133,7 +144,43 @@ def clause_learning(
                 for task in orders
             }
             rows.append(ClauseScore(CLAUSES, count, setting, after, *judges.scores(held)))
+    rows += _forests(judges, runs, seed, progress)
     return ClauseScores(tuple(rows), runs, sum(map(len, neutral_kinds(coded).values())))
+
+
+def _forests(judges: Judges, runs: int, seed: int, progress: Progress) -> Iterator[ClauseScore]:
+    """What the facts allow after each number of demonstrations; nothing where scikit-learn is not installed."""
+    try:
+        ensemble = door("sklearn.ensemble", "random forest")
+    except InputError:
+        return
+    coded = judges.coded
+    known = {task: coded.pool.of(task, held_out=False) for task in coded.pool.tasks}
+    sizes = [size for size in SIZES if size <= min(map(len, known.values()))]
+    for number, after in enumerate(sizes):
+        progress("what the facts allow", number / len(sizes))
+        held: dict[str, list[Mask]] = {task: [] for task in known}
+        for run in range(runs):
+            rng = np.random.default_rng([seed, run])
+            told = [own[int(i)] for own in known.values() for i in rng.permutation(len(own))[:after]]
+            forest = ensemble.RandomForestClassifier(TREES, random_state=seed + run)
+            forest.fit(_features(coded, coded.codes(told)), _fulfilled(told, coded.pool.tasks).T)
+            said = forest.predict(_features(coded, judges.held_out.codes))
+            for task, column in zip(coded.pool.tasks, np.asarray(said, dtype=bool).T, strict=True):
+                held[task].append(column)
+        scores = judges.scores({task: np.stack(each) for task, each in held.items()})
+        yield ClauseScore(FOREST, None, CLEAN, after, *scores)
+
+
+def _features(coded: Coded, codes: Codes) -> Mask:
+    """Whether each node that clauses are about has each of its values, (demonstrations, values)."""
+    columns = [coded.index(each.node.name) for each in vocabularies(STANDARD_TREE)]
+    return np.concatenate([codes[:, [i]] == np.arange(len(coded.values[i])) for i in columns], axis=1)
+
+
+def _fulfilled(samples: Sequence[Sample], tasks: Sequence[str]) -> Mask:
+    """Whether each sample fulfils each task, (tasks, samples)."""
+    return np.array([[task == each.task or task in each.fulfilled for each in samples] for task in tasks])
 
 
 def _posteriors(
@@ -206,8 +253,7 @@ class Judges:
             InputError: None of a task were held out.
         """
         samples = [each for task in coded.pool.tasks for each in coded.pool.of(task, CLEAN, held_out=True)]
-        fulfilled = [[task == each.task or task in each.fulfilled for each in samples] for task in coded.pool.tasks]
-        return Judges(coded, HeldOut.of(coded), np.array(fulfilled))
+        return Judges(coded, HeldOut.of(coded), _fulfilled(samples, coded.pool.tasks))
 
     def holds(self, posterior: ClausePosterior) -> Mask:
         """In which demonstrations the clauses hold, by a vote of their weights, (demonstrations,)."""

@@ -80,13 +80,20 @@ def _ordered(values: set[str], node: Node) -> tuple[str, ...]:
 # --- Random orders in which demonstrations come, some of them wrong ones if wanted.
 
 LONGEST = 20
-"""Demonstrations of a run."""
+"""Demonstrations of a run, where no other number is wanted."""
 
 
 def in_random_order(
-    coded: Coded, task: str, *, runs: int, seed: int, condition: str = CLEAN, wrong_share: float = 0.0
+    coded: Coded,
+    task: str,
+    *,
+    runs: int,
+    seed: int,
+    condition: str = CLEAN,
+    wrong_share: float = 0.0,
+    longest: int = LONGEST,
 ) -> Codes:
-    """Demonstrations in random order, none twice in a run, (runs, up to ``LONGEST``, nodes).
+    """Demonstrations in random order, none twice in a run, (runs, up to ``longest``, nodes).
 
     The same task and seed give the same orders whatever is compared. Where the source has a few distinct
     demonstrations, each displaced many times, all of them come, in random order, before one comes again.
@@ -98,6 +105,7 @@ def in_random_order(
         seed: Their seed.
         condition: Under which the demonstrations were watched.
         wrong_share: Probability of each demonstration to be one of another task that is labelled as this one.
+        longest: Demonstrations of a run at most.
 
     Raises:
         InputError: There are no demonstrations to learn this task from.
@@ -109,7 +117,7 @@ def in_random_order(
     rng = np.random.default_rng([seed, zlib.crc32(task.encode())])
     source = SOURCES[coded.pool.source]
     kinds = [source.kind(task, each.number) for each in coded.pool.of(task, condition, held_out=False)]
-    chosen = own[_by_turns(rng, kinds, runs)]
+    chosen = own[_by_turns(rng, kinds, runs)[:, :longest]]
     others = _others(coded, task, condition)
     return _with_wrong(chosen, others, rng, wrong_share) if wrong_share and len(others) else chosen
 
@@ -129,8 +137,8 @@ def sizes_within(sizes: Sequence[int], orders: Iterable[Codes]) -> tuple[int, ..
 
 
 def _orders(rng: np.random.Generator, count: int, runs: int) -> Indices:
-    """Orders of indices, (runs, up to ``LONGEST``)."""
-    return np.asarray(rng.permuted(np.tile(np.arange(count), (runs, 1)), axis=1)[:, :LONGEST])
+    """Orders of indices, (runs, count)."""
+    return np.asarray(rng.permuted(np.tile(np.arange(count), (runs, 1)), axis=1))
 
 
 def _by_turns(rng: np.random.Generator, kinds: Sequence[int], runs: int) -> Indices:
@@ -139,7 +147,7 @@ def _by_turns(rng: np.random.Generator, kinds: Sequence[int], runs: int) -> Indi
     for kind in sorted(set(kinds)):
         members = np.flatnonzero(np.equal(kinds, kind))
         rounds[:, members] = rng.permuted(np.tile(np.arange(len(members)), (runs, 1)), axis=1)
-    return np.argsort(rounds + rng.random(rounds.shape), axis=1)[:, :LONGEST]
+    return np.argsort(rounds + rng.random(rounds.shape), axis=1)
 
 
 def _others(coded: Coded, task: str, condition: str) -> Codes:

@@ -3,12 +3,12 @@
 Each takes a recording and a random generator and gives the recording that a worse tracker, or a hastier operator,
 would have delivered. With an amount of zero nothing changes.
 
-**Tracker noise.** The data sheet of a tracker tells a standard deviation per frame. Half of the variance here is
+**Tracker noise.** The data sheet of a tracker tells a standard deviation per frame. Half of the variance of *noise* is
 independent from frame to frame, as the data sheet means it; the other half drifts (a first-order Gauss-Markov process
-with a time constant of 2 s), for bias of calibration and occlusion is slow, and no filter removes it. Things and the
-pelvis of each person shift by ``position_m`` in each axis and turn by ``angle_rad`` about each; every joint of a
-person is off by ``angle_rad``: 3 cm at the end of a segment of 30 cm are 6 degrees. Joints stay within their limits,
-as every fit keeps them.
+with a time constant of 2 s), for bias of calibration and occlusion is slow, and no filter removes it. *White* noise is
+independent alone, *drift* is slow alone. Things and the pelvis of each person shift by ``position_m`` in each axis and
+turn by ``angle_rad`` about each; every joint of a person is off by ``angle_rad``: 3 cm at the end of a segment of 30 cm
+are 6 degrees. Joints stay within their limits, as every fit keeps them.
 """
 
 from __future__ import annotations
@@ -30,10 +30,14 @@ from taskgist.world.scene import Scene
 from taskgist_lab.evaluation.values import CLEAN
 
 DRIFT_S = 2.0
-"""Time constant of the slow half of the noise."""
+"""Time constant of the slow part of the noise."""
+WHITE, HALF, DRIFT = 0.0, 0.5, 1.0
+"""Shares of the variance that are slow."""
 
 
-def shaken(recording: Recording, rng: np.random.Generator, *, position_m: float, angle_rad: float) -> Recording:
+def shaken(
+    recording: Recording, rng: np.random.Generator, *, position_m: float, angle_rad: float, slow: float = HALF
+) -> Recording:
     """The recording as a noisy tracker would have made it.
 
     Args:
@@ -41,16 +45,17 @@ def shaken(recording: Recording, rng: np.random.Generator, *, position_m: float,
         rng: Random generator.
         position_m: Standard deviation of positions along each axis.
         angle_rad: Standard deviation of orientations about each axis, and of joint angles.
+        slow: Share of the variance that drifts; the rest is independent from frame to frame.
     """
     scene, qpos = recording.scene, np.array(recording.qpos)
     for pose in _poses(scene):
-        error = _errors(recording.times_s, 6, rng)
+        error = _errors(recording.times_s, 6, rng, slow)
         qpos[:, pose.start : pose.start + 3] += position_m * error[:, :3]
         turn = wxyz_from_rotation_vector(angle_rad * error[:, 3:])
         qpos[:, pose.start + 3 : pose.stop] = multiply(turn, qpos[:, pose.start + 3 : pose.stop])
     for agent in scene.agents:
         joints = scene.joint_indices(agent)
-        qpos[:, joints] += angle_rad * _errors(recording.times_s, len(joints), rng)
+        qpos[:, joints] += angle_rad * _errors(recording.times_s, len(joints), rng, slow)
     return replace(recording, qpos=_within_limits(scene, qpos, recording.qpos))
 
 
@@ -98,15 +103,15 @@ def _poses(scene: Scene) -> list[slice]:
     return [*map(scene.object_slice, scene.objects), *map(scene.base_slice, scene.agents)]
 
 
-def _errors(times_s: Array, count: int, rng: np.random.Generator) -> Array:
-    """Errors of unit variance, half of it slow, (n, count)."""
+def _errors(times_s: Array, count: int, rng: np.random.Generator, slow_share: float) -> Array:
+    """Errors of unit variance, a share of it slow, (n, count)."""
     quick, steps = rng.standard_normal((2, len(times_s), count))
     remembered = np.exp(-np.diff(times_s) / DRIFT_S)
     slow = np.empty_like(steps)
     slow[0] = steps[0]
     for i, share in enumerate(remembered, start=1):
         slow[i] = share * slow[i - 1] + np.sqrt(1.0 - share**2) * steps[i]
-    return np.asarray((quick + slow) / np.sqrt(2.0))
+    return np.asarray(np.sqrt(1.0 - slow_share) * quick + np.sqrt(slow_share) * slow)
 
 
 def _smoothed(times_s: Array, values: Array, wxyz: Array | None, window_s: float) -> Track:
@@ -168,9 +173,11 @@ class Condition:
         return self.spoil(recording, np.random.default_rng([seed, number, *_words(task), *_words(self.name)]))
 
 
-def _shaken(position_m: float, angle_deg: float, *, smoothing_s: float = 0.0) -> Callable[..., Recording]:
+def _shaken(
+    position_m: float, angle_deg: float, *, slow: float = HALF, smoothing_s: float = 0.0
+) -> Callable[..., Recording]:
     def spoil(recording: Recording, rng: np.random.Generator) -> Recording:
-        noisy = shaken(recording, rng, position_m=position_m, angle_rad=math.radians(angle_deg))
+        noisy = shaken(recording, rng, position_m=position_m, angle_rad=math.radians(angle_deg), slow=slow)
         return calmed(noisy, smoothing_s)
 
     return spoil
@@ -188,6 +195,10 @@ def _all() -> tuple[Condition, ...]:
         Condition("noise-3cm", "tracker noise of 3 cm and 6°", _shaken(0.03, 6.0)),
         Condition("noise-1cm-smoothed", f"1 cm and 2°, {smoothing}", _shaken(0.01, 2.0, smoothing_s=SMOOTHING_S)),
         Condition("noise-3cm-smoothed", f"3 cm and 6°, {smoothing}", _shaken(0.03, 6.0, smoothing_s=SMOOTHING_S)),
+        Condition("white-1cm", "white noise of 1 cm and 2°", _shaken(0.01, 2.0, slow=WHITE)),
+        Condition("white-3cm", "white noise of 3 cm and 6°", _shaken(0.03, 6.0, slow=WHITE)),
+        Condition("drift-1cm", "slow noise of 1 cm and 2°", _shaken(0.01, 2.0, slow=DRIFT)),
+        Condition("drift-3cm", "slow noise of 3 cm and 6°", _shaken(0.03, 6.0, slow=DRIFT)),
         Condition("lost-10", "10 % of the frames lost", lambda recording, rng: thinned(recording, rng, share=0.10)),
         Condition("lost-30", "30 % of the frames lost", lambda recording, rng: thinned(recording, rng, share=0.30)),
         Condition("gap", f"{GAP_S:g} s lost in one piece", lambda recording, rng: gapped(recording, rng, gap_s=GAP_S)),

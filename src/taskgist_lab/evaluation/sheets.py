@@ -253,11 +253,12 @@ def peers_sheet(found: Comparison) -> Sheet:
 def clauses_sheet(found: ClauseScores, setting: str) -> Sheet:
     """F1 of both learners by demonstrations in one setting: as played, and as fulfilled."""
     rows = []
-    for learner, others in found.learners:
-        scores = [found.row(learner, others, setting, after) for after in found.sizes]
+    sizes = found.sizes(setting)
+    for learner, others in found.learners(setting):
+        scores = [found.row(learner, others, setting, after) for after in sizes]
         played, fulfilled = ([mean_text(getattr(each, by)) for each in scores] for by in ("as_played", "as_fulfilled"))
-        rows.append((learner_text(others), *played, *fulfilled))
-    heads = (f"{by} {after}" for by in ("played", "fulfilled") for after in found.sizes)
+        rows.append((learner_text(learner, others), *played, *fulfilled))
+    heads = (f"{by} {after}" for by in ("played", "fulfilled") for after in sizes)
     return Sheet(
         f"Whole clauses beside the paper's rule, {setting}: F1 by demonstrations",
         ("learner", *heads),
