@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -75,13 +75,13 @@ def demonstration(number: int) -> Explanation:
     return explain(Episode(task, f"demonstration {number}", "P1", "P2", "cup", start, end, source=source))
 
 
-def filled(path: Path, count: int) -> Path:
+def filled(path: Path, count: int, of: Callable[[int], Explanation] = demonstration) -> Path:
     """A knowledge file of so many demonstrations, whose rows are put straight into the tables."""
-    save(Knowledge().add(demonstration(0)), path)
+    save(Knowledge().add(of(0)), path)
 
     def fill(connection: Connection) -> None:
         for some in tables.batches(range(1, count)):
-            rows = [tables.explanation_row(demonstration(number)) for number in some]
+            rows = [tables.explanation_row(of(number)) for number in some]
             connection.execute(insert(tables.EXPLANATIONS), rows)
 
     transact(path, fill)

@@ -60,8 +60,13 @@ def test_debug_shows_where_bad_input_was_noticed() -> None:
     assert "error: nowhere.mcap: " in done.stderr
 
 
+HEARING = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+"""A shell in the background starts its programs deaf to interrupts."""
+
+
 def test_an_interrupt_that_a_callback_drops_ends_the_command_all_the_same() -> None:
-    script = """
+    script = f"""
+{HEARING}
 import signal, time, weakref
 from taskgist.cli import main, label
 class Thing: pass
@@ -80,6 +85,7 @@ main()
 
 def test_an_interrupted_command_says_so_and_leaves_nothing(tmp_path: Path) -> None:
     script = f"""
+{HEARING}
 import time
 from taskgist.cli import main, label
 from taskgist.common.files import writing

@@ -9,7 +9,7 @@ import pytest
 from taskgist.errors import UnknownNameError
 from taskgist.learning import RULES, Answer, Context, Knowledge, Verdict, clause_of, learned_clause
 from taskgist.learning.background import shipped_background
-from taskgist.learning.task_clauses import learn_task, odd_demonstrations
+from taskgist.learning.task_clauses import evidence_by_task, learn_task, odd_demonstrations, task_evidence
 from tests.learning.learning_samples import STUDY, explained, study
 
 
@@ -34,6 +34,15 @@ def test_other_tasks_of_another_context_are_left_aside() -> None:
     others = [replace(each, context=Context("other", "tree")) for each in study("give").explanations.values()]
     known = knowledge("hide", "show")
     assert learn_task(known.add(*others), "hide") == learn_task(known, "hide")
+
+
+def test_evidence_of_all_tasks_is_that_of_each() -> None:
+    other = [replace(each, context=Context("other", "tree")) for each in study("give").explanations.values()]
+    wrong = [each.marked_wrong() for each in study("put away").explanations.values()]
+    known = knowledge("hide", "show", "put away").add(*other, *wrong, allow_mixed=True)
+    by_task = evidence_by_task(known)
+    assert by_task == {task: task_evidence(known, task) for task in ("give", "hide", "put away", "show")}
+    assert by_task["hide"] is by_task["show"]
 
 
 def test_answers_fix_literals_until_they_are_withdrawn() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pwd
+import re
 import shutil
 import socket
 import sqlite3
@@ -155,6 +156,8 @@ def test_a_damaged_document_is_refused_and_its_row_named(tmp_path: Path, kind: s
     row_changed(path, table, document)
     with pytest.raises(KnowledgeError) as caught:
         load(path)
+    with pytest.raises(KnowledgeError, match=re.escape(message)):
+        load(path, evidence=False)
     assert str(caught.value).startswith(f"{path}: row '")
     assert message in str(caught.value)
     assert "; restore the file from a copy" in str(caught.value)

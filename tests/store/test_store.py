@@ -50,6 +50,29 @@ def test_one_task_can_be_loaded_alone(address: str) -> None:
     assert load(address, tasks=["hide"]).answers == {ANSWER}
 
 
+def test_without_evidence_all_facts_are_there_and_nothing_can_be_saved(address: str, tmp_path: Path) -> None:
+    two = replace_target(explanation(5, "give"), "P3")
+    whole = merged([explanation(5, "give"), two])
+    save(KNOWLEDGE.add(whole), address)
+    bare = load(address, evidence=False)
+    assert [each.values for each in bare.explanations] == [each.values for each in load(address).explanations]
+    assert [each.digest for each in bare.explanations] == [each.digest for each in load(address).explanations]
+    assert bare.answers == {ANSWER}
+    assert not [node for each in bare.explanations for node in each.nodes.values() if node.evidence]
+    assert not [
+        node for each in bare.explanations for one in each.parts for node in one.nodes.values() if node.evidence
+    ]
+    with pytest.raises(KnowledgeError, match=r"its evidence was left aside; load it with its evidence"):
+        save(bare, tmp_path / "bare.db")
+    with pytest.raises(KnowledgeError, match="its evidence was left aside"):
+        update(address, [dataclasses.replace(each, source="another") for each in bare.explanations])
+    assert load(address) == KNOWLEDGE.add(whole)
+
+
+def replace_target(each: Explanation, agent: str) -> Explanation:
+    return dataclasses.replace(each, target_agents=(agent,))
+
+
 def test_updates_are_unions(address: str) -> None:
     update(address, [explanation(1)])
     assert load(address) == Knowledge().add(explanation(1))

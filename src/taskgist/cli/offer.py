@@ -94,7 +94,7 @@ def _clauses(knowledge: str, rule: str | None) -> tuple[Clause, ...]:
     from taskgist.store.database import load
 
     tree = with_predicates(STANDARD_TREE)
-    known = load(knowledge, expected=Context.of(DEFAULT, tree))
+    known = load(knowledge, expected=Context.of(DEFAULT, tree), evidence=False)
     with about(shown(knowledge)):
         return known_clauses(known, rule, tree)
 

@@ -204,7 +204,7 @@ def _clause(knowledge: str, task: str, rule: str | None) -> Clause:
     from taskgist.store.database import load
 
     tree = with_predicates(STANDARD_TREE)
-    known = load(knowledge, expected=Context.of(DEFAULT, tree))
+    known = load(knowledge, expected=Context.of(DEFAULT, tree), evidence=False)
     with about(shown(knowledge)):
         clause = learned_clause(known, task_named(known, task), rule, tree)
     if not clause.literals:

@@ -104,7 +104,7 @@ def recognise(
     from taskgist.store.address import shown  # with sqlalchemy, which only knowledge should wait for
     from taskgist.store.database import load
 
-    known = load(knowledge, expected=Context.of(DEFAULT, tree))
+    known = load(knowledge, expected=Context.of(DEFAULT, tree), evidence=False)
     between = None
     if contrasted is not None:
         between = contrast_between(known, shown(knowledge), *two_tasks(contrasted), tree, whose)

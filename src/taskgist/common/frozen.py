@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Generic, TypeAlias, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 
 Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json] | None"
 """What JSON can say. Numbers are finite."""
@@ -85,4 +85,9 @@ def thaw(value: Json) -> Json:
 
 def canonical_text(value: Json) -> str:
     """The one text of this value: sorted keys, no spaces; equal values give equal texts."""
-    return json.dumps(thaw(value), sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    return plain_text(thaw(value))
+
+
+def plain_text(value: Any) -> str:
+    """The same of what is plain already, as the ``json`` module reads it: nothing is copied."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)

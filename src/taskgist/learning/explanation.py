@@ -11,13 +11,15 @@ from __future__ import annotations
 
 import hashlib
 import math
+import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
+from functools import lru_cache
 from itertools import product
 from pathlib import Path
 from typing import Any, Literal
 
-from taskgist.common.frozen import FrozenMap, Json, canonical_text
+from taskgist.common.frozen import FrozenMap, Json, canonical_text, plain_text
 from taskgist.common.text import one_or_list
 from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
@@ -101,6 +103,8 @@ class Explanation:
     """Whether it shows how the task must not be done. It is evidence against then, and never counted for the task."""
     actions: tuple[SymbolicAction, ...] | None = None
     """What was done, by the time at which it began; None: nobody looked. It says nothing of what the task means."""
+    bare: bool = field(default=False, compare=False)
+    """Whether its evidence was left aside: it takes a tenth of the memory, says the same, and cannot be saved."""
     digest: str = field(init=False)
     """16 hexadecimal digits."""
 
@@ -184,17 +188,32 @@ class Explanation:
 
     @property
     def content(self) -> str:
-        """Digest of the nodes with their evidence, 16 hexadecimal digits: a changed copy is noticed by it."""
-        nodes: dict[str, Json] = {name: node.to_json() for name, node in self.nodes.items()}
-        return hashlib.sha256(canonical_text(nodes).encode()).hexdigest()[:16]
+        """Digest of the nodes with their evidence, 16 hexadecimal digits: a changed copy is noticed by it.
+
+        Raises:
+            KnowledgeError: Its evidence was left aside.
+        """
+        if self.bare:
+            hint = "load it with its evidence (evidence=True)"
+            raise KnowledgeError("its evidence was left aside", where=self.demonstration, hint=hint)
+        return _content({name: node.to_json() for name, node in self.nodes.items()})
 
     @property
     def values(self) -> dict[str, Value]:
         """Value of each node, without its evidence."""
         return {name: node.value for name, node in self.nodes.items()}
 
+    def without_evidence(self) -> Explanation:
+        """The same, its evidence left aside."""
+        nodes = {name: _bare(node.value) for name, node in self.nodes.items()}
+        return replace(self, nodes=nodes, parts=tuple(part.without_evidence() for part in self.parts), bare=True)
+
     def to_json(self) -> dict[str, Json]:
-        """Plain data; ``explanation_from_json`` reads it back."""
+        """Plain data; ``explanation_from_json`` reads it back.
+
+        Raises:
+            KnowledgeError: Its evidence was left aside.
+        """
         texts: dict[str, Json] = {name: getattr(self, name) for name in (*TEXTS, "digest", "content")}
         targets: dict[str, Json] = {TARGETS[name]: one_or_list(getattr(self, name)) for name in TARGETS}
         context = {name.name: getattr(self.context, name.name) for name in fields(Context)}
@@ -280,8 +299,13 @@ def _merged_node(whole: Explanation, name: str) -> Observation[Value]:
     return Observation(values[0])
 
 
-def explanation_from_json(document: object, *, where: str | Path | None = None) -> Explanation:
+def explanation_from_json(document: object, *, where: str | Path | None = None, evidence: bool = True) -> Explanation:
     """Read back what ``Explanation.to_json`` gave.
+
+    Args:
+        document: Plain data.
+        where: For errors.
+        evidence: Whether to keep the evidence; see ``Explanation.bare``.
 
     Raises:
         KnowledgeError: Something is missing or of another kind, or the digest does not fit the content.
@@ -289,18 +313,20 @@ def explanation_from_json(document: object, *, where: str | Path | None = None) 
     hint = "restore the file from a copy, or learn anew from the recordings"
     try:
         data: Mapping[str, Any] = document  # type: ignore[assignment] # what does not fit is caught below
+        left = not evidence and "parts" not in data  # what is said of several follows from the evidence, too
         explanation = Explanation(
             **{name: _text(data[name]) for name in TEXTS},
             target_agents=_names(data["target_agent"]),
             target_objects=_names(data["target_object"]),
             context=Context(_text(data["settings_digest"]), _text(data["tree_version"])),
-            nodes={_text(name): _observation(node) for name, node in data["nodes"].items()},
+            nodes={sys.intern(name): _observation(node, bare=left) for name, node in data["nodes"].items()},
             parts=tuple(_part(part, where) for part in data.get("parts", ())),
             wrong=_flag(data.get("wrong", False)),
             actions=tuple(map(_action, data["actions"])) if "actions" in data else None,
+            bare=left,
         )
         stored = {name: _text(data[name]) for name in ("digest", "content")}
-        found = {name: getattr(explanation, name) for name in stored}
+        found = {"digest": explanation.digest, "content": _content(data["nodes"])}
     except (KeyError, TypeError, AttributeError, ValueError, RecursionError) as error:
         raise KnowledgeError(f"not an explanation: {error!r}", where=where, hint=hint) from error
     for name, value in stored.items():
@@ -309,7 +335,12 @@ def explanation_from_json(document: object, *, where: str | Path | None = None) 
     several = len(explanation.target_agents) * len(explanation.target_objects) > 1
     if (several or explanation.parts) and not _follows(explanation):
         raise KnowledgeError("damaged explanation", where=where, field="parts", hint=hint)
-    return explanation
+    return explanation if evidence or explanation.bare else explanation.without_evidence()
+
+
+def _content(nodes: Mapping[str, Any]) -> str:
+    """Digest of the plain data of nodes, 16 hexadecimal digits."""
+    return hashlib.sha256(plain_text(nodes).encode()).hexdigest()[:16]
 
 
 def _follows(explanation: Explanation) -> bool:
@@ -336,11 +367,17 @@ def _names(value: object) -> tuple[str, ...]:
     return tuple(map(_text, value))
 
 
-def _observation(data: Mapping[str, Any]) -> Observation[Value]:
+def _observation(data: Mapping[str, Any], *, bare: bool) -> Observation[Value]:
     value = UNKNOWN if data["value"] is None else _text(data["value"])
     if not isinstance(data["evidence"], dict):
         raise TypeError("evidence that is no object")
-    return Observation(value, data["evidence"])
+    return _bare(value) if bare else Observation(value, data["evidence"])
+
+
+@lru_cache(maxsize=4096)
+def _bare(value: Value) -> Observation[Value]:
+    """A value without evidence: one for all that have it."""
+    return Observation(value)
 
 
 def _action(data: Mapping[str, Any]) -> SymbolicAction:

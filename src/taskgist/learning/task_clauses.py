@@ -20,7 +20,7 @@ from taskgist.learning.entailment import entailment_of
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.evidence import Effects, Evidence, effects_of, evidence_of
 from taskgist.learning.experience import Experience
-from taskgist.learning.explanation import Explanation
+from taskgist.learning.explanation import Context, Explanation
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.literals import SetLiteral, vocabulary_by_node
 from taskgist.learning.must_not import learn_must_not
@@ -84,6 +84,23 @@ def task_evidence(
     if (own.task, own.tree_of) in knowledge.wrong:
         kinds[WRONG] = _wrong(knowledge, own)
     return evidence_of([own, *others], kinds)
+
+
+def evidence_by_task(
+    knowledge: Knowledge, of: TreeOf = "target", background: Background | None = None
+) -> dict[str, Evidence]:
+    """``task_evidence`` of each task that is known in these trees, sorted by name; what is the same is made once."""
+    shared: dict[frozenset[Context], Evidence] = {}
+    found = {}
+    for task, whose in sorted(knowledge.experiences):
+        if whose == of and (task, of) in knowledge.wrong:
+            found[task] = task_evidence(knowledge, task, of, background)
+        elif whose == of:
+            contexts = frozenset(knowledge.experiences[task, of].contexts)
+            if contexts not in shared:
+                shared[contexts] = task_evidence(knowledge, task, of, background)
+            found[task] = shared[contexts]
+    return found
 
 
 def _background(

@@ -49,7 +49,7 @@ from taskgist.learning.clauses import (
 from taskgist.learning.evidence import Evidence, Kind
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.literals import SetLiteral, vocabularies
-from taskgist.learning.task_clauses import LIKELY, task_evidence, told_of
+from taskgist.learning.task_clauses import LIKELY, evidence_by_task, told_of
 
 PRIOR_ODDS = 0.7
 """π: fitted on generated demonstrations of seed 101 (``taskgist evaluate recognition``): the log loss after 3 to 15
@@ -163,13 +163,12 @@ class Recogniser:
         Raises:
             KnowledgeError: No task is known in these trees, or one alone and there is nothing to compare it with.
         """
-        own = [task for task, whose in sorted(knowledge.experiences) if whose == of]
-        if not own:
+        by_task = evidence_by_task(knowledge, of, background)
+        if not by_task:
             others = "learn tasks first: taskgist learn --help; or ask in the trees of other agents (of)"
             raise KnowledgeError("no task is known in the trees of these agents", field="of", value=of, hint=others)
         known = []
-        for task in own:
-            evidence = task_evidence(knowledge, task, of, background)
+        for task, evidence in by_task.items():
             if len(evidence.kinds) == 1:
                 raise KnowledgeError(
                     "there is nothing to compare it with",

@@ -31,6 +31,7 @@ def load(
     *,
     expected: Context | None = None,
     tasks: Iterable[str] | None = None,
+    evidence: bool = True,
     limits: Limits = DEFAULT.limits,
 ) -> Knowledge:
     """Knowledge as it was saved, by this release or an earlier one; nothing is changed by reading.
@@ -39,6 +40,8 @@ def load(
         address: Path of a knowledge file, or URL of a database.
         expected: Settings and tree that its explanations must have been made with; None takes any.
         tasks: Only what was learned of these; None takes all.
+        evidence: Whether explanations keep the evidence of their facts. Without it they take a tenth of the memory, are
+            read faster, and serve to learn, to recognise and to plan; they cannot be saved.
         limits: How long to wait for writers.
 
     Raises:
@@ -52,7 +55,7 @@ def load(
     wanted = None if tasks is None else list(tasks)
     # What was fetched is looked into when the transaction is over, so that nobody waits for it.
     fetched = transact(address, lambda held: tables.rows(held, where, tasks=wanted), writing=False, limits=limits)
-    knowledge = tables.knowledge(*fetched, where)
+    knowledge = tables.knowledge(*fetched, where, evidence=evidence)
     _check_contexts(knowledge.contexts, expected, where)
     return knowledge
 

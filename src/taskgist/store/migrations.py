@@ -55,7 +55,7 @@ def _fill(connection: Connection, where: str, keys: Sequence[str]) -> None:
     digests = connection.scalars(select(rows.c.digest)).all()
     for some in tables.batches(digests):
         found = connection.execute(select(rows.c.digest, rows.c.document).where(rows.c.digest.in_(some))).all()
-        documents = {row.digest: tables.explanation_of(row, where) for row in found}
+        documents = {row.digest: tables.explanation_of(row._mapping, where) for row in found}
         filled = [
             {"row": digest, **{key: tables.found_by(each)[key] for key in keys}} for digest, each in documents.items()
         ]

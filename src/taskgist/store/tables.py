@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import combinations, islice
 from operator import itemgetter
 from typing import Any, Literal, TypeVar
@@ -82,6 +84,14 @@ AT_ONCE = 500
 
 T = TypeVar("T")
 AnyRow = Row[*tuple[Any, ...]]
+Fetched = Mapping[str, Any]
+"""Columns of a row by name."""
+FAST = 1
+"""Level of packing."""
+
+
+class Packed(bytes):
+    """A document that was packed when it was fetched; plain bytes are what a damaged row may hold."""
 
 
 # --- Making and checking.
@@ -138,8 +148,11 @@ def touch(connection: Connection) -> None:
 
 def rows(
     connection: Connection, where: str, *, tasks: Iterable[str] | None = None
-) -> tuple[Sequence[AnyRow], Sequence[AnyRow]]:
+) -> tuple[Sequence[Fetched], Sequence[Fetched]]:
     """What the tables hold, not looked into yet: rows of explanations and of answers; of any version.
+
+    Documents are packed as they come, to a sixth of their size: they are held all at once, because nobody is to wait
+    until they are understood.
 
     Args:
         connection: Inside a transaction.
@@ -152,45 +165,59 @@ def rows(
     if tasks is not None:
         listed = list(tasks)
         wanted = wanted.where(columns.task.in_(listed) if old else columns.task_key.in_(map(_key, listed)))
-    return connection.execute(wanted).all(), connection.execute(select(ANSWERS)).all()
+    found = connection.execution_options(yield_per=AT_ONCE).execute(wanted)
+    return [_packed(row) for row in found], [row._mapping for row in connection.execute(select(ANSWERS))]
 
 
-def knowledge(explanations: Iterable[AnyRow], answers: Iterable[AnyRow], where: str) -> Knowledge:
+def _packed(row: AnyRow) -> Fetched:
+    """A row whose document is packed; one that is no text stays as it is, and is refused when it is read."""
+    columns = dict(row._mapping)
+    if isinstance(columns["document"], str):
+        columns["document"] = Packed(zlib.compress(columns["document"].encode(errors="surrogatepass"), FAST))
+    return columns
+
+
+def knowledge(
+    explanations: Iterable[Fetched], answers: Iterable[Fetched], where: str, *, evidence: bool = True
+) -> Knowledge:
     """What rows hold.
+
+    Args:
+        explanations: Their rows.
+        answers: Their rows.
+        where: For errors.
+        evidence: Whether explanations keep their evidence.
 
     Raises:
         KnowledgeError: One is damaged; names it.
     """
-    read = [explanation_of(row, where) for row in explanations]
-    given = [_answer(row, where) for row in answers]
+    read = [explanation_of(row, where, evidence=evidence) for row in explanations]
+    given = [_read(row, answer_from_json, answer_row, where) for row in answers]
     # What was stored together was allowed to be mixed then; who loads is asked anew.
     return Knowledge().add(*read, allow_mixed=True).answer(*given)
 
 
-def explanation_of(row: AnyRow, where: str) -> Explanation:
+def explanation_of(row: Fetched, where: str, *, evidence: bool = True) -> Explanation:
     """The explanation that a row holds, of any version of the tables.
 
     Raises:
         KnowledgeError: It is damaged; names the row.
     """
-    return _read(row, explanation_from_json, found_by, where)
+    return _read(row, partial(explanation_from_json, evidence=evidence), found_by, where)
 
 
-def _answer(row: AnyRow, where: str) -> Answer:
-    return _read(row, answer_from_json, answer_row, where)
-
-
-def _read(row: AnyRow, parse: Callable[..., T], as_row: Callable[[T], dict[str, str]], where: str) -> T:
+def _read(row: Fetched, parse: Callable[..., T], as_row: Callable[[T], dict[str, str]], where: str) -> T:
     """What the document of a row says; the row's other columns follow from it."""
-    place = f"{where}: row {repr(row.digest)[:80]}"
+    place = f"{where}: row {repr(row['digest'])[:80]}"
     hint = "restore the file from a copy, or learn anew from the recordings"
+    text = row["document"]
     try:
-        document = json.loads(row.document)
+        document = json.loads(zlib.decompress(text) if isinstance(text, Packed) else text)
     except (TypeError, ValueError, RecursionError) as error:
         raise KnowledgeError(f"damaged document: {error}", where=place, hint=hint) from error
     found = parse(document, where=place)
     expected = as_row(found)
-    for name, value in row._mapping.items():
+    for name, value in row.items():
         if name != "document" and value != expected[name]:
             raise KnowledgeError("does not fit its document", where=place, field=name, value=value, hint=hint)
     return found
@@ -274,7 +301,7 @@ def contexts(connection: Connection, where: str, tasks: Iterable[str] | None = N
         for context in _distinct(connection, columns.context_key, of_task):
             one = select(EXPLANATIONS).where(of_task, columns.context_key == context).limit(1)
             for row in connection.execute(one):
-                yield explanation_of(row, where)
+                yield explanation_of(row._mapping, where)
 
 
 def _concerned(connection: Connection, added: Knowledge, where: str) -> Knowledge:
@@ -317,7 +344,7 @@ def _learned_already(older: Explanation, fresh: Explanation) -> KnowledgeError:
 def _found(connection: Connection, column: Column[Any], values: Iterable[str], where: str) -> Iterator[Explanation]:
     for some in batches(values):
         for row in connection.execute(select(EXPLANATIONS).where(column.in_(some))).all():
-            yield explanation_of(row, where)
+            yield explanation_of(row._mapping, where)
 
 
 def _distinct(connection: Connection, column: Column[Any], *conditions: ColumnElement[bool]) -> Iterator[str]:
