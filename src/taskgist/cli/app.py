@@ -13,6 +13,7 @@ import _thread
 import ast
 import importlib.util
 import inspect
+import signal
 import sys
 import threading
 import traceback
@@ -242,11 +243,19 @@ def keep_interrupts() -> None:
 
     def interrupted_or(dropped: sys.UnraisableHookArgs) -> None:
         if issubclass(dropped.exc_type, KeyboardInterrupt):
-            threading.Timer(SOON_S, _thread.interrupt_main).start()
+            threading.Timer(SOON_S, interrupt_main).start()
         else:
             otherwise(dropped)
 
     sys.unraisablehook = interrupted_or
+
+
+def interrupt_main() -> None:
+    """Interrupt the main thread, also where it waits for something, if the system can do that."""
+    if hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+    else:
+        _thread.interrupt_main()
 
 
 def silence_libraries() -> None:
