@@ -243,3 +243,18 @@ def test_what_demonstrations_contradict_is_believed_and_what_they_have_in_common
     assert [str(each) for each in after.literals if each.node == "posture.value.2"] == ["(Final_Posture ≠ Sitting)"]
     assert after.support.k == 0, "no demonstration shows all of it"
     assert learn_task(told, "hide").probability(next(iter(study("hide", 3).explanations.values())).nodes) < 0.5
+
+
+@pytest.mark.parametrize("task", ["hide", "show", "make accessible"])
+def test_no_answer_leaves_a_clause_that_cannot_hold(task: str) -> None:
+    """Who says that seeing must not become harder is not told that it must, though it did in all demonstrations."""
+    known = knowledge("hide", "show", "give", "make accessible", count=3)
+    asked = tuple(open_questions(known, task).literals())
+    assert asked
+    for literal in asked:
+        no = replace(said(Reply.NO, literal.node, *literal.values, but=literal.but), task=task)
+        learned = learn_task(known.answer(no), task)
+        for clause in learned.clauses:
+            assert all(ENTAILMENT.together(clause.literals).values()), f"no to {literal}: {clause}"
+        for also in (*learned.usual, *learned.always):
+            assert all(ENTAILMENT.together((KNOWN[literal.node].complement(literal), also.literal)).values())

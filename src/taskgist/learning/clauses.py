@@ -414,6 +414,7 @@ class _Search(Counting):
         self._floor = sum(SMOOTHING / (kind.count + 2 * SMOOTHING) for kind in self._kinds) / total
         self._sizes = _by_size(self._kinds, self._n)
         self._likelihoods: dict[tuple[int, int], float] = {}
+        self._entailment = entailment_of(tree) if fixed else None
         self._first = self._start(fixed)
 
     def best(self, most_literals: int) -> list[_Found]:
@@ -431,10 +432,20 @@ class _Search(Counting):
 
     def supported(self, found: _Found) -> Support:
         """How often a clause holds, what was told among it, even where that is no evidence."""
-        told_apart = self._first.members and self._first.true == self._all
-        if told_apart:
+        if self._told_apart:
             return self.support(*self.truth(self.literals_of(found)))
         return Support(found.k, found.n, found.chance)
+
+    @property
+    def _told_apart(self) -> bool:
+        """Whether something was told on which the demonstrations are no evidence."""
+        return bool(self._first.members) and self._first.true == self._all
+
+    def _possible(self, members: Iterable[int]) -> bool:
+        """Whether all these literals can hold at once. Only what was told against demonstrations leaves that open."""
+        if not self._told_apart or self._entailment is None:
+            return True
+        return all(self._entailment.together(self._candidates[index].literal for index in members).values())
 
     def alone(self, index: int) -> LiteralSupport:
         """One literal, and how often it holds."""
@@ -459,12 +470,14 @@ class _Search(Counting):
             node = above
 
     def _constant(self, best: _Found) -> list[LiteralSupport]:
-        """Values that nodes always had, but for those of the best clause."""
+        """Values that nodes always had, but for those of the best clause, and what was told not to be so."""
         said = {self._candidates[index].literal.node for index in best.members}
         single = (
             self.alone(index)
             for index, candidate in enumerate(self._candidates)
-            if candidate.literal.node not in said and candidate.literal.is_value
+            if candidate.literal.node not in said
+            and candidate.literal.is_value
+            and self._possible((*self._first.members, index))
         )
         return [each for each in single if each.support.k == each.support.n > 0]
 
@@ -492,7 +505,7 @@ class _Search(Counting):
                     yield longer, index
 
     def _extended(self, clause: _Found, members: frozenset[int], index: int, least: float) -> _Found | None:
-        """A clause and one literal more; None if it covers too little, says nothing more, or cannot reach a score."""
+        """A clause and one literal more; None if it covers too little, says no more, cannot hold, or scores less."""
         candidate = self._candidates[index]
         true, false = clause.true & candidate.true, clause.false | candidate.false
         k = (true & self._own).bit_count()
@@ -507,7 +520,7 @@ class _Search(Counting):
         if rarest * n >= k or self._score(k, n, rarest, bits) < least - 10.0**-EQUAL:
             return None
         chance = self._chance(true, false)
-        if chance * n >= k:
+        if chance * n >= k or not self._possible(members):
             return None
         return _Found(tuple(sorted(members)), true, false, bits, k, n, chance, self._score(k, n, chance, bits))
 
@@ -515,7 +528,7 @@ class _Search(Counting):
         """The clause that all others lengthen: what was told to be relevant, or nothing.
 
         Where the demonstrations contradict what was told, they are no evidence on it: what else they have in common
-        is learned as if nothing had been told, and stands beside it.
+        is learned as if nothing had been told, and stands beside it, but for what cannot be so together with it.
         """
         chosen = tuple(index for index, candidate in enumerate(self._candidates) if candidate.literal in fixed)
         if not chosen:
