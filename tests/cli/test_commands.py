@@ -380,7 +380,9 @@ def test_explain_why_and_with_another_band(folder: Path) -> None:
     save(Knowledge().add(explanation("handover_1"), explanation("handover_2")), folder / "k.db")
     text = run("explain give -k k.db --why visibility.class")
     assert text.startswith("By the paper's rule: Object_Relative_Visibility_Score counts: ")
-    assert f"By the paper's rule: {run_json('explain give -k k.db --why visibility.class')['why']}" == text.strip()
+    document = run_json("explain give -k k.db --why visibility.class")
+    assert f"By the paper's rule: {document['why']}" == text.strip()
+    assert document["rule"] == "paper"
     narrow, wide = (run_json(f"explain give -k k.db --band {band}")["nodes"] for band in ("narrow", "wide"))
     assert narrow["visibility.class"]["d1"]["exact"] == "21/40"
     assert wide["visibility.class"]["d1"]["exact"] == "3/10"

@@ -260,7 +260,8 @@ def explain(
     )
     if node is not None:
         sentence = why(understanding, node)
-        document = {"task": understanding.task, "of": understanding.experience.tree_of, "node": node, "why": sentence}
+        head = {"task": understanding.task, "of": understanding.experience.tree_of, "rule": PAPER}
+        document = {**head, "node": node, "why": sentence}
         print_json(document) if as_json else console.print(f"By the paper's rule: {sentence}")
     elif as_json:
         print_json(understanding_document(understanding))
