@@ -76,6 +76,15 @@ def test_one_wrong_demonstration_is_told_with_its_odds() -> None:
     assert "in 1 of 1 wrong ones, in 0 of 8 right ones; odds" in run("explain", "hide", "--rule", "bayes")
 
 
+def test_what_may_still_be_chance_is_not_told_and_not_denied() -> None:
+    """It was seen in the wrong one alone; beside two right ones that is as likely chance."""
+    run("learn", *(told(f"hide_{number}", "hide", "No_Possible_Known_Effort", "On_Support") for number in range(2)))
+    run("learn", "--wrong", told("seen", "hide", "No_Effort_Required", "On_Support"))
+    output = run("explain", "hide", "--rule", "bayes")
+    assert "must not:" not in output
+    assert "1 demonstration done wrong: what sets it apart from right ones may still be chance" in output
+
+
 @pytest.mark.usefixtures("hidden")
 def test_a_demonstration_is_right_or_wrong() -> None:
     output = run("learn", "--wrong", "hide_1.json", code=2)
@@ -136,6 +145,16 @@ def test_actions_of_a_task_are_told_and_where_nobody_looked_that_is_said() -> No
     document = json.loads(CliRunner().invoke(app, ["explain", "give", "--actions", "--json"]).output)
     hold_to_schema("explain", document)
     assert document["actions"]["sequence"] == [each.name for each in done]
+
+
+def test_what_is_done_in_most_other_tasks_is_not_said_to_be_done_in_none() -> None:
+    done = (SymbolicAction("grasp", "performer", 1.0, 1.0), SymbolicAction("place", "performer", 2.0, 2.0))
+    for task, actions in (("hide", done), ("put away", done), ("show", done[:1])):
+        examples = [explained(task, number, each) for number, each in enumerate(STUDY[task][:3])]
+        update("knowledge.db", [replace(each, actions=actions) for each in examples])
+    output = run("explain", "hide", "--actions")
+    assert "what other tasks have not:" not in output
+    assert "what other tasks have less often, which may be chance: (place by performer = yes)" in output
 
 
 def test_actions_of_a_recording_are_told_and_hold_to_the_schema() -> None:

@@ -78,7 +78,8 @@ def explain_actions(known: Knowledge, where: str, task: str, of: TreeOf, *, as_j
     for number, name in enumerate(learned.sequence, start=1):
         console.print(f"  {number}. {name}")
     if posterior.best.literals:
-        console.print("what other tasks have not:")
+        sure = posterior.best.score > 0.0
+        console.print(f"what other tasks have {'not' if sure else 'less often, which may be chance'}:")
         print_literals(posterior.alone)
 
 

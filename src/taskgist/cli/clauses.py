@@ -38,8 +38,8 @@ def explain_clauses(
     print_clauses(learned, meaning, odd, own.tree_of, where)
     if not learned.must_not and (wrong := known.wrong.get((own.task, own.tree_of))):
         count = len(wrong.explanations)
-        told = f"{count} demonstration{'s' * (count != 1)} done wrong"
-        console.print(f"{told}: nothing is found there that right ones have not, so that nothing must not hold")
+        told, them = f"{count} demonstration{'s' * (count != 1)} done wrong", "it" if count == 1 else "them"
+        console.print(f"{told}: what sets {them} apart from right ones may still be chance, so nothing is told of it")
 
 
 def print_clauses(learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...], of: TreeOf, where: str) -> None:
