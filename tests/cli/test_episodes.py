@@ -74,6 +74,7 @@ REFUSED = {
     "given.mcap --at soon": "--at: is no time (got 'soon'); give seconds, such as 4.5, or percent from 0% to 100%",
     "given.mcap --at 120%": "--at: is no time (got '120%')",
     "given.mcap --at 1.3": "--at: nothing has begun yet (got 1.3); ask for a time after",
+    "given.mcap --at 1.2": "--at: nothing has begun yet (got 1.2); ask for a time after",
     "given.mcap --at 99": "--at: the time is outside of the recording (got 99",
     "given.mcap bare.mcap --at 1": "--at: asks about one recording (got 2); name one",
     "still.mcap --at 50%": "--at: nothing is handled yet",

@@ -10,7 +10,7 @@ import dataclasses
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from taskgist.errors import LabelError
+from taskgist.errors import LabelError, RecordingError
 from taskgist.facts.predicates import Predicate, known_predicates, with_predicates
 from taskgist.facts.tree import HypothesisTree
 from taskgist.facts.values import Observation, Value
@@ -175,6 +175,9 @@ def until(recording: Recording, time_s: float) -> Recording:
         RecordingError: The time is outside of the recording, or before its second frame.
     """
     count = recording.index_at(time_s) + 1
+    if count < 2:
+        hint = f"ask for a time after {recording.times_s[1]:g} s"
+        raise RecordingError("nothing has begun yet", where=recording.name, field="time_s", value=time_s, hint=hint)
     return dataclasses.replace(
         recording,
         times_s=recording.times_s[:count],
