@@ -63,6 +63,8 @@ def test_a_taker_who_reaches_out_of_reach_may_be_given_it_by_who_has_it() -> Non
     assert told["tasks"][0]["task"] == "give"
     assert [(each["agent"], each["has_it"]) for each in told["helpers"]] == [("P1", True)]
     assert run_json("offer handover.mcap --at 2.25 --for P1", exit_code=1)["offers"] == []
+    told = run("offer handover.mcap --at 2.25 --for P1", exit_code=1)
+    assert told == "P1 is not seen to reach for or walk to a thing\n", "P2 is"
 
 
 @pytest.mark.parametrize(

@@ -77,7 +77,7 @@ def offer(
     if as_json:
         print_json({"where": str(where), "offers": [_document(*each) for each in found]})
     else:
-        _print(found)
+        _print(found, agent, thing)
     return OK if any(offers.declined is None for _, offers in found) else FAILED
 
 
@@ -159,11 +159,12 @@ def _seen(
     ]
 
 
-def _print(found: list[Told]) -> None:
+def _print(found: list[Told], agent: str | None, thing: str | None) -> None:
     from taskgist.language.offers import aim, could_do, declined, would_lower
 
     if not found:
-        console.print("nobody is seen to reach for or walk to a thing")
+        who = "nobody is" if agent is None else f"{agent} is not"
+        console.print(f"{who} seen to reach for or walk to {'a thing' if thing is None else f'the {thing}'}")
     for behaviour, offers in found:
         console.print(Text(aim(offers, behaviour), style="bold"))
         for task in offers.tasks:

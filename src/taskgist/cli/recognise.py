@@ -170,7 +170,7 @@ def _cells(found: Found) -> list[str | Text]:
         return ["", "", "", "", "nothing is handled here", "no label"]
     first, *more = found
     label = first.label
-    told = named(first.recognised) + (f"; {len(more)} further episodes" if more else "")
+    told = named(first.recognised) + (f"; {len(more)} further episode{'s' * (len(more) > 1)}" if more else "")
     times = (f"{time_s:.2f} s" for time_s in (label.start_s, label.end_s))
     said = (first.named or "no label") + (", learned from" if first.learned_from else "")
     return [listed(label.watched), listed(label.target_objects), *times, told, said]
