@@ -9,7 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from taskgist.learning import Knowledge
-from taskgist.store.database import load, save
+from taskgist.store.database import load, save, update
 from tests.cli.running import Result, run, run_json
 from tests.learning.learning_samples import study
 from tests.schemas import hold_to_schema
@@ -76,6 +76,7 @@ def test_in_words(path: Path) -> None:
     [
         ("--answer maybe", "no answer to a question"),
         ("--answer '{\"answer\": 1}'", "not an answer"),
+        ('--answer \'{"answer": "yes"}\'', "not an answer"),
         ("--answer '{'", "no JSON"),
         ("--answer yes --question foo=bar", "no question about 'foo'"),
         ("--answer yes --question see.class=Harder", "no value of see.class 'Harder'"),
@@ -105,6 +106,17 @@ def test_a_contradiction_is_refused_with_both_named_and_is_not_kept(path: Path) 
         assert told in result.stderr
     assert "--withdraw --question 'see.class=Becomes_Difficult'" in result.stderr  # the one that is kept
     assert {each.author for each in load(path).answers} == {"ann"}
+
+
+def test_answers_that_contradict_each_other_after_a_merge_are_listed(path: Path) -> None:
+    other = path.with_name("other.db")
+    other.write_bytes(path.read_bytes())
+    for reply, author, kept in (("yes", "ann", path), ("no", "bob", other)):
+        run(f"ask hide -k {kept} --answer {reply} --author {author} --question see.class=Becomes_Difficult")
+    update(path, answers=load(other).answers)
+    assert "contradict each other" in Result(f"ask hide -k {path}").stderr
+    text = run(f"ask hide -k {path} --list")
+    assert ("yes: " in text, "no: " in text, "(ann, " in text, "(bob, " in text) == (True,) * 4
 
 
 def test_both_rules_respect_an_answer(path: Path) -> None:

@@ -102,13 +102,11 @@ def ask(
                 learn_task(answered, name, tree, whose)  # refuses what contradicts itself, before it is kept
             update(knowledge, answers=[noted])
             known = answered
+        if listed and not as_json:  # of answers that contradict each other, too
+            _print_answers(known, name, tree, whose)
+            return
         document = _document(known, name, tree, whose, noted)
-    if as_json:
-        print_json(document)
-    elif listed:
-        _print_answers(known, name, tree, whose)
-    else:
-        _print(document)
+    print_json(document) if as_json else _print(document)
 
 
 def _said(
@@ -160,7 +158,7 @@ def _read(given: str) -> tuple[Reply, str | None]:
         except (ValueError, RecursionError) as error:
             raise InputError(f"no JSON: {error}", field="--answer", value=given[:80], hint=hint) from error
         word, told = document.pop("answer", None), document.pop("question", None)
-        if document or not isinstance(word, str) or not isinstance(told, str | None):
+        if document or not isinstance(word, str) or not isinstance(told, str):
             raise InputError("not an answer", field="--answer", value=given[:80], hint=hint)
     try:
         return Reply(word), told
