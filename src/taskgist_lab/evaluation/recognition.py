@@ -24,7 +24,7 @@ from taskgist.facts.values import Observation
 from taskgist.learning.background import NEUTRAL
 from taskgist.learning.evidence import Effects, Evidence
 from taskgist.learning.literals import vocabularies
-from taskgist.recognition.tasks import KnownTask, Recogniser
+from taskgist.recognition.tasks import Recogniser
 from taskgist_lab.evaluation.clause_learning import SIZES, Judges, effects, neutral_kinds
 from taskgist_lab.evaluation.learner import Coded, in_random_order, sizes_within
 from taskgist_lab.evaluation.peers import door
@@ -71,7 +71,7 @@ Recognising = Callable[[Kinds, tuple[str, ...], Sequence[Effects]], Probabilitie
 def ours(kinds: Kinds, tasks: tuple[str, ...], episodes: Sequence[Effects]) -> Probabilities:
     """The recogniser of ``recognition.tasks``."""
     evidence = Evidence.of(kinds)
-    recogniser = Recogniser(tuple(KnownTask.of(evidence, task) for task in tasks))
+    recogniser = Recogniser.by_evidence(dict.fromkeys(tasks, evidence))
     found = [recogniser.recognise({name: Observation(value) for name, value in each.items()}) for each in episodes]
     by_task = [{one.task: one.probability for one in each.tasks} for each in found]
     return Probabilities(
