@@ -290,7 +290,7 @@ def recognition_sheets(found: RecognitionScores) -> Iterator[Sheet]:
         found,
         "What is called none of the tasks, by demonstrations",
         {"own_none": "own", "unknown_none": "unknown", "unknown_told": "at 3 %"},
-        "Own: demonstrations of the tasks; unknown: manipulations of a kind that was left out, mean over kinds"
+        "Own: demonstrations of the tasks; unknown: manipulations of kinds that nobody has met, mean over kinds"
         + (f" ({found.recognisers[0]} after {RECOGNISED_AFTER}: {by_kind})" if by_kind else "")
         + f"; at 3 %: of these, if the line is drawn where 3 % of the tasks' demonstrations are called none. {runs}",
     )
