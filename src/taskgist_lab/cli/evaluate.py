@@ -27,6 +27,7 @@ from taskgist.learning.understanding import PAPER
 from taskgist.pipeline.shipped import TASKS
 from taskgist_lab.evaluation.asking import asking
 from taskgist_lab.evaluation.clause_learning import clause_learning
+from taskgist_lab.evaluation.episodes import episodes
 from taskgist_lab.evaluation.experiments import demonstrations_needed, transfer
 from taskgist_lab.evaluation.learner import Coded
 from taskgist_lab.evaluation.noise import CONDITIONS
@@ -46,6 +47,7 @@ from taskgist_lab.evaluation.pool import (
 from taskgist_lab.evaluation.recognition import recognition
 from taskgist_lab.evaluation.robustness import compared, makers, robustness
 from taskgist_lab.evaluation.sheets import Sheet, sheets_of
+from taskgist_lab.evaluation.under_way import under_way
 from taskgist_lab.evaluation.values import CLEAN, Result
 
 HELD_OUT_SEED = 1000
@@ -63,11 +65,13 @@ class How:
     Args:
         runs: Random orders in which each task is learned.
         seed: Their seed.
+        processes: How many to use; None: one for each core.
         unfamiliar: Manipulations of kinds that nothing is compared with; none where nobody asks for them.
     """
 
     runs: int
     seed: int
+    processes: int | None
     unfamiliar: Pool
 
 
@@ -76,7 +80,8 @@ Experiment = Callable[[Coded, How, Progress], Result]
 RECOGNITION = "recognition"
 """The one of them that also needs manipulations that nobody has taught."""
 ASKING = "asking"
-"""The one of them that takes ten minutes, and is run if it is named."""
+IF_NAMED = (ASKING, "episodes", "under-way")
+"""Those that take minutes more, and are run if they are named."""
 EXPERIMENTS: Mapping[str, Experiment] = {
     "needed": lambda coded, how, _: demonstrations_needed(coded, runs=how.runs, seed=how.seed),
     "transfer": lambda coded, how, _: transfer(coded, runs=how.runs, seed=how.seed),
@@ -89,6 +94,8 @@ EXPERIMENTS: Mapping[str, Experiment] = {
         coded, how.unfamiliar, runs=how.runs, seed=how.seed, progress=progress
     ),
     ASKING: lambda coded, how, progress: asking(coded, runs=how.runs, seed=how.seed, progress=progress),
+    "episodes": lambda coded, how, progress: episodes(coded, processes=how.processes, progress=progress),
+    "under-way": lambda coded, how, progress: under_way(coded, processes=how.processes, progress=progress),
 }
 """The experiments on learning by name, in their order."""
 PERFORM = "perform"
@@ -99,7 +106,7 @@ PERFORM = "perform"
 def evaluate(
     experiments: Annotated[
         list[str] | None,
-        typer.Argument(help=f"Which: {', '.join(EXPERIMENTS)}, {PERFORM}; by default all but the last two."),
+        typer.Argument(help=f"Which: {', '.join(EXPERIMENTS)}, {PERFORM}; by default all but the last four."),
     ] = None,
     pool: Annotated[
         Path | None, typer.Option("--pool", help="File of judged demonstrations: reused, extended, made if missing.")
@@ -167,6 +174,10 @@ def evaluate(
     asking: what three answers of a simulated teacher, who knows the generator's intention alone, are worth in
     demonstrations.
 
+    episodes: whether what is done in held-out recordings is found without their labels, and recognised.
+
+    under-way: what is said of held-out demonstrations after 25, 50, 75 and 90 % of their time.
+
     perform: in how many random rooms that can be solved robots perform the tasks of the study, how cleanly for a second
     auditor, whether what was performed is the task by lines of sight and distances, and in what time of the processor.
     The tasks cover, clear and relay are hide and show by these means alone, in rooms that are made for it. Half a
@@ -216,7 +227,7 @@ def evaluate(
     with progress_bar(quiet=as_json) as progress:
         judged = kept_pool(pool, wanted, processes=processes, progress=progress)
         others = _untaught(unfamiliar, seed, processes, progress) if RECOGNITION in chosen else empty_pool(source, seed)
-        coded, how = Coded.of(judged), How(runs, seed, others)
+        coded, how = Coded.of(judged), How(runs, seed, processes, others)
         results = {name: EXPERIMENTS[name](coded, how, progress) for name in chosen}
     pictures = _pictures(results, out) if out else ()
     if not as_json:
@@ -247,7 +258,7 @@ def _chosen(names: list[str], *, all_by_default: bool) -> tuple[str, ...]:
     for name in names:
         if name not in EXPERIMENTS:
             raise UnknownNameError("experiment", name, (*EXPERIMENTS, PERFORM))
-    by_default = EXPERIMENTS.keys() - {ASKING} if all_by_default and not names else ()
+    by_default = EXPERIMENTS.keys() - {*IF_NAMED} if all_by_default and not names else ()
     return tuple(name for name in EXPERIMENTS if name in names or name in by_default)
 
 
