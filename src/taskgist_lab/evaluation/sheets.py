@@ -21,10 +21,9 @@ from taskgist_lab.evaluation.experiments import (
     Waiting,
 )
 from taskgist_lab.evaluation.learner import PAPER, RULES
-from taskgist_lab.evaluation.pool import mean_f1
 from taskgist_lab.evaluation.recognition import BINS, RecognitionScores
 from taskgist_lab.evaluation.recognition import SHOWN_AFTER as RECOGNISED_AFTER
-from taskgist_lab.evaluation.robustness import Comparison, Robustness
+from taskgist_lab.evaluation.robustness import Comparison, Robustness, mean_f1
 from taskgist_lab.evaluation.under_way import UnderWayScores
 from taskgist_lab.evaluation.values import Result, Spread
 from taskgist_lab.paper.published import COLUMNS
