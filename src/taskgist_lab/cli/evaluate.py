@@ -31,6 +31,7 @@ from taskgist_lab.evaluation.episodes import episodes
 from taskgist_lab.evaluation.experiments import demonstrations_needed, transfer
 from taskgist_lab.evaluation.learner import Coded
 from taskgist_lab.evaluation.noise import CONDITIONS
+from taskgist_lab.evaluation.odd_ones import odd_ones
 from taskgist_lab.evaluation.performing.means_rooms import TASK_OF
 from taskgist_lab.evaluation.performing.trials import ROBOTS, TrialsFound, performed_trials
 from taskgist_lab.evaluation.performing.trials import sheets as trial_sheets
@@ -90,6 +91,7 @@ EXPERIMENTS: Mapping[str, Experiment] = {
         coded, runs=how.runs, seed=how.seed, peers=makers(how.seed), progress=progress
     ),
     "clauses": lambda coded, how, progress: clause_learning(coded, runs=how.runs, seed=how.seed, progress=progress),
+    "odd": lambda coded, how, progress: odd_ones(coded, runs=how.runs, seed=how.seed, progress=progress),
     RECOGNITION: lambda coded, how, progress: recognition(
         coded, how.unfamiliar, runs=how.runs, seed=how.seed, progress=progress
     ),
@@ -166,6 +168,8 @@ def evaluate(
     clauses: whole clauses, learned by comparing with neutral manipulations and other tasks, beside the paper's rule,
     judged by the task that a demonstration was played as, and by all that it fulfils. Beside them a forest that is told
     all that each fulfils: what it misses is hardly in the facts.
+
+    odd: whether a demonstration with a wrong label among ten looks odd, and right ones do not.
 
     recognition: whether held-out demonstrations are recognised as what they fulfil, with which probability, and
     manipulations of kinds that nobody has taught as none of the tasks, beside a forest, nearest demonstrations and
@@ -311,6 +315,7 @@ def print_sheet(sheet: Sheet) -> None:
 
 
 def _pictures(results: Mapping[str, Result], folder: Path) -> tuple[Path, ...]:
-    from taskgist_lab.view import picture_of  # with matplotlib, which only pictures should wait for
+    from taskgist_lab.view import DRAWN, picture_of  # with matplotlib, which only pictures should wait for
 
-    return tuple(picture_of(result, folder / f"evaluation_{name}.png") for name, result in results.items())
+    drawn = {name: result for name, result in results.items() if type(result) in DRAWN}
+    return tuple(picture_of(result, folder / f"evaluation_{name}.png") for name, result in drawn.items())

@@ -21,6 +21,7 @@ from taskgist_lab.evaluation.experiments import (
     Waiting,
 )
 from taskgist_lab.evaluation.learner import PAPER, RULES
+from taskgist_lab.evaluation.odd_ones import OddOnes
 from taskgist_lab.evaluation.recognition import BINS, RecognitionScores
 from taskgist_lab.evaluation.recognition import SHOWN_AFTER as RECOGNISED_AFTER
 from taskgist_lab.evaluation.robustness import Comparison, Robustness, mean_f1
@@ -316,6 +317,17 @@ def _measured(value: Spread, measure: str) -> str:
     return NONE if value.mean is None else f"{value.mean:.3f}"
 
 
+def odd_sheet(found: OddOnes) -> Sheet:
+    """How well wrong labels are found."""
+    called = "-" if found.precision is None else percent(found.precision)
+    return Sheet(
+        "Wrong labels, one among ten",
+        ("called odd and wrong", "wrong and called odd", "wrong ones", "fulfil it all the same"),
+        ((called, percent(found.recall), str(found.wrong), str(found.right_all_the_same)),),
+        "One demonstration in ten is of another task; ten of each task are known.",
+    )
+
+
 def under_way_sheets(found: UnderWayScores) -> Iterator[Sheet]:
     """What is foreseen at each moment, and how reliable that is at half time."""
     rows = []
@@ -432,6 +444,8 @@ def sheets_of(result: Result) -> Iterable[Sheet]:
         return tuple(recognition_sheets(result))
     if isinstance(result, ClauseScores):
         return tuple(clauses_sheet(result, setting) for setting in result.settings)
+    if isinstance(result, OddOnes):
+        return (odd_sheet(result),)
     if isinstance(result, UnderWayScores):
         return tuple(under_way_sheets(result))
     if isinstance(result, EpisodeScores):
