@@ -12,16 +12,28 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from statistics import fmean
 
+import numpy as np
+
+from taskgist.learning import ClausePosterior, Evidence, learn_clauses
+from taskgist.learning.evidence import Effects, effects_of
+from taskgist.learning.task_clauses import LIKELY
+from taskgist.pipeline import explain_recording, shipped_recordings
+from taskgist.recording import read
 from taskgist_lab.evaluation.clause_learning import (
     CLAUSES,
+    OF_OTHERS,
     ONE_WRONG,
     PAPER_RULE,
     ClauseScores,
+    Judges,
     clause_learning,
+    effects,
     learner_text,
+    neutral_kinds,
 )
 from taskgist_lab.evaluation.learner import Coded
 from taskgist_lab.evaluation.noise import CONDITIONS
+from taskgist_lab.evaluation.odd_ones import odd_ones
 from taskgist_lab.evaluation.pool import Pool, read_pool
 from taskgist_lab.evaluation.recognition import OURS, SHOWN_AFTER, RecognitionScores, recognition
 from taskgist_lab.evaluation.values import CLEAN
@@ -30,6 +42,8 @@ from tools.markdown import filled, header, row
 
 CLAUSES_PAGE, RECOGNITION_PAGE = Path("docs/how/clauses.md"), Path("docs/howto/recognition.md")
 RUNS = 20
+GIVE, AFTER_REAL = "give", (1, 3, 5)
+"""The task of which real demonstrations are shipped, and after how many of them it is judged."""
 MEASURES = {
     "right": "right",
     "f1": "F1",
@@ -57,7 +71,13 @@ def main() -> None:
         recognition(each, other, runs=wishes.runs, seed=each.pool.seed, progress=told)
         for each, other in zip(coded, others, strict=True)
     ]
-    write(CLAUSES_PAGE, {"seeds": seeds(pools), "f1": f1(learned), "spoiled": spoiled(learned)})
+    parts = {
+        "f1": f1(learned),
+        "spoiled": spoiled(learned),
+        "odd": odd(coded, wishes.runs),
+        "handovers": handovers(coded),
+    }
+    write(CLAUSES_PAGE, {"seeds": seeds(pools), **parts})
     write(RECOGNITION_PAGE, {"seeds": seeds(pools), "recognised": recognised(found), "peers": peers(found)})
 
 
@@ -123,6 +143,53 @@ def peers(found: Sequence[RecognitionScores]) -> Iterator[str]:
     kinds = {kind: fmean(each.unknown[kind] for each in found) for kind in found[0].unknown}
     yield ""
     yield f"*Called none by ours: {', '.join(f'{kind} {100 * share:.0f} %' for kind, share in kinds.items())}.*"
+
+
+def odd(coded: Sequence[Coded], runs: int) -> Iterator[str]:
+    """How well wrong labels are found, seed by seed."""
+    yield from header("seed", "called odd and wrong", "wrong and called odd", "wrong ones", "fulfil it all the same")
+    for each in coded:
+        found = odd_ones(each, runs=runs, seed=each.pool.seed, progress=told)
+        shares = (f"{100 * share:.0f} %" for share in (found.precision or 0.0, found.recall))
+        yield row(each.pool.seed, *shares, found.wrong, found.right_all_the_same)
+
+
+def handovers(coded: Sequence[Coded]) -> Iterator[str]:
+    """*Give* learned from real handovers, in generated demonstrations; and learned from those, in real ones."""
+    real = [explain_recording(read(path)) for path in shipped_recordings(GIVE)]
+    rows = [effects_of(each) for each in real]
+    yield from header("learned from", "compared with", "recall", "precision", "F1")
+    for after in AFTER_REAL:
+        for others in (0, OF_OTHERS):
+            scores = np.mean([of_give(each, rows[:after], others) for each in coded], axis=0)
+            compared = f"five other tasks, {others} demonstrations each" if others else "no other task"
+            cells = (f"{100 * share:.0f} %" for share in scores)
+            yield row(f"{after} real handover{'s' * (after > 1)}", compared, *cells)
+    known = [clauses_of_give(each, effects(each, each.of_task(GIVE, held_out=False)[:OF_OTHERS])) for each in coded]
+    held = [sum(posterior.probability(each.nodes) > LIKELY for each in real) for posterior in known]
+    yield ""
+    yield (
+        f"*Learned from {OF_OTHERS} generated demonstrations, it holds in {' / '.join(map(str, held))} of the "
+        f"{len(real)} real handovers, by seed.*"
+    )
+
+
+def of_give(coded: Coded, rows: Sequence[Effects], others: int) -> tuple[float, float, float]:
+    """Recall, precision and F1 of *give* in held-out demonstrations of all tasks, which weigh the same."""
+    judges = Judges.of(coded)
+    held = judges.holds(clauses_of_give(coded, rows, others))
+    task_of = judges.held_out.task_of
+    weights = 1.0 / np.bincount(task_of)[task_of]
+    true = judges.fulfilled[coded.pool.tasks.index(GIVE)]
+    hits, said, are = (float(mask @ weights) for mask in (held & true, held, true))
+    return hits / are, hits / said if said else 0.0, 2 * hits / (said + are)
+
+
+def clauses_of_give(coded: Coded, rows: Sequence[Effects], others: int = OF_OTHERS) -> ClausePosterior:
+    """What *give* means by these demonstrations, compared with so many of each of the pool's other tasks."""
+    tasks = [task for task in coded.pool.tasks if task != GIVE] if others else []
+    kinds = {task: effects(coded, coded.of_task(task, held_out=False)[:others]) for task in tasks}
+    return learn_clauses(Evidence.of({**neutral_kinds(coded), **kinds, GIVE: rows}), GIVE)
 
 
 def measure(found: Sequence[RecognitionScores], recogniser: str, after: int, name: str) -> str:
