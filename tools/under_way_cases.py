@@ -28,7 +28,7 @@ from taskgist.pipeline.explain import explain_recording
 from taskgist.pipeline.under_way import moment_of
 from taskgist.recognition.completion import FACTS, SCALES, SHIPPED, WORDS, Case, cases_document
 from taskgist.recording.recording import Recording
-from taskgist_lab.evaluation.pool import NEUTRAL, is_held_out
+from taskgist_lab.evaluation.pool import JUDGING_ONLY, NEUTRAL, is_held_out
 from taskgist_lab.generator.simulation import TASKS, name_of, simulate
 
 SEED = 101
@@ -53,7 +53,7 @@ def rows(kept: Path | None) -> Iterator[dict[str, Any]]:
     """What was seen in each demonstration: by name, its moments and its end."""
     lines = kept.read_text().splitlines() if kept and kept.exists() else []
     known = {row["name"]: row for row in map(json.loads, lines)}
-    for task in TASKS:
+    for task in (each for each in TASKS if each not in JUDGING_ONLY):
         for number in range(COUNTS[task in NEUTRAL]):
             if is_held_out(number):
                 continue

@@ -41,7 +41,8 @@ SURFACE: dict[str, set[str]] = {
     },
     "evaluate": {
         *("experiments", "--pool", "--demonstrations", "-n", "--seed", "--runs"),
-        *("--source", "--processes", "--out", "-o", "--replace", "--rooms", "--robot", "--task", "--kept", "--rule"),
+        *("--source", "--unfamiliar", "--condition", "--processes", "--out", "-o", "--replace", "--rooms", "--robot"),
+        *("--task", "--kept", "--rule"),
     },
     "map": {
         *("where", "--agent", "--ability", "--level", "--where", "--size"),

@@ -61,7 +61,8 @@ def test_none_is_never_more_than_what_the_most_probable_task_leaves(recogniser: 
         ordered = [one.probability for one in found.tasks]
         assert ordered == sorted(ordered, reverse=True)
         assert math.prod(1.0 - one for one in ordered) <= found.none <= 1.0 - ordered[0]
-        assert found.none == pytest.approx(1.0 / (1.0 + sum(p / (1.0 - p) for p in ordered)))
+        by_odds = 1.0 / (1.0 + sum(one.odds for one in found.tasks))
+        assert found.none == pytest.approx(min(by_odds, 1.0 - ordered[0]))
 
 
 def test_nothing_known_of_an_episode_leaves_the_prior(recogniser: Recogniser) -> None:

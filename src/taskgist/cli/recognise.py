@@ -214,6 +214,8 @@ def _print_why(each: TaskProbability) -> None:
         console.print(Text(f"            {literal_reason(literal)}"))
     if each.least_typical:
         console.print(Text(f"          least typical: {circumstance_reason(each.least_typical)}"))
+    if each.entailed_by:
+        console.print(Text(f"          who does {each.entailed_by!r} does this as well, by their demonstrations"))
 
 
 # --- The same as plain data.
@@ -258,4 +260,5 @@ def _task(each: TaskProbability) -> dict[str, Any]:
             {**literal_to_json(one.literal), "holds": truth(one.holds), "weight": one.weight} for one in each.literals
         ],
         "least_typical": asdict(each.least_typical) if each.least_typical else None,
+        "entailed_by": each.entailed_by,
     }

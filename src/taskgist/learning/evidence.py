@@ -91,6 +91,12 @@ class Evidence:
         kind = self.kind(name)
         return frozenset(value for value, bits in self.having.get(node, _NONE).items() if kind.of(bits))
 
+    def effects(self, number: int) -> Effects:
+        """The known values of one demonstration, by its bit."""
+        return {
+            node: value for node, values in self.having.items() for value, bits in values.items() if bits >> number & 1
+        }
+
     def truth(self, literal: SetLiteral) -> tuple[int, int]:
         """The demonstrations in which a literal holds, and those in which it fails; it is unknown in the others."""
         having, known = self.having.get(literal.node, _NONE), self.known.get(literal.node, 0)

@@ -19,16 +19,17 @@ are averaged; and subtrees depend on each other, so they are not added: the one 
 what speaks for the task does not.
 
 **The probability.** With the prior odds π of a task, its odds are o = π · meaning · least typical circumstance, and its
-probability is o / (1 + o). That it is none of n known tasks has probability 1 / (1 + o₁ + … + oₙ): it is something else
-or one of them, each weighing as its odds; so it is never more than what is left by the most probable one. π is the one
-number that was fitted (``PRIOR_ODDS``). Figures stand in docs/howto/recognition.md.
+probability by itself is o / (1 + o); a task that another one entails is at least as probable as that one lets expect
+(``entailed``). That it is none of n known tasks has probability 1 / (1 + o₁ + … + oₙ): it is something else or one of
+them, each weighing as its odds; and it is never more than what is left by the most probable one. π was fitted
+(``PRIOR_ODDS``). Figures stand in docs/howto/recognition.md.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 from taskgist.common.frozen import FrozenMap
 from taskgist.errors import KnowledgeError
@@ -50,6 +51,7 @@ from taskgist.learning.evidence import Evidence, Kind
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.literals import SetLiteral, vocabularies
 from taskgist.learning.task_clauses import LIKELY, evidence_by_task, told_of
+from taskgist.recognition.entailed import Entailed, entailed_tasks, raised
 
 PRIOR_ODDS = 0.7
 """π: fitted on generated demonstrations of seed 101 (``taskgist evaluate recognition``): the log loss after 3 to 15
@@ -102,6 +104,7 @@ class TaskProbability:
     task: str
     probability: float
     odds: float
+    """By itself: π · meaning · least typical circumstance."""
     clause: WeighedClause
     """The task's best clause."""
     holds: bool | Unknown
@@ -112,6 +115,8 @@ class TaskProbability:
     """Natural logarithm of the likelihood ratio of what the task is about."""
     least_typical: Circumstance | None
     """The circumstance that speaks most against the task; None where none does."""
+    entailed_by: str | None = None
+    """The task that it is done with, where that makes it more probable than it is by itself."""
 
 
 @dataclass(frozen=True)
@@ -140,9 +145,11 @@ class Recogniser:
 
     Args:
         known: What is known of each, sorted by name.
+        entailed: Which of them entail which others, and in which share of their demonstrations.
     """
 
     known: tuple[KnownTask, ...]
+    entailed: Entailed = field(default_factory=FrozenMap)
 
     @classmethod
     def of(
@@ -167,7 +174,6 @@ class Recogniser:
         if not by_task:
             others = "learn tasks first: taskgist learn --help; or ask in the trees of other agents (of)"
             raise KnowledgeError("no task is known in the trees of these agents", field="of", value=of, hint=others)
-        known = []
         for task, evidence in by_task.items():
             if len(evidence.kinds) == 1:
                 raise KnowledgeError(
@@ -176,8 +182,22 @@ class Recogniser:
                     hint="learn another task as well: the neutral manipulations that are shipped are known for "
                     "target agents, with the standard tree and settings",
                 )
-            known.append(KnownTask.of(evidence, task, tree, told_of(knowledge, task, tree, of)))
-        return cls(tuple(known))
+        return cls.by_evidence(by_task, tree, {task: told_of(knowledge, task, tree, of) for task in by_task})
+
+    @classmethod
+    def by_evidence(
+        cls,
+        by_task: Mapping[str, Evidence],
+        tree: HypothesisTree = STANDARD_TREE,
+        told: Mapping[str, Told] | None = None,
+    ) -> Recogniser:
+        """Learn each task from evidence of its own; arguments and errors as ``learn_clauses``."""
+        known = {
+            task: KnownTask.of(by_task[task], task, tree, (told or {}).get(task, NOTHING_TOLD)) for task in by_task
+        }
+        clauses = {task: each.posterior.best for task, each in known.items()}
+        found = entailed_tasks(by_task, clauses, lambda task, nodes: known[task].recognised(nodes).probability)
+        return cls(tuple(known.values()), found)
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -190,8 +210,12 @@ class Recogniser:
         Args:
             nodes: Values of the tree's nodes; what is missing or unknown says nothing.
         """
-        found = sorted((each.recognised(nodes) for each in self.known), key=lambda each: (-each.odds, each.task))
-        return Recognised(tuple(found), 1.0 / (1.0 + math.fsum(each.odds for each in found)))
+        alone = {each.posterior.task: each.recognised(nodes) for each in self.known}
+        whole = raised({task: each.probability for task, each in alone.items()}, self.entailed)
+        found = [replace(alone[task], probability=value, entailed_by=by) for task, (value, by) in whole.items()]
+        found.sort(key=lambda each: (-each.probability, -each.odds, each.task))
+        none = 1.0 / (1.0 + math.fsum(each.odds for each in found))
+        return Recognised(tuple(found), min(none, 1.0 - found[0].probability))
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -26,36 +27,77 @@ from taskgist.learning.understanding import PAPER
 from taskgist.pipeline.shipped import TASKS
 from taskgist_lab.evaluation.asking import asking
 from taskgist_lab.evaluation.clause_learning import clause_learning
+from taskgist_lab.evaluation.episodes import episodes
 from taskgist_lab.evaluation.experiments import demonstrations_needed, transfer
 from taskgist_lab.evaluation.learner import Coded
 from taskgist_lab.evaluation.noise import CONDITIONS
+from taskgist_lab.evaluation.odd_ones import odd_ones
 from taskgist_lab.evaluation.performing.means_rooms import TASK_OF
 from taskgist_lab.evaluation.performing.trials import ROBOTS, TrialsFound, performed_trials
 from taskgist_lab.evaluation.performing.trials import sheets as trial_sheets
-from taskgist_lab.evaluation.pool import BACKGROUND, HELD_OUT_EVERY, SOURCES, UNFAMILIAR, Pool, Wanted, kept_pool
+from taskgist_lab.evaluation.pool import (
+    BACKGROUND,
+    HELD_OUT_EVERY,
+    SOURCES,
+    UNFAMILIAR,
+    Pool,
+    Wanted,
+    empty_pool,
+    kept_pool,
+)
 from taskgist_lab.evaluation.recognition import recognition
 from taskgist_lab.evaluation.robustness import compared, makers, robustness
 from taskgist_lab.evaluation.sheets import Sheet, sheets_of
+from taskgist_lab.evaluation.under_way import under_way
 from taskgist_lab.evaluation.values import CLEAN, Result
 
 HELD_OUT_SEED = 1000
 """Seed of the demonstrations that nothing was developed on; smaller ones are for development."""
 LEARNED_FROM = tuple(name for name in SOURCES if name not in (BACKGROUND, UNFAMILIAR))
 """Sources of demonstrations of the paper's tasks."""
-Experiment = Callable[[Coded, int, int, Progress], Result]
+UNFAMILIAR_COUNT = 20
+"""Manipulations of each kind that nobody has taught."""
 
+
+@dataclass(frozen=True)
+class How:
+    """How an experiment on learning is made.
+
+    Args:
+        runs: Random orders in which each task is learned.
+        seed: Their seed.
+        processes: How many to use; None: one for each core.
+        unfamiliar: Manipulations of kinds that nothing is compared with; none where nobody asks for them.
+    """
+
+    runs: int
+    seed: int
+    processes: int | None
+    unfamiliar: Pool
+
+
+Experiment = Callable[[Coded, How, Progress], Result]
+
+RECOGNITION = "recognition"
+"""The one of them that also needs manipulations that nobody has taught."""
 ASKING = "asking"
-"""The one of them that takes ten minutes, and is run if it is named."""
+IF_NAMED = (ASKING, "episodes", "under-way")
+"""Those that take minutes more, and are run if they are named."""
 EXPERIMENTS: Mapping[str, Experiment] = {
-    "needed": lambda coded, runs, seed, _: demonstrations_needed(coded, runs=runs, seed=seed),
-    "transfer": lambda coded, runs, seed, _: transfer(coded, runs=runs, seed=seed),
-    "robustness": lambda coded, runs, seed, progress: robustness(coded, runs=runs, seed=seed, progress=progress),
-    "peers": lambda coded, runs, seed, progress: compared(
-        coded, runs=runs, seed=seed, peers=makers(seed), progress=progress
+    "needed": lambda coded, how, _: demonstrations_needed(coded, runs=how.runs, seed=how.seed),
+    "transfer": lambda coded, how, _: transfer(coded, runs=how.runs, seed=how.seed),
+    "robustness": lambda coded, how, progress: robustness(coded, runs=how.runs, seed=how.seed, progress=progress),
+    "peers": lambda coded, how, progress: compared(
+        coded, runs=how.runs, seed=how.seed, peers=makers(how.seed), progress=progress
     ),
-    "clauses": lambda coded, runs, seed, progress: clause_learning(coded, runs=runs, seed=seed, progress=progress),
-    "recognition": lambda coded, runs, seed, progress: recognition(coded, runs=runs, seed=seed, progress=progress),
-    ASKING: lambda coded, runs, seed, progress: asking(coded, runs=runs, seed=seed, progress=progress),
+    "clauses": lambda coded, how, progress: clause_learning(coded, runs=how.runs, seed=how.seed, progress=progress),
+    "odd": lambda coded, how, progress: odd_ones(coded, runs=how.runs, seed=how.seed, progress=progress),
+    RECOGNITION: lambda coded, how, progress: recognition(
+        coded, how.unfamiliar, runs=how.runs, seed=how.seed, progress=progress
+    ),
+    ASKING: lambda coded, how, progress: asking(coded, runs=how.runs, seed=how.seed, progress=progress),
+    "episodes": lambda coded, how, progress: episodes(coded, processes=how.processes, progress=progress),
+    "under-way": lambda coded, how, progress: under_way(coded, processes=how.processes, progress=progress),
 }
 """The experiments on learning by name, in their order."""
 PERFORM = "perform"
@@ -66,7 +108,7 @@ PERFORM = "perform"
 def evaluate(
     experiments: Annotated[
         list[str] | None,
-        typer.Argument(help=f"Which: {', '.join(EXPERIMENTS)}, {PERFORM}; by default all but the last two."),
+        typer.Argument(help=f"Which: {', '.join(EXPERIMENTS)}, {PERFORM}; by default all but the last four."),
     ] = None,
     pool: Annotated[
         Path | None, typer.Option("--pool", help="File of judged demonstrations: reused, extended, made if missing.")
@@ -81,6 +123,10 @@ def evaluate(
     source: Annotated[
         str, typer.Option("--source", help=f"Where demonstrations come from: {', '.join(LEARNED_FROM)}.")
     ] = "generator",
+    unfamiliar: Annotated[
+        Path | None,
+        typer.Option("--unfamiliar", help="recognition: file of manipulations that nobody has taught, like --pool."),
+    ] = None,
     watched: Annotated[
         list[str] | None,
         typer.Option("--condition", help=f"clauses: watched like this as well: {', '.join(list(CONDITIONS)[1:])}."),
@@ -123,12 +169,18 @@ def evaluate(
     judged by the task that a demonstration was played as, and by all that it fulfils. Beside them a forest that is told
     all that each fulfils: what it misses is hardly in the facts.
 
+    odd: whether a demonstration with a wrong label among ten looks odd, and right ones do not.
+
     recognition: whether held-out demonstrations are recognised as what they fulfil, with which probability, and
     manipulations of kinds that nobody has taught as none of the tasks, beside a forest, nearest demonstrations and
     naive Bayes on the very same facts (of taskgist[peers]).
 
     asking: what three answers of a simulated teacher, who knows the generator's intention alone, are worth in
     demonstrations.
+
+    episodes: whether what is done in held-out recordings is found without their labels, and recognised.
+
+    under-way: what is said of held-out demonstrations after 25, 50, 75 and 90 % of their time.
 
     perform: in how many random rooms that can be solved robots perform the tasks of the study, how cleanly for a second
     auditor, whether what was performed is the task by lines of sight and distances, and in what time of the processor.
@@ -155,8 +207,9 @@ def evaluate(
         for name in given or ():
             if name not in known:
                 raise UnknownNameError(kind, name, known)
-    if kept is not None:
-        check_target(kept, "--kept", replace=True)
+    for path, option in ((kept, "--kept"), (pool, "--pool"), (unfamiliar, "--unfamiliar")):
+        if path is not None:
+            check_target(path, option, replace=True)
     if performing:
         with progress_bar(quiet=as_json) as progress:
             trials = performed_trials(
@@ -172,22 +225,27 @@ def evaluate(
         if not chosen:
             _tell({}, {PERFORM: trials}, as_json=as_json)
             return
-    others = {PERFORM: trials} if performing else {}
-    if pool is not None:
-        check_target(pool, "--pool", replace=True)
+    performed = {PERFORM: trials} if performing else {}
     conditions = tuple(CONDITIONS) if "robustness" in chosen else (CLEAN, *(watched or ()))
     wanted = Wanted(source, seed, demonstrations, conditions)
     with progress_bar(quiet=as_json) as progress:
         judged = kept_pool(pool, wanted, processes=processes, progress=progress)
-        coded = Coded.of(judged)
-        results = {name: EXPERIMENTS[name](coded, runs, seed, progress) for name in chosen}
+        others = _untaught(unfamiliar, seed, processes, progress) if RECOGNITION in chosen else empty_pool(source, seed)
+        coded, how = Coded.of(judged), How(runs, seed, processes, others)
+        results = {name: EXPERIMENTS[name](coded, how, progress) for name in chosen}
     pictures = _pictures(results, out) if out else ()
     if not as_json:
         _print_pool(judged)
     about = {"pool": _about(judged), "runs": runs, "pictures": [str(path) for path in pictures]}
-    _tell(about, results | others, as_json=as_json)
+    _tell(about, results | performed, as_json=as_json)
     for path in () if as_json else pictures:
         console.print(f"picture: {path}")
+
+
+def _untaught(path: Path | None, seed: int, processes: int | None, progress: Progress) -> Pool:
+    """Manipulations of kinds that nothing is compared with, those that the file has and those that are made now."""
+    wanted = Wanted(UNFAMILIAR, seed, UNFAMILIAR_COUNT, (CLEAN,))
+    return kept_pool(path, wanted, processes=processes, progress=progress)
 
 
 def _tell(about: Mapping[str, Any], results: Mapping[str, Result], *, as_json: bool) -> None:
@@ -204,7 +262,7 @@ def _chosen(names: list[str], *, all_by_default: bool) -> tuple[str, ...]:
     for name in names:
         if name not in EXPERIMENTS:
             raise UnknownNameError("experiment", name, (*EXPERIMENTS, PERFORM))
-    by_default = EXPERIMENTS.keys() - {ASKING} if all_by_default and not names else ()
+    by_default = EXPERIMENTS.keys() - {*IF_NAMED} if all_by_default and not names else ()
     return tuple(name for name in EXPERIMENTS if name in names or name in by_default)
 
 
@@ -257,6 +315,7 @@ def print_sheet(sheet: Sheet) -> None:
 
 
 def _pictures(results: Mapping[str, Result], folder: Path) -> tuple[Path, ...]:
-    from taskgist_lab.view import picture_of  # with matplotlib, which only pictures should wait for
+    from taskgist_lab.view import DRAWN, picture_of  # with matplotlib, which only pictures should wait for
 
-    return tuple(picture_of(result, folder / f"evaluation_{name}.png") for name, result in results.items())
+    drawn = {name: result for name, result in results.items() if type(result) in DRAWN}
+    return tuple(picture_of(result, folder / f"evaluation_{name}.png") for name, result in drawn.items())

@@ -15,9 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from taskgist.common.workers import Progress, silent
 from taskgist.pipeline.episodes import RecognisedHandling, recognise_handlings
 from taskgist.pipeline.recognise import TaskRecogniser
 from taskgist.recording.recording import Label, Recording
+from taskgist_lab.evaluation.learner import Coded
+from taskgist_lab.evaluation.replayed import Replayed
 from taskgist_lab.evaluation.values import Result
 
 AWAY_M = 0.02
@@ -142,6 +145,27 @@ class EpisodeScores(Result):
     further_per_minute: float
     recognised: float
     headline: float
+
+
+def episodes(coded: Coded, *, processes: int | None = None, progress: Progress = silent) -> EpisodeScores:
+    """Take the labels of held-out demonstrations away, and find what is done in them.
+
+    Args:
+        coded: A pool.
+        processes: How many to use; by default one for each core.
+        progress: Told how far it is.
+
+    Raises:
+        InputError: The pool has too few demonstrations.
+    """
+    replayed = Replayed.of(coded.pool)
+    found = replayed.each(
+        lambda sample: judged(replayed.recogniser, replayed.recording(sample), sample.fulfilled),
+        "episodes",
+        processes=processes,
+        progress=progress,
+    )
+    return scores_of(found)
 
 
 def scores_of(episodes: Iterable[FoundEpisode]) -> EpisodeScores:

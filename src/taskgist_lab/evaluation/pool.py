@@ -8,7 +8,7 @@ import itertools
 import json
 import math
 import zlib
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -27,72 +27,12 @@ from taskgist.pipeline.explain import explain_recording
 from taskgist.recording.recording import Recording
 from taskgist.settings import DEFAULT
 from taskgist_lab.evaluation.noise import CONDITIONS
-from taskgist_lab.evaluation.values import CLEAN, Failure, Sample, Spread, rounded
+from taskgist_lab.evaluation.values import CLEAN, Failure, Sample
 from taskgist_lab.generator.intentions import fulfilled
 from taskgist_lab.generator.simulation import TASKS, simulate
 from taskgist_lab.paper.demonstrations import STUDY
 from taskgist_lab.paper.displacements import ANGLE_RAD, DISTANCE_M
 from taskgist_lab.paper.published import INTUITION
-
-# --- How well a rule does in a setting, and the score that sums it up.
-
-SCORED = (CLEAN, "noise", "wrong")
-"""How the names of settings begin that count for the score, by group."""
-
-
-@dataclass(frozen=True)
-class After:
-    """Scores of clauses learned from so many demonstrations: means over tasks, with their spread over runs."""
-
-    demonstrations: int
-    recall: Spread
-    precision: Spread
-    f1: Spread
-    recall_same: Spread
-    """Recall in held-out demonstrations watched under the same condition."""
-    f1_same: Spread
-    """F1 in these."""
-    questions: float
-    """Questions asked for each task so far."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """One rule in one setting.
-
-    Attributes:
-        setting: Name of the setting.
-        rule: Name of the rule.
-        understood: Share of runs that have the whole of Table 4 in the end, mean over tasks.
-        after: Scores by demonstrations.
-    """
-
-    setting: str
-    rule: str
-    understood: float
-    after: tuple[After, ...]
-
-
-def mean_f1(outcomes: Iterable[Outcome], *, same: bool = False) -> float:
-    """Mean over outcomes and numbers of demonstrations, judged by clean ones or by those of the same tracker."""
-    after = [each for outcome in outcomes for each in outcome.after]
-    return float(np.mean([(each.f1_same if same else each.f1).mean or 0.0 for each in after]))
-
-
-def scores_by_rule(outcomes: Sequence[Outcome]) -> dict[str, float]:
-    """Score of each rule, the best first: its groups of settings weigh the same."""
-    scores = {rule: _score([each for each in outcomes if each.rule == rule]) for rule in _rules(outcomes)}
-    return dict(sorted(scores.items(), key=lambda item: -item[1]))
-
-
-def _score(outcomes: Sequence[Outcome]) -> float:
-    groups = ([each for each in outcomes if each.setting.startswith(prefix)] for prefix in SCORED)
-    return rounded(np.mean([mean_f1(group) for group in groups if group]))
-
-
-def _rules(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(each.rule for each in outcomes))
-
 
 HELD_OUT_EVERY = 3
 """Of every so many demonstrations the last one is held out: others learn, it judges."""

@@ -2,8 +2,8 @@
 
 All recognisers learn each task from the same demonstrations, one label for each as an operator gives it, and know the
 same neutral manipulations. They are then asked for held-out demonstrations of all tasks, which may fulfil several tasks
-(judged by the generator's own lines of sight and distances), and for neutral manipulations of a kind that was left out
-of what they knew, one kind after the other: these are none of the tasks.
+(judged by the generator's own lines of sight and distances), and for manipulations of kinds that none of them has met,
+which are none of the tasks: those of the source ``unfamiliar`` that fulfil none.
 
 Each task weighs the same, and all unknown kinds together weigh as one task more.
 """
@@ -21,18 +21,18 @@ from taskgist.common.workers import Progress, silent
 from taskgist.errors import InputError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import Observation
-from taskgist.learning.background import NEUTRAL
 from taskgist.learning.evidence import Effects, Evidence
 from taskgist.learning.literals import vocabularies
-from taskgist.recognition.tasks import KnownTask, Recogniser
+from taskgist.recognition.tasks import Recogniser
 from taskgist_lab.evaluation.clause_learning import SIZES, Judges, effects, neutral_kinds
 from taskgist_lab.evaluation.learner import Coded, in_random_order, sizes_within
 from taskgist_lab.evaluation.peers import door
-from taskgist_lab.evaluation.values import Result, Spread, rounded
+from taskgist_lab.evaluation.pool import Pool
+from taskgist_lab.evaluation.values import CLEAN, Result, Spread, rounded
 
 OURS = "clauses"
 MOST_RUNS = 10
-"""Random orders, at most: each recogniser learns seven times in each, as each unknown kind is left out once."""
+"""Random orders, at most: a forest learns for a second in each."""
 SHOWN_AFTER = 10
 """Demonstrations after which unknown kinds are told one by one, and reliability is drawn."""
 BINS = 10
@@ -43,7 +43,7 @@ CERTAIN = 1e-4
 """Probabilities are kept so far from 0 and 1 where their logarithm is taken."""
 
 Kinds = Mapping[str, Sequence[Effects]]
-"""Demonstrations by kind: a task, or a neutral manipulation, whose name begins with ``NEUTRAL``."""
+"""Demonstrations by kind: a task, or a manipulation that is none."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,10 @@ class Probabilities:
     of_task: Array
     none: Array
 
+    def part(self, start: int, stop: int) -> Probabilities:
+        """Those of some of the episodes."""
+        return Probabilities(self.of_task[start:stop], self.none[start:stop])
+
     @property
     def none_is_best(self) -> Mask:
         """Whether it is more probably none of the tasks than the most probable one, (episodes,)."""
@@ -71,7 +75,7 @@ Recognising = Callable[[Kinds, tuple[str, ...], Sequence[Effects]], Probabilitie
 def ours(kinds: Kinds, tasks: tuple[str, ...], episodes: Sequence[Effects]) -> Probabilities:
     """The recogniser of ``recognition.tasks``."""
     evidence = Evidence.of(kinds)
-    recogniser = Recogniser(tuple(KnownTask.of(evidence, task) for task in tasks))
+    recogniser = Recogniser.by_evidence(dict.fromkeys(tasks, evidence))
     found = [recogniser.recognise({name: Observation(value) for name, value in each.items()}) for each in episodes]
     by_task = [{one.task: one.probability for one in each.tasks} for each in found]
     return Probabilities(
@@ -192,7 +196,7 @@ class RecognitionScores(Result):
     rows: tuple[RecognitionScore, ...]
     reliability: tuple[Reliable, ...]
     unknown: Mapping[str, float]
-    """By kind of manipulation that was left out: the share that ours calls none of the tasks, after ``SHOWN_AFTER``."""
+    """By unknown kind: the share that ours calls none of the tasks, after ``SHOWN_AFTER``."""
     runs: int
 
     @property
@@ -214,11 +218,15 @@ class RecognitionScores(Result):
         return tuple(each for each in self.reliability if (each.recogniser, each.after) == (recogniser, after))
 
 
-def recognition(coded: Coded, *, runs: int, seed: int, progress: Progress = silent) -> RecognitionScores:
+def recognition(
+    coded: Coded, unfamiliar: Pool, *, runs: int, seed: int, progress: Progress = silent
+) -> RecognitionScores:
     """Learn all tasks in many random orders, and recognise what was held out and what nobody has taught.
 
     Args:
         coded: A pool.
+        unfamiliar: Manipulations of kinds that nothing is compared with; those that fulfil a task of the pool are left
+            aside.
         runs: Random orders; ``MOST_RUNS`` at most.
         seed: Their seed.
         progress: Told how far it is.
@@ -226,14 +234,14 @@ def recognition(coded: Coded, *, runs: int, seed: int, progress: Progress = sile
     Raises:
         InputError: The pool has no demonstrations of a task to learn from, or none held out.
     """
-    asked = Asked.of(coded)
+    asked = Asked.of(coded, unfamiliar)
     runs = min(runs, MOST_RUNS)
     orders = {task: in_random_order(coded, task, runs=runs, seed=seed) for task in asked.tasks}
     sizes = sizes_within(SIZES, orders.values())
     recognisers = {OURS: ours, **peers(seed)}
     rows: list[RecognitionScore] = []
     reliability: list[Reliable] = []
-    unknown: dict[str, list[float]] = {name: [] for name in asked.neutral}
+    by_kind: dict[str, float] = {}
     for number, (name, after) in enumerate((name, after) for name in recognisers for after in sizes):
         progress(f"recognising: {name} after {after}", number / (len(recognisers) * len(sizes)))
         found = []
@@ -241,12 +249,11 @@ def recognition(coded: Coded, *, runs: int, seed: int, progress: Progress = sile
             kinds = {task: effects(coded, orders[task][run, :after]) for task in asked.tasks}
             found.append(asked.answers(recognisers[name], kinds))
         if (name, after) == (OURS, SHOWN_AFTER):
-            for kind in asked.neutral:
-                unknown[kind] = [float(each.unknown[kind].none_is_best.mean()) for each in found]
+            for kind in asked.unknown:
+                by_kind[kind] = rounded(np.mean([each.unknown[kind].none_is_best.mean() for each in found]))
         rows.append(asked.score(name, after, found))
         reliability += asked.reliability(name, after, found)
-    told = {kind.removeprefix(NEUTRAL): rounded(np.mean(shares)) for kind, shares in unknown.items() if shares}
-    return RecognitionScores(tuple(rows), tuple(reliability), told, runs)
+    return RecognitionScores(tuple(rows), tuple(reliability), by_kind, runs)
 
 
 @dataclass(frozen=True)
@@ -255,7 +262,7 @@ class Answers:
 
     Args:
         own: Of held-out demonstrations.
-        unknown: Of neutral manipulations by kind, each when it was left out.
+        unknown: Of manipulations that nobody has taught, by kind.
     """
 
     own: Probabilities
@@ -271,7 +278,8 @@ class Asked:
         own: Held-out demonstrations.
         played: Index of the task that each was played as, (demonstrations,).
         fulfilled: Whether each fulfils each task, (demonstrations, tasks).
-        neutral: Neutral manipulations by kind.
+        neutral: Neutral manipulations by kind, which are known.
+        unknown: Manipulations that fulfil no task, by kind, which are not.
     """
 
     tasks: tuple[str, ...]
@@ -279,26 +287,34 @@ class Asked:
     played: Indices
     fulfilled: Mask
     neutral: Kinds
+    unknown: Kinds
 
     @staticmethod
-    def of(coded: Coded) -> Asked:
-        """All clean held-out demonstrations of a pool, and the shipped manipulations.
+    def of(coded: Coded, unfamiliar: Pool) -> Asked:
+        """All clean held-out demonstrations of a pool, the shipped manipulations, and the unfamiliar ones.
 
         Raises:
             InputError: None of a task were held out.
         """
         judges = Judges.of(coded)
-        held = judges.held_out
-        return Asked(held.tasks, effects(coded, held.codes), held.task_of, judges.fulfilled.T, neutral_kinds(coded))
+        own = judges.held_out
+        unknown: dict[str, list[Effects]] = {}
+        for each in unfamiliar.samples:
+            if each.condition == CLEAN and not set(each.fulfilled) & set(own.tasks):
+                pairs = zip(unfamiliar.nodes, each.values, strict=True)
+                unknown.setdefault(each.task, []).append({name: value for name, value in pairs if value is not None})
+        known = neutral_kinds(coded)
+        return Asked(own.tasks, effects(coded, own.codes), own.task_of, judges.fulfilled.T, known, unknown)
 
     def answers(self, recognise: Recognising, known: Kinds) -> Answers:
         """What a recogniser says of everything, after it has learned from demonstrations of each task."""
-        own = recognise({**self.neutral, **known}, self.tasks, self.own)
-        unknown = {}
-        for kind, manipulations in self.neutral.items():
-            others = {name: each for name, each in self.neutral.items() if name != kind}
-            unknown[kind] = recognise({**others, **known}, self.tasks, manipulations)
-        return Answers(own, unknown)
+        episodes = [*self.own, *(each for kind in self.unknown.values() for each in kind)]
+        found = recognise({**self.neutral, **known}, self.tasks, episodes)
+        unknown, start = {}, len(self.own)
+        for kind, manipulations in self.unknown.items():
+            unknown[kind] = found.part(start, start + len(manipulations))
+            start += len(manipulations)
+        return Answers(found.part(0, len(self.own)), unknown)
 
     def score(self, name: str, after: int, found: Sequence[Answers]) -> RecognitionScore:
         """The scores of all runs."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from taskgist_lab.evaluation.asking import Asked
 from taskgist_lab.evaluation.clause_learning import ClauseScores, learner_text
+from taskgist_lab.evaluation.episodes import EpisodeScores
 from taskgist_lab.evaluation.experiments import (
     ALL,
     CLAUSE,
@@ -20,10 +21,11 @@ from taskgist_lab.evaluation.experiments import (
     Waiting,
 )
 from taskgist_lab.evaluation.learner import PAPER, RULES
-from taskgist_lab.evaluation.pool import mean_f1
+from taskgist_lab.evaluation.odd_ones import OddOnes
 from taskgist_lab.evaluation.recognition import BINS, RecognitionScores
 from taskgist_lab.evaluation.recognition import SHOWN_AFTER as RECOGNISED_AFTER
-from taskgist_lab.evaluation.robustness import Comparison, Robustness
+from taskgist_lab.evaluation.robustness import Comparison, Robustness, mean_f1
+from taskgist_lab.evaluation.under_way import UnderWayScores
 from taskgist_lab.evaluation.values import Result, Spread
 from taskgist_lab.paper.published import COLUMNS
 
@@ -290,7 +292,7 @@ def recognition_sheets(found: RecognitionScores) -> Iterator[Sheet]:
         found,
         "What is called none of the tasks, by demonstrations",
         {"own_none": "own", "unknown_none": "unknown", "unknown_told": "at 3 %"},
-        "Own: demonstrations of the tasks; unknown: manipulations of a kind that was left out, mean over kinds"
+        "Own: demonstrations of the tasks; unknown: manipulations of kinds that nobody has met, mean over kinds"
         + (f" ({found.recognisers[0]} after {RECOGNISED_AFTER}: {by_kind})" if by_kind else "")
         + f"; at 3 %: of these, if the line is drawn where 3 % of the tasks' demonstrations are called none. {runs}",
     )
@@ -313,6 +315,51 @@ def _measured(value: Spread, measure: str) -> str:
     if measure not in ("log_loss", "brier"):
         return mean_text(value)
     return NONE if value.mean is None else f"{value.mean:.3f}"
+
+
+def odd_sheet(found: OddOnes) -> Sheet:
+    """How well wrong labels are found."""
+    called = "-" if found.precision is None else percent(found.precision)
+    return Sheet(
+        "Wrong labels, one among ten",
+        ("called odd and wrong", "wrong and called odd", "wrong ones", "fulfil it all the same"),
+        ((called, percent(found.recall), str(found.wrong), str(found.right_all_the_same)),),
+        "One demonstration in ten is of another task; ten of each task are known.",
+    )
+
+
+def under_way_sheets(found: UnderWayScores) -> Iterator[Sheet]:
+    """What is foreseen at each moment, and how reliable that is at half time."""
+    rows = []
+    for each in found.rows:
+        figures = (percent(each.right), percent(each.as_played), f"{each.log_loss:.2f}", f"{each.brier:.2f}")
+        rows.append((percent(each.share), each.how, *figures))
+    untold = f" At {found.untold} moments too little was tracked." if found.untold else ""
+    yield Sheet(
+        "Tasks under way, by the share of their time",
+        ("of the time", "how", "right", "as played", "log loss", "Brier"),
+        tuple(rows),
+        f"{found.demonstrations} demonstrations that were held out. Right: the most probable task is one that it "
+        f"fulfils in the end; as played: the one that it was played as.{untold}",
+    )
+    yield Sheet(
+        "Reliability at half time, foreseen",
+        ("probability", "so in", "of"),
+        tuple((percent(mean), percent(share), str(count)) for mean, share, count in found.reliability),
+    )
+
+
+def episodes_sheet(found: EpisodeScores) -> Sheet:
+    """How well episodes are found where no label tells of them."""
+    within = (*found.start_within, *found.end_within)
+    figures = (percent(found.found), *map(percent, within), f"{found.further_per_minute:.1f}")
+    return Sheet(
+        "Episodes found in recordings without their labels",
+        ("recordings", "found", "start 0.5 s", "1 s", "end 0.5 s", "1 s", "further a minute", "task right", "headline"),
+        ((str(found.recordings), *figures, percent(found.recognised), percent(found.headline)),),
+        "Start and end are held against the thing's own way. Task right: for its target agent and thing; headline: the "
+        "likeliest reading of all is that one.",
+    )
 
 
 def reliability_sheet(found: RecognitionScores, after: int) -> Sheet:
@@ -397,6 +444,12 @@ def sheets_of(result: Result) -> Iterable[Sheet]:
         return tuple(recognition_sheets(result))
     if isinstance(result, ClauseScores):
         return tuple(clauses_sheet(result, setting) for setting in result.settings)
+    if isinstance(result, OddOnes):
+        return (odd_sheet(result),)
+    if isinstance(result, UnderWayScores):
+        return tuple(under_way_sheets(result))
+    if isinstance(result, EpisodeScores):
+        return (episodes_sheet(result),)
     if isinstance(result, Asked):
         return tuple(asking_sheets(result))
     assert isinstance(result, Comparison)

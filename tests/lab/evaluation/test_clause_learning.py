@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from taskgist.errors import InputError
 from taskgist.facts import UNKNOWN, Observation
 from taskgist.learning import Evidence, learn_clauses
 from taskgist_lab.evaluation.clause_learning import CLAUSES, PAPER_RULE, Judges, clause_learning, effects
 from taskgist_lab.evaluation.experiments import transfer
 from taskgist_lab.evaluation.learner import Coded
+from taskgist_lab.evaluation.odd_ones import odd_ones
 from tests.lab.evaluation.pools import study_pool
 
 POOL = study_pool(12)
@@ -68,3 +70,15 @@ def test_f1_weighs_tasks_alike_however_many_were_held_out() -> None:
     played, fulfilled = judges.scores(everything)
     assert played.mean == pytest.approx(2 / 7, abs=1e-4)  # recall 1, precision 1/6
     assert fulfilled.mean == pytest.approx(2 / 7, abs=1e-4)  # the study's samples fulfil their own task alone
+
+
+def test_a_wrong_label_among_ten_is_found() -> None:
+    coded = Coded.of(study_pool(18))
+    found = odd_ones(coded, runs=1, seed=1)
+    assert found == odd_ones(coded, runs=1, seed=1)
+    assert found.wrong == len(POOL.tasks)
+    assert found.recall >= 0.6  # who hides away hides as well
+    assert found.precision is not None
+    assert found.precision >= 0.75
+    with pytest.raises(InputError, match=r"too few demonstrations.*make 16 or more of each task"):
+        odd_ones(CODED, runs=1, seed=1)
