@@ -114,7 +114,8 @@ def clause_learning(
         coded: A pool.
         runs: Random orders of each task; ``MOST_RUNS`` at most.
         seed: Their seed.
-        others: With how many of the other tasks clauses are compared; more than there are are left out.
+        others: With how many of the other tasks clauses are compared, under other conditions than the clean one with
+            the last number alone; more than there are are left out.
         progress: Told how far it is.
 
     Raises:
@@ -136,7 +137,9 @@ def clause_learning(
         for after in sizes:
             held = {task: held_in(each, judges.held_out, after, CLAUSE) == 1 for task, each in known.items()}
             rows.append(ClauseScore(PAPER_RULE, None, setting, after, *judges.scores(held)))
-        backgrounds = [(count, after) for count in others if count < len(orders) for after in sizes]
+        known_others = [count for count in others if count < len(orders)]
+        told = known_others if condition == CLEAN else known_others[-1:]
+        backgrounds = [(count, after) for count in told for after in sizes]
         for number, (count, after) in enumerate(backgrounds):
             progress(f"clauses, {setting}", number / len(backgrounds))
             held = {
