@@ -46,6 +46,7 @@ GIVE, AFTER_REAL = "give", (1, 3, 5)
 """The task of which real demonstrations are shipped, and after how many of them it is judged."""
 MEASURES = {
     "right": "right",
+    "as_played": "as played",
     "f1": "F1",
     "log_loss": "log loss",
     "brier": "Brier",
@@ -63,22 +64,20 @@ def main() -> None:
     parser.add_argument("--pool", type=Path, nargs="+", required=True)
     parser.add_argument("--unfamiliar", type=Path, nargs="+", required=True)
     parser.add_argument("--runs", type=int, default=RUNS)
+    parser.add_argument("--only", choices=("clauses", "recognition"), help="one of the pages alone")
     wishes = parser.parse_args()
     pools, others = ([read_pool(path) for path in paths] for paths in (wishes.pool, wishes.unfamiliar))
     coded = [Coded.of(pool) for pool in pools]
-    learned = [clause_learning(each, runs=wishes.runs, seed=each.pool.seed, progress=told) for each in coded]
-    found = [
-        recognition(each, other, runs=wishes.runs, seed=each.pool.seed, progress=told)
-        for each, other in zip(coded, others, strict=True)
-    ]
-    parts = {
-        "f1": f1(learned),
-        "spoiled": spoiled(learned),
-        "odd": odd(coded, wishes.runs),
-        "handovers": handovers(coded),
-    }
-    write(CLAUSES_PAGE, {"seeds": seeds(pools), **parts})
-    write(RECOGNITION_PAGE, {"seeds": seeds(pools), "recognised": recognised(found), "peers": peers(found)})
+    if wishes.only != "recognition":
+        learned = [clause_learning(each, runs=wishes.runs, seed=each.pool.seed, progress=told) for each in coded]
+        parts = {"seeds": seeds(pools), "f1": f1(learned), "spoiled": spoiled(learned)}
+        write(CLAUSES_PAGE, {**parts, "odd": odd(coded, wishes.runs), "handovers": handovers(coded)})
+    if wishes.only != "clauses":
+        found = [
+            recognition(each, other, runs=wishes.runs, seed=each.pool.seed, progress=told)
+            for each, other in zip(coded, others, strict=True)
+        ]
+        write(RECOGNITION_PAGE, {"seeds": seeds(pools), "recognised": recognised(found), "peers": peers(found)})
 
 
 def write(page: Path, parts: dict[str, Iterator[str]]) -> None:

@@ -12,6 +12,7 @@ from taskgist.learning.clauses import Support, WeighedClause
 from taskgist.learning.literals import vocabulary_by_node
 from taskgist.recognition import Recogniser
 from taskgist.recognition.entailed import ENTAILS, MOST, entailed_tasks, raised
+from taskgist.recognition.tasks import NEARLY
 from tests.learning.learning_samples import STUDY, study
 
 ALL = Knowledge().add(*(each for task in STUDY for each in study(task).explanations.values()))
@@ -25,6 +26,19 @@ def test_who_hides_away_hides_and_nobody_is_said_to_do_the_reverse() -> None:
     assert by_task["hide"].entailed_by == "hide away"
     assert by_task["hide"].probability > by_task["hide"].odds / (1.0 + by_task["hide"].odds)
     assert by_task["hide away"].entailed_by is None
+
+
+def test_of_two_that_are_nearly_as_probable_the_one_that_says_more_is_named_first() -> None:
+    recogniser = Recogniser.of(ALL)
+    for task in ("hide away", "hide"):
+        for each in study(task).explanations.values():
+            found = recogniser.recognise(each.nodes)
+            assert found.best is not None
+            by_task = {one.task: one.probability for one in found.tasks}
+            nearly = by_task["hide away"] >= NEARLY * by_task["hide"]
+            assert found.best.task == ("hide away" if nearly else "hide")
+    away = [recogniser.recognise(each.nodes).best for each in study("hide away").explanations.values()]
+    assert [each.task for each in away if each] == ["hide away"] * len(away)
 
 
 def test_a_probability_is_raised_by_the_law_of_total_probability_and_never_lowered() -> None:

@@ -58,6 +58,9 @@ PRIOR_ODDS = 0.7
 demonstrations of each of six tasks is within 0.02 of its least, and 3 % of what is a task are called none."""
 PSEUDO = 2.0
 """m of the m-estimate of how often a task's demonstrations have a value: as a + b of the paper's default."""
+NEARLY = 0.95
+"""A task that entails the most probable one, and is at least so probable beside it, is named first (ours: with less the
+more general one is missed, with more the more special one; seed 101)."""
 LEAST_LN_ODDS = -30.0
 """Log odds are kept within ± 30: nothing is certain."""
 
@@ -130,8 +133,14 @@ class Recognised:
 
     @property
     def best(self) -> TaskProbability | None:
-        """The most probable task; None where it is more probably none of them than that one."""
-        return self.tasks[0] if self.tasks[0].probability > self.none else None
+        """The most probable task, or one that is done with it and nearly as probable: that says more.
+
+        None where it is more probably none of them.
+        """
+        best, by_name = self.tasks[0], {each.task: each for each in self.tasks}
+        if best.entailed_by is not None and by_name[best.entailed_by].probability >= NEARLY * best.probability:
+            best = by_name[best.entailed_by]
+        return best if best.probability > self.none else None
 
     @property
     def likely(self) -> tuple[TaskProbability, ...]:

@@ -53,14 +53,21 @@ class Probabilities:
     Args:
         of_task: Probability of each task, (episodes, tasks).
         none: That it is none of them, (episodes,).
+        named: Index of the task that is named first, (episodes,); None: of the most probable one.
     """
 
     of_task: Array
     none: Array
+    named: Indices | None = None
 
     def part(self, start: int, stop: int) -> Probabilities:
         """Those of some of the episodes."""
-        return Probabilities(self.of_task[start:stop], self.none[start:stop])
+        return Probabilities(self.of_task[start:stop], self.none[start:stop], self.best[start:stop])
+
+    @property
+    def best(self) -> Indices:
+        """Index of the task that is named first, (episodes,)."""
+        return self.of_task.argmax(axis=1) if self.named is None else self.named
 
     @property
     def none_is_best(self) -> Mask:
@@ -81,6 +88,7 @@ def ours(kinds: Kinds, tasks: tuple[str, ...], episodes: Sequence[Effects]) -> P
     return Probabilities(
         np.array([[each[task] for task in tasks] for each in by_task]).reshape(len(found), len(tasks)),
         np.array([each.none for each in found]),
+        np.array([tasks.index((each.best or each.tasks[0]).task) for each in found], dtype=int),
     )
 
 
@@ -145,8 +153,8 @@ class RecognitionScore:
     Attributes:
         recogniser: Its name.
         after: Demonstrations of each task.
-        right: Share of held-out demonstrations whose most probable task is one that they fulfil.
-        as_played: Whose most probable task is the one that they were played as.
+        right: Share of held-out demonstrations of which the task that is named first is one that they fulfil.
+        as_played: Of which it is the one that they were played as.
         f1: F1 of all tasks that are more probable than not, mean over tasks.
         log_loss: Natural logarithm, mean over tasks and episodes.
         brier: Mean squared difference of probability and truth.
@@ -324,7 +332,7 @@ class Asked:
 
     def _scores(self, answers: Answers) -> dict[str, float]:
         own, weights = answers.own, self._weights
-        best = own.of_task.argmax(axis=1)
+        best = own.best
         said = own.of_task > 0.5
         hits = (said & self.fulfilled).T @ weights
         f1 = 2 * hits / np.maximum(said.T @ weights + self.fulfilled.T @ weights, CERTAIN)

@@ -278,8 +278,8 @@ def recognition_sheets(found: RecognitionScores) -> Iterator[Sheet]:
         found,
         "What is recognised, by demonstrations",
         {"right": "right", "as_played": "as played", "f1": "F1"},
-        "Right: the most probable task is one that the demonstration fulfils; as played: it is the one that it was "
-        f"played as; F1: of all tasks that are more probable than not. {runs}",
+        "Right: the task that is named first is one that the demonstration fulfils; as played: it is the one that it "
+        f"was played as; F1: of all tasks that are more probable than not. {runs}",
     )
     yield _recognition_sheet(
         found,
