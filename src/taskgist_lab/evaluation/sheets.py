@@ -332,15 +332,17 @@ def under_way_sheets(found: UnderWayScores) -> Iterator[Sheet]:
     """What is foreseen at each moment, and how reliable that is at half time."""
     rows = []
     for each in found.rows:
-        figures = (percent(each.right), percent(each.as_played), f"{each.log_loss:.2f}", f"{each.brier:.2f}")
+        shares = map(percent, (each.right, each.right_of_known, each.as_played))
+        figures = (*shares, f"{each.log_loss:.2f}", f"{each.brier:.2f}")
         rows.append((percent(each.share), each.how, *figures))
     untold = f" At {found.untold} moments too little was tracked." if found.untold else ""
     yield Sheet(
         "Tasks under way, by the share of their time",
-        ("of the time", "how", "right", "as played", "log loss", "Brier"),
+        ("of the time", "how", "right", "of known", "as played", "log loss", "Brier"),
         tuple(rows),
         f"{found.demonstrations} demonstrations that were held out. Right: the most probable task is one that it "
-        f"fulfils in the end; as played: the one that it was played as.{untold}",
+        "fulfils in the end; of known: the same where it is taken for granted that it is a known one; as played: it is "
+        f"the one that it was played as.{untold}",
     )
     yield Sheet(
         "Reliability at half time, foreseen",

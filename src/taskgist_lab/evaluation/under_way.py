@@ -51,7 +51,8 @@ class Foreseeing:
     Attributes:
         how: ``NOW`` or ``FORESEEN``.
         share: The moment, as a share of the labelled time.
-        right: Share whose most probable task is one that they fulfil in the end.
+        right: Share whose most probable task is one that they fulfil in the end; none of them is wrong.
+        right_of_known: The same where it is taken for granted that it is one of the known tasks.
         as_played: Whose most probable task is the one that they were played as.
         log_loss: Natural logarithm, mean over tasks and demonstrations.
         brier: Mean squared difference of probability and truth.
@@ -60,6 +61,7 @@ class Foreseeing:
     how: str
     share: float
     right: float
+    right_of_known: float
     as_played: float
     log_loss: float
     brier: float
@@ -130,10 +132,15 @@ def _scored(said: Sequence[Said], share: float, how: str) -> Foreseeing:
     given, true = _table(said)
     kept = given.clip(CERTAIN, 1.0 - CERTAIN)
     loss = -np.where(true, np.log(kept), np.log1p(-kept))
-    right = [each.best is not None and each.best in {each.sample.task, *each.sample.fulfilled} for each in said]
+    right = [_fulfils(each, each.best) for each in said]
+    of_known = [_fulfils(each, max(each.probability, key=lambda task: each.probability[task])) for each in said]
     played = [each.best == each.sample.task for each in said]
-    figures = (np.mean(right), np.mean(played), loss.mean(), ((given - true) ** 2).mean())
+    figures = (np.mean(right), np.mean(of_known), np.mean(played), loss.mean(), ((given - true) ** 2).mean())
     return Foreseeing(how, share, *map(rounded, figures))
+
+
+def _fulfils(said: Said, task: str | None) -> bool:
+    return task is not None and task in {said.sample.task, *said.sample.fulfilled}
 
 
 def _reliability(said: Sequence[Said]) -> list[tuple[float, float, int]]:

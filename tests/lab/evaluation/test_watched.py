@@ -39,11 +39,17 @@ def test_who_knows_the_truth_has_the_best_scores_and_who_says_the_reverse_the_wo
     found = scores_of([*knows, *errs], len(TWO))
     for row in found.rows:
         good = row.how == NOW
+        assert row.right_of_known == row.right
         assert (row.right, row.as_played, row.brier) == ((1.0, 1.0, 0.0) if good else (0.0, 0.0, 0.81))
         assert row.log_loss == pytest.approx(0.0001 if good else -math.log(0.1), abs=1e-4)
     assert found.untold == 0
     assert found.reliability == ((0.1, 1.0, 2), (0.9, 0.0, 2))
     assert scores_of(knows, len(TWO)).untold == len(TWO) * len(SHARES)
+
+
+def test_who_says_none_is_wrong_and_may_know_which_one_it_would_be() -> None:
+    silent = [replace(each, best=None) for sample in TWO for each in said(sample, NOW, 0.4, 0.1)]
+    assert {(row.right, row.right_of_known) for row in scores_of(silent, len(TWO)).rows} == {(0.0, 1.0)}
 
 
 @pytest.mark.usefixtures("_few")
