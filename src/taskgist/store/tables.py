@@ -84,7 +84,7 @@ AT_ONCE = 500
 
 T = TypeVar("T")
 AnyRow = Row[*tuple[Any, ...]]
-Fetched = Mapping[str, Any]
+Fetched = Mapping[Any, Any]
 """Columns of a row by name."""
 FAST = 1
 """Level of packing."""
