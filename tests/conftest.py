@@ -24,3 +24,13 @@ def coarse_maps(monkeypatch: pytest.MonkeyPatch) -> None:
         return around(stage, *agents, settings=Maps(cell_m=0.15))
 
     monkeypatch.setattr(Grid, "around", staticmethod(coarse))
+
+
+@pytest.fixture
+def coarse_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An eighth of the rays: a picture is as large as ever, and shows the same where it is the same."""
+    from taskgist.view import scene
+
+    monkeypatch.setattr(scene, "SMOOTHING", 1)
+    monkeypatch.setattr(scene, "EYE_WIDTH_PX", scene.EYE_WIDTH_PX // 2)
+    monkeypatch.setattr(scene, "OUTSIDE_WIDTH_PX", scene.OUTSIDE_WIDTH_PX // 2)
