@@ -1,4 +1,4 @@
-"""Two ordinary rooms, judged once for all tests of a process."""
+"""An ordinary room, judged once for all tests of a process: of its pairs 105 are got at by an able adult, 30 by nobody."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from functools import cache
 
 from taskgist_lab.evaluation.ordinary_rooms import RoomsFound, judged_rooms
 
-ROOMS, SEED = 2, 14
+ROOMS, SEED = 1, 14
 
 
 @cache
