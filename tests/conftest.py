@@ -13,11 +13,13 @@ settings.register_profile("seeded", derandomize=True, deadline=None, database=No
 settings.load_profile("seeded")
 
 
+gc.set_threshold(20_000, 20, 50)
+
+
 def pytest_collection_finish() -> None:
     """Eight thousand tests and all modules stay: the garbage collector need not look through them again and again."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(20_000, 20, 50)
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""An ordinary room, judged once for all tests of a process: of its pairs 105 are got at by an able adult, 30 by nobody."""
+"""An ordinary room, judged once for all tests of a process: an able adult gets at 105 of its things, nobody at 30."""
 
 from __future__ import annotations
 
