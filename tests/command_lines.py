@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Iterator
+from functools import cache
 
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
@@ -12,6 +13,7 @@ from typer.main import get_command
 from taskgist.cli.app import app
 
 
+@cache
 def commands() -> dict[str, TyperCommand]:
     """Every command by its name; those of a group by the group's name and theirs."""
     group = get_command(app)

@@ -1,4 +1,6 @@
-"""Small scenes for tests, from MJCF bodies and agents given as text."""
+"""Small scenes for tests, from MJCF bodies and agents given as text: the same text gives the same scene."""
+
+from functools import lru_cache
 
 from taskgist.world import Scene
 
@@ -20,6 +22,7 @@ def agent(name: str, x: float, y: float, yaw_deg: float = 0.0, posture: str = "s
     return f'[agents.{name}]\nposition_m = [{x}, {y}]\nyaw_deg = {yaw_deg}\nposture = "{posture}"\n{extra}\n'
 
 
+@lru_cache(maxsize=128)
 def scene(*bodies: str, agents: str = "", scene_extra: str = "") -> Scene:
     room = f"<mujoco><worldbody>{FLOOR}{''.join(bodies)}</worldbody></mujoco>"
     toml = f'[scene]\nname = "test"\nmodel = "room.xml"\n{scene_extra}\n{agents}'

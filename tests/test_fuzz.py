@@ -22,7 +22,7 @@ from tools.fuzz_seeds import with_foreign_records
 from tools.fuzz_tokens import OF_BYTES, OF_TEXT, Mutation
 
 ROOT = Path(__file__).parent.parent
-CASES, SEED = 100, 15
+CASES, SEED = 40, 15
 
 MUTATIONS = {name: each for group in (OF_BYTES, OF_TEXT, *OF_SUFFIX.values()) for name, each in group.items()}
 

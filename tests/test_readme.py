@@ -36,6 +36,7 @@ ROOM = textwrap.dedent("""
 """)
 
 
+@pytest.mark.usefixtures("coarse_pictures")
 def test_the_demo_prints_what_the_readme_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     result = CliRunner().invoke(app, ["demo"])

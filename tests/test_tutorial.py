@@ -19,7 +19,7 @@ BLOCK = re.compile(r"^```(\w+)(?: title=\"(.*?)\")?\n(.*?)^```$", re.DOTALL | re
 LEFT_OUT = "..."
 
 
-@pytest.mark.usefixtures("coarse_maps")
+@pytest.mark.usefixtures("coarse_maps", "coarse_pictures")
 def test_the_tutorial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     blocks = BLOCK.findall(PAGE.read_text(encoding="utf-8"))

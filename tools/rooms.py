@@ -11,6 +11,7 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import chain
 
 import numpy as np
@@ -144,8 +145,9 @@ class Room:
         people = tuple(replace(p, place=(p.place[0], -p.place[1]), yaw=-p.yaw) for p in self.people)
         return replace(self, things=things, people=people)
 
+    @lru_cache(maxsize=128)  # noqa: B019 - rooms are small, and so is what is kept
     def scene(self) -> Scene:
-        """The room as a scene."""
+        """The room as a scene; equal rooms have the same one, which never changes."""
         px, files = "image_px = [{}, {}]".format(*self.image_px), self.files()
         for person in self.people:
             profile = builtin_profile_text(person.profile)

@@ -24,6 +24,8 @@ from tests.shipped import PATHS, excerpt, explanation, label
 SHOW = PATHS["show_a"]
 PNG = b"\x89PNG\r\n"
 
+pytestmark = pytest.mark.usefixtures("coarse_pictures")
+
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:

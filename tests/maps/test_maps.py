@@ -229,7 +229,7 @@ def test_settings_of_maps_shape_no_facts() -> None:
 def test_a_map_does_not_depend_on_how_its_blocks_are_dealt_out(
     ability: Ability, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(grid, "FEW_BLOCKS", 1)
+    monkeypatch.setattr(grid, "FEW", 1)
     for parts in (1, 7):
         monkeypatch.setattr(grid, "PARTS", parts)
         again = ability_map(SEATED.stage(), "P1", ability, settings=SMALL)

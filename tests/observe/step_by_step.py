@@ -173,7 +173,7 @@ class MotionWatch:
         if fitted is None:
             return around.time_s, None
         limit_m_s = self._settings.static_m_s if self._moving else self._settings.moving_m_s
-        self._moving = max(float(np.linalg.norm(each)) for each in fitted) > limit_m_s
+        self._moving = float(np.linalg.norm(fitted, axis=1).max()) > limit_m_s
         return around.time_s, v.MOVING if self._moving else v.STATIC
 
 
@@ -203,7 +203,8 @@ class HoldingWatch:
         times_s = [each.time_s for each in seen]
         beneath = {each.rest.container or each.rest.support for each in seen} & set(self._scene.objects)
         under = {other: self._velocities(states, other) for other in beneath if other}
-        frames = [self._evidence(seen, index, under) for index in range(len(seen))]
+        places = [None if each.pose is None else each.pose.to_world(self._local) for each in seen]
+        frames = [self._evidence(seen, places, index, under) for index in range(len(seen))]
         stories: dict[tuple[int, int], list[Carrier]] = {}
         found = list[Carrier]()
         for index, time_s in enumerate(times_s):
@@ -238,13 +239,14 @@ class HoldingWatch:
         ]
         return [_velocity([state.time_s for state in states], places, index) for index in range(len(states))]
 
-    def _evidence(self, seen: list[Seen], index: int, under: dict[str, list[Array | None]]) -> Evidence:
+    def _evidence(
+        self, seen: list[Seen], places: list[Array | None], index: int, under: dict[str, list[Array | None]]
+    ) -> Evidence:
         frame, times_s = seen[index], [each.time_s for each in seen]
         after = max(index, 1)
         dt_s = times_s[after] - times_s[after - 1] if len(seen) > 1 else self._settings.carrying.independent_s
         if frame.pose is None:
             return Evidence(dt_s, tracked=False)
-        places = [None if each.pose is None else each.pose.to_world(self._local) for each in seen]
         moving, beneath = _velocity(times_s, places, index), frame.rest.container or frame.rest.support
         if beneath:
             along = under[beneath][index] if beneath in under else None

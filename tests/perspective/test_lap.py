@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
@@ -39,6 +40,7 @@ def viewpoint(seat: str, *things: Thing) -> Viewpoint:
     return Viewpoint(Stage(scene_of("lap", pieces, things, [body])), "P")
 
 
+@cache
 def efforts(seat: str, ability: Ability, thing: Thing, *others: Thing) -> Effort:
     return effort_from(viewpoint(seat, thing, *others), "thing", ability)
 

@@ -7,7 +7,7 @@ Rooms in which somebody's eye is inside of a thing are left out: rasterisers do 
 """
 
 from collections.abc import Callable, Iterator
-from functools import cache
+from functools import cache, partial
 from typing import Protocol
 
 import numpy as np
@@ -22,7 +22,7 @@ from taskgist.perspective import view_of, visibility
 from taskgist.perspective.image import look
 from taskgist.perspective.target import Target
 from taskgist.settings import DEFAULT
-from tests.perspective.random_rooms import random_case
+from tests.perspective.random_rooms import Case, random_case
 
 
 class Witness(Protocol):
@@ -58,10 +58,15 @@ def witness(request: pytest.FixtureRequest) -> Iterator[Callable[[EyeView], Witn
         each.close()
 
 
+@cache
+def room(seed: int, finer: int = 1) -> Case:
+    """A room, the same for all witnesses."""
+    return random_case(seed, image_px=(320 * finer, 240 * finer), untracked=False, large=False)
+
+
 @pytest.mark.parametrize("seed", range(300, 308))
 def test_other_renderers_count_the_same_pixels(seed: int, witness: Callable[[EyeView], Witness]) -> None:
-    case = random_case(seed, image_px=(320, 240), untracked=False, large=False)
-    finer = cache(lambda: random_case(seed, image_px=(320 * FINER, 240 * FINER), untracked=False, large=False))
+    case, finer = room(seed), partial(room, seed, FINER)
     stage = case.stage()
     for agent in case.scene.agents[:2]:
         theirs = witness(EyeView.of(case.scene, case.state, agent)).image()
@@ -80,7 +85,7 @@ def test_the_rooms_show_objects_of_all_sizes() -> None:
     """Else the test above would compare nothing with nothing."""
     counts = []
     for seed in range(300, 308):
-        case = random_case(seed, image_px=(320, 240), untracked=False, large=False)
+        case = room(seed)
         pixels = view_of(case.stage(), "P1").pixels()
         counts += [pixels.get(name, 0) for name in case.scene.objects]
     assert sum(count > 50 for count in counts) > 10

@@ -119,6 +119,7 @@ def test_a_target_that_is_not_visible(tmp_path: Path) -> None:
     assert marked_pixels(hidden) < 50
 
 
+@pytest.mark.usefixtures("coarse_pictures")
 def test_before_and_after(tmp_path: Path) -> None:
     """All target objects are marked, and each target agent's eyes have a row."""
     shown, subject = recording("show_a"), label("show_a")

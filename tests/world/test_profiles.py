@@ -196,6 +196,20 @@ def test_all_fields_are_read_before_any_is_complained_of() -> None:
     assert str(caught.value) == str(problems[0])
 
 
+def test_what_was_read_before_is_read_the_same_and_each_fault_is_told_of_its_own_file(tmp_path: Path) -> None:
+    assert parse_profile(PROFILE, where="one.toml") == parse_profile(PROFILE, where="other.toml")
+    faulty = PROFILE.replace("moves = true", "moves = 3")
+    for where in ("one.toml", "other.toml"):
+        with pytest.raises(SceneError, match=where):
+            parse_profile(faulty, where=where)
+    one, other = Scene.load(written(tmp_path)), Scene.load(written(tmp_path))
+    assert one.model is not other.model
+    assert np.array_equal(one.model.geom_size, other.model.geom_size)
+    for _ in range(2):
+        with pytest.raises(SceneError, match="must be finite numbers"):
+            Scene.load(written(tmp_path, model=MODEL.replace("0.2 0.2 0.5", "nan 0.2 0.5")))
+
+
 @pytest.mark.parametrize(
     ("right", "wrong", "message"),
     [

@@ -50,7 +50,7 @@ def test_what_is_too_far_stays_too_far_and_the_body_stays_where_it_is(stage: Sta
     assert bent.gap_m(shoulder + (1.5, 0.0, 0.0), enough_m=0.01) < gap - 0.1
 
 
-@pytest.mark.parametrize(("level", "targets", "least"), [(1, 150, 0.94), (2, 24, 0.92)])
+@pytest.mark.parametrize(("level", "targets", "least"), [(1, 75, 0.94), (2, 24, 0.92)])
 def test_the_human_map_agrees_with_the_human_arm(level: int, targets: int, least: float) -> None:
     """In front of the shoulder; what perspective calls reached, the joints reach."""
     found = agreement("human", level=level, targets=targets)
@@ -63,11 +63,11 @@ def test_the_human_map_agrees_with_the_human_arm(level: int, targets: int, least
 @pytest.mark.parametrize("body", ["jido", "hrp2", "pr2", "talos"])
 def test_the_maps_of_robots_agree_with_their_joints(body: str) -> None:
     try:
-        found = agreement(body, level=1, targets=80, front=False)
+        found = agreement(body, level=1, targets=50, front=False)
     except SceneError as error:
         pytest.skip(str(error))  # its model comes with a package of its own
-    assert found.counts[True, True] > 20
-    assert found.counts[False, False] > 20
+    assert found.counts[True, True] > 12
+    assert found.counts[False, False] > 12
     assert found.precision >= 0.95
     assert found.share >= 0.93
 

@@ -112,8 +112,8 @@ BLOCK_CELLS = EDGE**3
 """Cells of a block."""
 PARTS = 4
 """Into how many parts blocks are dealt out like cards, so that each takes about as long as the others."""
-FEW_BLOCKS = 200
-"""So few are not worth a thread."""
+FEW = 20_000
+"""Looks at a cell from a place: so few are done sooner than a thread is started."""
 OUTSIDE = -1
 ROUNDING_M = 1e-9
 
@@ -137,9 +137,13 @@ class Undecided(NamedTuple):
     middles: Array
     radii_m: Array
 
-    def parts(self) -> list[Undecided]:
-        """The same in parts, which may be decided at the same time: each has its own cells and counts."""
-        if len(self.starts) < FEW_BLOCKS:
+    def parts(self, places: int) -> list[Undecided]:
+        """The same in parts, which may be decided at the same time: each has its own cells and counts.
+
+        Args:
+            places: From how many each cell is looked at.
+        """
+        if len(self.starts) < PARTS or self.counts.sum() * places < FEW:
             return [self]
         points, rows, *blocks = self
         cut = [np.array_split(each, PARTS) for each in blocks]

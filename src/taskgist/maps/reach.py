@@ -85,7 +85,7 @@ class CellsToReach:
         count = len(configuration.shoulders)
         shoulders = configuration.shoulders[[arm for arm in self._arms if arm < count]]
         base = configuration.at(places)
-        on_threads(lambda part: reach_cells(shoulders, self._reaches, base, part, self.found), cells.parts())
+        on_threads(lambda part: reach_cells(shoulders, self._reaches, base, part, self.found), cells.parts(len(places)))
         self.found[self._shut] = HIDDEN
 
     def past_meshes(self, configuration: Configuration, rows: Indices) -> Mask:  # noqa: ARG002 - as those that see

@@ -187,7 +187,7 @@ class CellsToSee:
         """What a configuration sees at some of its places: see ``see_cells``."""
         stage, base = self._here.stage.show(configuration.state), configuration.at(places)
         looking = Looking(stage.shapes, self._own, self._others, configuration.frames, configuration.neck, self._lens)
-        on_threads(lambda part: see_cells(looking, base, part, self.found, self._eyes), cells.parts())
+        on_threads(lambda part: see_cells(looking, base, part, self.found, self._eyes), cells.parts(len(places)))
 
     def past_meshes(self, configuration: Configuration, rows: Indices) -> Mask:
         """Whether rays from where cells were just looked at get past all meshes, which have no formula, (n,).

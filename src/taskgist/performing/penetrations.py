@@ -205,9 +205,10 @@ class Penetrations:
         around = np.concatenate(([0.0], moved, [0.0]))
         self._limits_m = np.maximum(NEAR_M, 2 * np.maximum(around[1:], around[:-1])).tolist()
         people = [name for name in performers if moves_itself(scene.agent(name))]
-        self._person = np.full(motion.model.ngeom, -1)
+        self._person = [-1] * motion.model.ngeom
         for number, name in enumerate(people):
-            self._person[scene.agent(name).geoms] = number
+            for geom in scene.agent(name).geoms:
+                self._person[geom] = number
         self._at_ease_m = {pair: depth_m for name in performers for pair, depth_m in _at_ease(motion, name).items()}
         self._apart = _never_meet(motion, self._movers, self._at_ease_m)
         self._masks: dict[tuple[int, ...], Mask] = {}
@@ -305,8 +306,9 @@ class Penetrations:
 
     def _may_m(self, pair: Pair) -> float:
         """How deep a pair may be by design: parts of one person as flesh gives."""
-        one, other = self._person[list(pair)]
-        return self._allowed_m.get(pair, 0.0) + (GIVES_M if one == other >= 0 else 0.0)
+        one, other = pair
+        of_one_person = self._person[one] == self._person[other] >= 0
+        return self._allowed_m.get(pair, 0.0) + (GIVES_M if of_one_person else 0.0)
 
     def _too_deep(self, frame: int, share: float, gaps: dict[Pair, float]) -> Iterator[Penetration]:
         in_hand = self._in_hand(frame, frame + 1 if share else frame)

@@ -90,8 +90,9 @@ def carried_in(motion: Motion, name: str, grips: Sequence[Grip], tolerances: Tol
         rides = np.abs(np.diff(moved_m)) <= grip.drift.moved_m
         rides &= (moved_m[1:] <= tolerances.settling_m) & (turned_rad[1:] <= tolerances.settling_rad)
         others, within_m = motion.scene.solid_geoms_of(other), tolerances.riding_m
+        stage = Stage(motion.scene)
         for frame in frames[:-1][rides].tolist():
-            stage = Stage(motion.scene, State(motion.qpos[frame]))
+            stage.show(State(motion.qpos[frame]))
             carried[frame] = carried[frame] or stage.closest(own, others, limit_m=within_m)[0] < within_m
     return carried
 

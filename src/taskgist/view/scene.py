@@ -97,9 +97,10 @@ def draw_eye(
     settings: Settings,
     title: str,
     *,
-    width_px: int = EYE_WIDTH_PX,
+    width_px: int | None = None,
 ) -> None:
     """Draw what an agent sees, with one target object or several marked; the dashed circle is its gaze cone."""
+    width_px = width_px or EYE_WIDTH_PX
     body = stage.scene.agent(agent)
     eye = body.profile.eye
     if not eye.sees:

@@ -1,4 +1,4 @@
-"""Two ordinary rooms, judged once for all tests of a process."""
+"""An ordinary room, judged once for all tests of a process: an able adult gets at 105 of its things, nobody at 30."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from functools import cache
 
 from taskgist_lab.evaluation.ordinary_rooms import RoomsFound, judged_rooms
 
-ROOMS, SEED = 2, 14
+ROOMS, SEED = 1, 14
 
 
 @cache

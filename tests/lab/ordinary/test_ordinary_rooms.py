@@ -10,6 +10,7 @@ import mujoco
 import pytest
 
 from taskgist.perspective.effort import ABILITIES
+from taskgist_lab.evaluation import ordinary_rooms
 from taskgist_lab.evaluation.ordinary_rooms import Answer, Pair, RoomsFound, sheets, spot_of
 from taskgist_lab.ordinary.furnishing import furnished
 from taskgist_lab.ordinary.furniture import Spot, cabinet, drawer, table, wall
@@ -209,6 +210,14 @@ def test_shares_are_counted() -> None:
     assert found.reasons("see") == {"why": 1}
 
 
+def test_rooms_are_told_in_their_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    rooms = [furnished(judged.SEED, number) for number in range(3)]
+    answered = {room.name: [pair(Truth.ABLE, number), pair(Truth.NOBODY, 5)] for number, room in enumerate(rooms)}
+    monkeypatch.setattr(ordinary_rooms, "judged_room", lambda room: iter(answered[room.name]))
+    found = ordinary_rooms.judged_rooms(count=3, seed=judged.SEED, processes=2)
+    assert found.pairs == tuple(each for room in rooms for each in answered[room.name])
+
+
 def test_times_are_those_of_a_truth() -> None:
     found = RoomsFound(0, 1, (pair(Truth.ABLE, 5), pair(Truth.NOBODY, 5)))
     assert found.times_ms(Truth.ABLE, "see") == (1.0, 1.0, 1.0)
@@ -221,10 +230,9 @@ def test_an_unknown_level_is_counted_apart() -> None:
 
 
 def test_a_room_is_judged_drawn_and_told(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    room, other = (furnished(judged.SEED, number) for number in range(judged.ROOMS))
-    found, count = judged.found(), len(room.people) * len(room.placed)
-    pairs = found.pairs[:count]
-    assert len(found.pairs) == count + len(other.people) * len(other.placed)
+    room, found = furnished(judged.SEED, 0), judged.found()
+    pairs = found.pairs
+    assert len(pairs) == len(room.people) * len(room.placed)
     assert all(bool(each.reason) == each.is_wrong for pair in pairs for each in pair.answers.values())
     document = json.loads(json.dumps(found.to_json()))
     assert document["abilities"]["reach"]["able_called_impossible"] == found.missed("reach").plain

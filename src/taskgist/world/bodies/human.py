@@ -17,6 +17,7 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
+from functools import lru_cache
 
 import numpy as np
 
@@ -139,8 +140,9 @@ GROUP = 1
 Vector = tuple[float, float, float]
 
 
+@lru_cache(maxsize=64)
 def human_mjcf(size: HumanSize) -> str:
-    """MJCF text of a human body.
+    """MJCF text of a human body; that of sizes asked for lately is kept.
 
     Args:
         size: Segment lengths in metres.

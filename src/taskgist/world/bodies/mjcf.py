@@ -10,6 +10,7 @@ import math
 import posixpath
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -86,18 +87,60 @@ def read_mjcf(
     Raises:
         SceneError: It is no model, names a file that cannot be read, or asks for too much.
     """
-    if root.tag != "mujoco":
-        raise SceneError("not a model", where=where, field=root.tag, hint=MODELS)
     gathered = _Gathered(read, files, where, prefix, limits)
+    text = _text(root, gathered)
+    assets = {name: files[name] for name in gathered.names.values()}
+    return _spec(text, gathered.models, assets, root.comment, where, limits)
+
+
+def read_kept(data: bytes, *, where: str, limits: Limits = DEFAULT.limits) -> mujoco.MjSpec | None:
+    """As ``read_mjcf``, of a document that names no file: the same bodies come into many scenes. None of any other.
+
+    Raises:
+        SceneError: MuJoCo cannot read it.
+    """
+    kept = _sound(data, limits) if len(data) <= KEPT_BYTES else None
+    return _spec(kept[0], {}, {}, kept[1], where, limits) if kept else None
+
+
+KEPT_BYTES = 100_000
+"""Documents up to this length are kept."""
+
+
+@lru_cache(maxsize=64)
+def _sound(data: bytes, limits: Limits) -> tuple[str, str] | None:
+    """Text and comment of a document that names no file and has no fault; None of any other."""
+    try:
+        root = parse_markup(data, where="", limits=limits)
+        return _text(root, _Gathered(from_files({}, ""), {}, "", "", limits)), root.comment
+    except SceneError:
+        return None
+
+
+def _text(root: Marked, gathered: _Gathered) -> str:
+    """The text of a document, checked, with what it names gathered."""
+    if root.tag != "mujoco":
+        raise SceneError("not a model", where=gathered.where, field=root.tag, hint=MODELS)
     text = gathered.document(root, "", ())
-    if gathered.pixels > limits.hfield_pixels:
-        hint = most_read(limits.hfield_pixels, "hfield_pixels")
-        raise SceneError("height fields too large", where=where, value=f"{gathered.pixels:,} pixels", hint=hint)
+    if gathered.pixels > gathered.limits.hfield_pixels:
+        hint = most_read(gathered.limits.hfield_pixels, "hfield_pixels")
+        pixels = f"{gathered.pixels:,} pixels"
+        raise SceneError("height fields too large", where=gathered.where, value=pixels, hint=hint)
+    return text
+
+
+def _spec(
+    text: str,
+    models: Mapping[str, bytes],
+    assets: Mapping[str, bytes],
+    comment: str,
+    where: str,
+    limits: Limits,
+) -> mujoco.MjSpec:
     with asking_mujoco("MuJoCo cannot read this model:", where):
-        assets = {name: files[name] for name in gathered.names.values()}
-        spec = mujoco.MjSpec.from_string(text, include=gathered.models, assets=assets)
+        spec = mujoco.MjSpec.from_string(text, include=models, assets=assets)
     check_bodies(len(spec.bodies), where, limits)  # deformable things have one for every vertex of their file
-    spec.comment = root.comment
+    spec.comment = comment
     return spec
 
 

@@ -25,7 +25,7 @@ from taskgist.world.bodies.human import HumanSize, human_mjcf
 from taskgist.world.bodies.markup import asking_mujoco, parse_markup
 from taskgist.world.bodies.mending import made_of, solid_meshes, thicken_flat_meshes
 from taskgist.world.bodies.meshes import flat_name, keep_file, readable_mesh
-from taskgist.world.bodies.mjcf import from_files, from_folder, read_mjcf
+from taskgist.world.bodies.mjcf import from_files, from_folder, read_kept, read_mjcf
 from taskgist.world.bodies.profile import AgentProfile, Arm
 from taskgist.world.bodies.urdf import Shapes, read_urdf
 
@@ -427,7 +427,10 @@ def read_model(
             limits=limits,
         )
     else:
-        spec = read_mjcf(parse_markup(files[name], where=where, limits=limits), read, files, where=where, limits=limits)
+        kept = read_kept(files[name], where=where, limits=limits)
+        spec = kept or read_mjcf(
+            parse_markup(files[name], where=where, limits=limits), read, files, where=where, limits=limits
+        )
     if not room:
         stand_still(spec)
     return spec

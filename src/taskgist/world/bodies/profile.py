@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from importlib import resources
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -283,11 +283,18 @@ def parse_profile(
         SceneError: A field is missing or has a value that cannot be.
         UnknownNameError: There is no such field.
     """
-    profile, problems = examine_profile(text, where=where, stature_m=stature_m, limits=limits)
-    if problems:
-        raise problems[0]
-    assert profile is not None
-    return profile
+    kept = _sound(text, stature_m, limits)
+    if kept is not None:
+        return kept
+    _, problems = examine_profile(text, where=where, stature_m=stature_m, limits=limits)
+    raise problems[0]
+
+
+@lru_cache(maxsize=64)
+def _sound(text: bytes | str, stature_m: float | None, limits: Limits) -> AgentProfile | None:
+    """A profile without problems, kept: the same bodies come into many scenes. None of any other."""
+    profile, problems = examine_profile(text, where="", stature_m=stature_m, limits=limits)
+    return None if problems else profile
 
 
 def examine_profile(
