@@ -18,6 +18,9 @@ prove to be frequent.
 
 **Chance.** ``θ`` is the mean over the kinds of background of the share in which the clause holds. Each other task is a
 kind, and so is each neutral manipulation, such as lifting. A share of h hits and f failures is (h + ½) / (h + f + 1).
+But neutral manipulations are shipped: nobody watched them with the user's tracker. What holds in all of a user's tasks,
+because things tremble there or everybody sits, is no task's meaning, however rare it is in neutral manipulations. So θ
+is no less than the mean over the other tasks, with whom all neutral manipulations together count as two.
 Without any background there is no chance to compare with, and nothing is learned. The empty clause, which says that
 the task is about nothing, is kept only where there is no other.
 
@@ -46,6 +49,7 @@ from taskgist.common.frozen import FrozenMap
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, Nodes
 from taskgist.facts.values import UNKNOWN, Unknown
+from taskgist.learning.background import NEUTRAL
 from taskgist.learning.entailment import entailment_of
 from taskgist.learning.evidence import Evidence, Kind
 from taskgist.learning.literals import SetLiteral, Vocabulary, vocabularies
@@ -58,6 +62,8 @@ SMOOTHING = 0.5
 FOLLOWING_BITS = 2.0
 """Description length of there being another literal."""
 MOST_LITERALS = 6
+NEUTRAL_AMONG_TASKS = 2.0
+"""As so many tasks neutral manipulations count where a task is compared with other tasks (ours: fitted on seed 101)."""
 COVERAGE = 0.6
 """Share of the demonstrations in which a clause must hold."""
 USUAL = 0.75
@@ -325,6 +331,9 @@ class Counting:
             Kind(kind.start + (own.count if kind.start < own.start else 0), kind.count) for kind in others
         )
         self._all = (1 << evidence.size) - 1
+        self._neutral = tuple(
+            name.startswith(NEUTRAL) for name, kind in evidence.kinds.items() if name != task and kind.count
+        )
         self._masks = tuple((kind.start, (1 << kind.count) - 1, kind.count) for kind in self._kinds)
 
     @property
@@ -375,17 +384,30 @@ class Counting:
         return math.fsum(parts) / max(1, len(parts))
 
     def _chance(self, true: int, false: int) -> float:
-        """Share of the background in which something holds, the kinds weighing the same; one half without any."""
+        """Share of the background in which something holds; one half without any.
+
+        It is the mean over the kinds, and no less than what the other tasks say, with whom neutral manipulations count
+        as ``NEUTRAL_AMONG_TASKS`` of them.
+        """
         if not self._kinds:
             return 0.5
         known_everywhere = (true | false) == self._all
-        total = 0.0
-        for start, whole, known in self._masks:
+        total = in_tasks = in_neutral = 0.0
+        for (start, whole, known), neutral in zip(self._masks, self._neutral, strict=True):
             hits = (true >> start & whole).bit_count()
             if not known_everywhere:
                 known = hits + (false >> start & whole).bit_count()
-            total += (hits + SMOOTHING) / (known + 2 * SMOOTHING)
-        return total / len(self._masks)
+            share = (hits + SMOOTHING) / (known + 2 * SMOOTHING)
+            total += share
+            if neutral:
+                in_neutral += share
+            elif hits:
+                in_tasks += hits / known
+        mean, neutral_kinds = total / len(self._masks), sum(self._neutral)
+        if not neutral_kinds:
+            return mean
+        among = in_tasks + NEUTRAL_AMONG_TASKS * in_neutral / neutral_kinds
+        return max(mean, among / (len(self._masks) - neutral_kinds + NEUTRAL_AMONG_TASKS))
 
 
 class _Search(Counting):
