@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from taskgist.store.database import load, save, update
 from tests.cli.running import Result, run, run_json
 from tests.learning.learning_samples import study
 from tests.schemas import hold_to_schema
+from tests.shipped import PATHS
 
 
 @pytest.fixture
@@ -74,6 +77,8 @@ def test_in_words(path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "told"),
     [
+        ("--list --answer yes", "--list: only lists; leave one of --list and --answer out"),
+        ("--list --withdraw --question see.class=Becomes_Difficult", "leave one of --list and --withdraw out"),
         ("--answer maybe", "no answer to a question"),
         ("--answer '{\"answer\": 1}'", "not an answer"),
         ('--answer \'{"answer": "yes"}\'', "not an answer"),
@@ -85,6 +90,7 @@ def test_in_words(path: Path) -> None:
         ("--question see.class=Becomes_Difficult", "what is the answer?"),
         ("--withdraw", "which answer?"),
         ("--withdraw --question see.class=Becomes_Easier", "no answer to"),
+        ("--withdraw --question see.class=Becomes_Easier --author bob", "no answer of bob to"),
         ("--answer yes --withdraw --question see.class=Becomes_Easier", "at once"),
         ('--answer \'{"answer":"no","question":"a=b"}\' --question c=d', "answers another question"),
         ("--of performer", "known of target agents alone"),
@@ -108,15 +114,74 @@ def test_a_contradiction_is_refused_with_both_named_and_is_not_kept(path: Path) 
     assert {each.author for each in load(path).answers} == {"ann"}
 
 
-def test_answers_that_contradict_each_other_after_a_merge_are_listed(path: Path) -> None:
+@pytest.fixture
+def contradicted(path: Path) -> Path:
+    """Knowledge in which Ann has said the opposite of what Bob has said, and both are kept."""
     other = path.with_name("other.db")
     other.write_bytes(path.read_bytes())
     for reply, author, kept in (("yes", "ann", path), ("no", "bob", other)):
         run(f"ask hide -k {kept} --answer {reply} --author {author} --question see.class=Becomes_Difficult")
     update(path, answers=load(other).answers)
-    assert "contradict each other" in Result(f"ask hide -k {path}").stderr
-    text = run(f"ask hide -k {path} --list")
+    return path
+
+
+def test_answers_that_contradict_each_other_after_a_merge_are_listed(contradicted: Path) -> None:
+    assert "contradict each other" in Result(f"ask hide -k {contradicted}").stderr
+    text = run(f"ask hide -k {contradicted} --list")
     assert ("yes: " in text, "no: " in text, "(ann, " in text, "(bob, " in text) == (True,) * 4
+    assert not re.search(r":\d\d\.\d", text), "seconds are enough"
+
+
+@pytest.mark.parametrize(("author", "left"), [("ann", {"bob"}), ("bob", {"ann"}), (None, set())])
+def test_with_an_author_only_that_ones_answer_is_withdrawn(
+    contradicted: Path, author: str | None, left: set[str]
+) -> None:
+    whose = f" --author {author}" if author else ""
+    told = document(f"ask hide -k {contradicted} --withdraw --question see.class=Becomes_Difficult{whose}")
+    assert {each["author"] for each in told["answers"]} == left
+
+
+def test_the_way_out_of_a_contradiction_that_is_told_is_one(contradicted: Path) -> None:
+    refused = Result(f"explain hide -k {contradicted}")
+    assert refused.exit_code == 2
+    _, _, command = refused.stderr.strip().partition("taskgist ")
+    run(f"{command} -k {contradicted}")
+    run(f"explain hide -k {contradicted}")
+
+
+def test_only_the_task_of_the_contradiction_is_refused(contradicted: Path) -> None:
+    told = f"left out: hide (answers contradict each other: taskgist ask hide --list -k {contradicted})"
+    recording = PATHS["show_a"]
+    for line in (
+        f"recognise {recording}",
+        f"recognise {recording} --at 90%",
+        f"recognise {recording} {recording.parent}/*b*",
+    ):
+        result = Result(f"{line} -k {contradicted}")
+        assert result.exit_code < 2, result.stderr
+        assert told in result.stdout
+        documents = run_json(f"{line} -k {contradicted}", exit_code=result.exit_code)
+        for each in documents if isinstance(documents, list) else [documents]:
+            assert each["left_out"] == ["hide"]
+    run(f"explain show -k {contradicted}")
+    run(f"explain show -k {contradicted} --contrast hide")
+    room = f"offer {recording} --at 0 --for P2 --object cup -k {contradicted}"
+    offered = Result(room)
+    assert offered.exit_code < 2, offered.stderr
+    assert told in offered.stdout
+    assert run_json(room, exit_code=offered.exit_code)["left_out"] == ["hide"]
+    by_paper = Result(f"{room} --rule paper")
+    assert "left out" not in by_paper.stdout, "the paper's rule knows no such contradiction"
+    refused = Result(f"explain hide -k {contradicted}")
+    assert (refused.exit_code, "contradict each other" in refused.stderr) == (2, True)
+
+
+def test_where_all_tasks_are_contradicted_nothing_is_left_to_ask_for(contradicted: Path) -> None:
+    answers = (replace(each, task="show") for each in load(contradicted).answers)
+    update(contradicted, answers=answers)
+    for line in (f"recognise {PATHS['show_a']}", f"offer {PATHS['show_a']} --for P2 --object cup"):
+        refused = Result(f"{line} -k {contradicted}")
+        assert (refused.exit_code, "contradict each other" in refused.stderr) == (2, True)
 
 
 def test_both_rules_respect_an_answer(path: Path) -> None:

@@ -53,7 +53,12 @@ def ask(
         str | None, typer.Option(help="The question that is answered or withdrawn, by its id; default: the first one.")
     ] = None,
     withdraw: Annotated[bool, typer.Option("--withdraw", help="Take back what was said to --question.")] = False,
-    author: Annotated[str | None, typer.Option(help="Who answers; the user's name by default.")] = None,
+    author: Annotated[
+        str | None,
+        typer.Option(
+            help="Who answers, the user's name by default; with --withdraw: whose answer, everybody's by default."
+        ),
+    ] = None,
     listed: Annotated[bool, typer.Option("--list", help="List the answers that hold.")] = False,
     of: Annotated[str, typer.Option(help="Whose tree: target or performer.")] = "target",
     as_json: JsonOption = False,
@@ -65,8 +70,8 @@ def ask(
     and which further demonstration would teach most.
 
     Answers: yes (it must be so), no (it must not), either (it does not matter), unknown (it is not asked again). An
-    answer holds until it is withdrawn; one that contradicts another is refused. Both rules of explain respect it, the
-    paper's where it settles one value.
+    answer holds until it is withdrawn, by anybody, or with --author as that author's alone; one that contradicts
+    another is refused. Both rules of explain respect it, the paper's where it settles one value.
 
     For a dialogue: --json gives the question with its id, and the JSON Schema of its answer, which --answer takes.
 
@@ -77,6 +82,10 @@ def ask(
     Example: taskgist ask hide --withdraw --question see.class=Becomes_Difficult
     """
     tree, whose = with_predicates(STANDARD_TREE), tree_of(of)
+    if listed and (answer is not None or withdraw):
+        given = "--answer" if answer is not None else "--withdraw"
+        hint = f"leave one of --list and {given} out: {given} tells what holds by then, with --json"
+        raise KnowledgeError("only lists", field="--list", hint=hint)
     if withdraw and (answer is not None or question is None):
         problem = "withdraws and answers at once" if answer is not None else "which answer?"
         hint = "taskgist ask TASK --withdraw --question ID; --list shows the answers that hold"
@@ -96,7 +105,7 @@ def ask(
         whose = known.experience(name, whose).tree_of
         noted = None
         if answer is not None or withdraw:
-            noted = _said(known, name, tree, whose, reply, told or question, author or _user())
+            noted = _said(known, name, tree, whose, reply, told or question, author)
             answered = known.answer(noted)
             if not withdraw:
                 learn_task(answered, name, tree, whose)  # refuses what contradicts itself, before it is kept
@@ -116,12 +125,11 @@ def _said(
     of: TreeOf,
     reply: Reply | None,
     question: str | None,
-    author: str,
+    author: str | None,
 ) -> Answer:
     """The answer that was given on the command line; without a reply, what withdraws it."""
-    time = datetime.now(UTC).isoformat()
     if reply is None:
-        return _withdrawal(known, task, of, question or "", author, time, tree)
+        return _withdrawal(known, task, of, question or "", author, tree)
     if question is None:
         questions = open_questions(known, task, tree, of).questions()
         if not questions:
@@ -130,21 +138,22 @@ def _said(
         literal = questions[0].literal
     else:
         literal = _literal(question, tree)
-    return Answer(task, literal.node, None, author, time, None, of, literal.values, literal.but, reply)
+    return Answer(task, literal.node, None, author or _user(), _now(), None, of, literal.values, literal.but, reply)
 
 
 def _withdrawal(
-    known: Knowledge, task: str, of: TreeOf, wanted: str, author: str, time: str, tree: HypothesisTree
+    known: Knowledge, task: str, of: TreeOf, wanted: str, author: str | None, tree: HypothesisTree
 ) -> Answer:
-    given = [each for each in known.answers if (each.task, each.tree_of) == (task, of)]
-    holding = {each.about: each for each in (*in_force(given).values(), *replies_in_force(given))}
+    """What takes back the answers to a question: everybody's, or those of an author."""
+    holding = {each.about: each for each in _holding(known, task, of) if author in (None, each.author)}
     if wanted not in holding and "=" in wanted:
         literal = _literal(wanted, tree)  # in other words, or another order of its values
         wanted = question_id(literal)
     if wanted not in holding:
-        raise UnknownNameError("answer to", wanted, holding)
+        raise UnknownNameError("answer to" if author is None else f"answer of {author} to", wanted, holding)
     held = holding[wanted]
-    return Answer(task, held.node, None, author, time, None, of, held.among, held.but)
+    own = author is not None
+    return Answer(task, held.node, None, author or _user(), _now(), None, of, held.among, held.but, own=own)
 
 
 def _read(given: str) -> tuple[Reply, str | None]:
@@ -183,6 +192,10 @@ def _literal(wanted: str, tree: HypothesisTree) -> SetLiteral:
     if len(set(values)) == len(known[node].values):
         raise KnowledgeError("asks about all values", field="--question", value=wanted, hint="leave one of them out")
     return known[node].literal(values, but=but)
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat()
 
 
 def _user() -> str:
@@ -253,8 +266,8 @@ def answer_schema(identifier: str) -> dict[str, Any]:
 
 def _clause_after(known: Knowledge, asked: SetQuestion, tree: HypothesisTree, of: TreeOf, reply: Reply) -> str | None:
     """What the task would mean after an answer; None where earlier answers leave no room for it."""
-    literal, now = asked.literal, datetime.now(UTC).isoformat()
-    supposed = Answer(asked.task, literal.node, None, "?", now, None, of, literal.values, literal.but, reply)
+    literal = asked.literal
+    supposed = Answer(asked.task, literal.node, None, "?", _now(), None, of, literal.values, literal.but, reply)
     try:
         return str(learn_task(known.answer(supposed), asked.task, tree, of).best)
     except KnowledgeError:

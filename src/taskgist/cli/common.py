@@ -8,6 +8,7 @@ with ``print_json`` where ``--json`` asks for a document, and shows long work by
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -29,6 +30,7 @@ from taskgist.common.text import COMMANDS, clean_name, escaped, escaped_in_json
 from taskgist.errors import InputError, RecordingError, TaskgistError
 
 if TYPE_CHECKING:  # recordings and scenes bring numpy and MuJoCo, which not every command needs
+    from taskgist.facts.tree import TreeOf
     from taskgist.learning.knowledge import Knowledge
     from taskgist.recording.recording import Recording
     from taskgist.world.stage import Stage
@@ -87,6 +89,19 @@ def print_json(document: Any) -> None:
 def task_named(known: Knowledge, name: str) -> str:
     """A task as it is known, however its name is spelled; as it is spelled if none is known by it."""
     return name if name in known.tasks else clean_name(name)
+
+
+def print_left_out(tasks: Iterable[tuple[str, TreeOf]], where: str) -> None:
+    """Print which tasks were left aside because answers about them contradict each other, and how to look at those.
+
+    Args:
+        tasks: Their names, and whose trees the answers are about.
+        where: The knowledge.
+    """
+    for task, of in tasks:
+        options = ["--of", of] if of == "performer" else []
+        listing = shlex.join(["taskgist", "ask", task, "--list", *options, "-k", where])
+        console.print(Text(f"left out: {task} (answers contradict each other: {listing})", style="dim"))
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from typing import Any
 
 from rich.text import Text
 
-from taskgist.cli.common import FAILED, OK, about, console, print_json
+from taskgist.cli.common import FAILED, OK, about, console, print_json, print_left_out
 from taskgist.errors import InputError
 from taskgist.language.phrases import listed
 from taskgist.language.recognition import foreseen_sentence, named, percent
@@ -38,13 +38,14 @@ def _roles(found: RecognisedEpisode) -> str:
     return f"{label.performing_agent}{targets} with {listed(label.target_objects)}"
 
 
-def foresee_at(paths: Sequence[Path], at: str, recogniser: TaskRecogniser, *, as_json: bool) -> int:
+def foresee_at(paths: Sequence[Path], at: str, recogniser: TaskRecogniser, where: str, *, as_json: bool) -> int:
     """Tell what is under way in a recording at a time; the exit code.
 
     Args:
         paths: The recording; one.
         at: When: seconds, or percent of the labelled time.
         recogniser: What is known.
+        where: The knowledge that it is known from.
         as_json: Whether to print JSON.
 
     Raises:
@@ -58,10 +59,12 @@ def foresee_at(paths: Sequence[Path], at: str, recogniser: TaskRecogniser, *, as
         time_s = moment_s(recording, at)
         found = foresee_recording(recogniser, recording, time_s)
     if as_json:
-        print_json({"recording": str(path), "at_s": time_s, "under_way": [_document(each) for each in found]})
+        told, left_out = [_document(each) for each in found], [task for task, _ in recogniser.left_out]
+        print_json({"recording": str(path), "at_s": time_s, "under_way": told, "left_out": left_out})
     else:
         for each in found:
             _print(each)
+        print_left_out(recogniser.left_out, where)
     return OK if any(each.foreseen and each.foreseen.best for each in found) else FAILED
 
 

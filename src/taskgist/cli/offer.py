@@ -22,12 +22,14 @@ from taskgist.cli.common import (
     console,
     open_stage,
     print_json,
+    print_left_out,
 )
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.learning.explanation import Context
-from taskgist.learning.task_clauses import RULES
+from taskgist.learning.task_clauses import RULES, contradicted_tasks
+from taskgist.learning.understanding import PAPER
 from taskgist.perspective.effort import ABILITIES, Ability
 from taskgist.settings import DEFAULT
 
@@ -58,7 +60,7 @@ def offer(
     them. Nothing is offered where the agent's own next act does it: where it takes no more than stretching out an arm
     or turning the head. Name --for and --object; in a recording, without them, who reaches for or walks to something
     at that time is found, from what came before. No plan is made: taskgist perform tells whether there is a way.
-    The exit code is 1 if nothing is offered.
+    A task whose answers contradict each other is left out. The exit code is 1 if nothing is offered.
 
     Example: taskgist offer room.toml --for P2 --object cup -k knowledge.db
 
@@ -69,15 +71,18 @@ def offer(
     wanted: Ability | None = None if ability is None else _ability(ability)
     if rule is not None and rule not in RULES:
         raise UnknownNameError("rule", rule, RULES, where="--rule")
-    clauses = _clauses(knowledge, rule)
+    clauses, left_out = _clauses(knowledge, rule)
     if agent is not None and thing is not None:
         found = _given(where, at, agent, thing, wanted or "reach", clauses)
     else:
         found = _seen(where, at, agent, thing, wanted, clauses)
     if as_json:
-        print_json({"where": str(where), "offers": [_document(*each) for each in found]})
+        print_json({"where": str(where), "offers": [_document(*each) for each in found], "left_out": left_out})
     else:
+        from taskgist.store.address import shown
+
         _print(found, agent, thing)
+        print_left_out(((task, "target") for task in left_out), shown(knowledge))
     return OK if any(offers.declined is None for _, offers in found) else FAILED
 
 
@@ -88,7 +93,8 @@ def _ability(text: str) -> Ability:
     raise UnknownNameError("ability", text, ABILITIES, where="--ability")
 
 
-def _clauses(knowledge: str, rule: str | None) -> tuple[Clause, ...]:
+def _clauses(knowledge: str, rule: str | None) -> tuple[tuple[Clause, ...], list[str]]:
+    """What the known tasks mean, and which of them are left out, because answers about them contradict each other."""
     from taskgist.pipeline.offers import known_clauses
     from taskgist.store.address import shown
     from taskgist.store.database import load
@@ -96,7 +102,8 @@ def _clauses(knowledge: str, rule: str | None) -> tuple[Clause, ...]:
     tree = with_predicates(STANDARD_TREE)
     known = load(knowledge, expected=Context.of(DEFAULT, tree), evidence=False)
     with about(shown(knowledge)):
-        return known_clauses(known, rule, tree)
+        clauses = known_clauses(known, rule, tree)
+    return clauses, [] if rule == PAPER else list(contradicted_tasks(known, tree))
 
 
 def _given(

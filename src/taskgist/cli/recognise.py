@@ -21,6 +21,7 @@ from taskgist.cli.common import (
     command,
     console,
     print_json,
+    print_left_out,
     progress_bar,
 )
 from taskgist.cli.contrast import contrast_between, contrast_document_in, print_contrast_in, truth, two_tasks
@@ -76,7 +77,7 @@ def recognise(
     part. Without a label, or with --episodes, each time that a thing is handled is found, and what it was is told for
     each agent for whom it may have been done: a day becomes a list of tasks. The exit code is 1 if in any recording
     nothing known is recognised. Of several recordings a table is printed; those that cannot be read
-    stand there with the reason, and the exit code is 2.
+    stand there with the reason, and the exit code is 2. A task whose answers contradict each other is left out.
 
     With --contrast: which literals decide between two tasks in this recording, and how often each holds in the
     demonstrations of either.
@@ -125,25 +126,30 @@ def recognise(
             return recogniser.recognise(recording, of=whose, predicates=predicates, progress=progress)
 
     if at is not None:
-        return foresee_at(paths, at, recogniser, as_json=as_json)
+        return foresee_at(paths, at, recogniser, shown(knowledge), as_json=as_json)
+    left_out = [task for task, _ in recogniser.left_out]
     if len(paths) == 1:
         with progress_bar(quiet=as_json) as progress:
             found = recognised(0, progress)
         if as_json:
-            print_json(_document(paths[0], found, between, tree))
+            print_json(_document(paths[0], found, left_out, between, tree))
         else:
             _print_all(found, between, tree, why=why)
+            print_left_out(recogniser.left_out, shown(knowledge))
         return OK if _any_known(found) else FAILED
     outcomes: list[Outcome[Found]] = [*one_by_one(paths, recognised, "recognising", quiet=as_json)]
     if as_json:
         print_json(
             [
-                each.document() if isinstance(each, Refused) else _document(each.path, each.result, between, tree)
+                each.document()
+                if isinstance(each, Refused)
+                else _document(each.path, each.result, left_out, between, tree)
                 for each in outcomes
             ]
         )
     else:
         print_table(outcomes, ("for", "with", "start", "end", "recognised", "labelled"), _cells, "looked at")
+        print_left_out(recogniser.left_out, shown(knowledge))
     return exit_code(outcomes, good=_any_known)
 
 
@@ -221,8 +227,11 @@ def _print_why(each: TaskProbability) -> None:
 # --- The same as plain data.
 
 
-def _document(path: Path, found: Found, between: Contrast | None, tree: HypothesisTree) -> dict[str, Any]:
-    return {"recording": str(path), "episodes": [_episode(each, between, tree) for each in found]}
+def _document(
+    path: Path, found: Found, left_out: list[str], between: Contrast | None, tree: HypothesisTree
+) -> dict[str, Any]:
+    episodes = [_episode(each, between, tree) for each in found]
+    return {"recording": str(path), "episodes": episodes, "left_out": left_out}
 
 
 def _episode(found: RecognisedEpisode, between: Contrast | None, tree: HypothesisTree) -> dict[str, Any]:

@@ -88,4 +88,4 @@ def answer_text(answer: Answer, literal: SetLiteral | None, tree: HypothesisTree
     else:
         asked = claim(literal, tree, answer.tree_of)
         said = f"{answer.reply.value}: {f'never that {asked}' if literal.but else asked}"
-    return f"{said}   ({answer.author}, {answer.time})"
+    return f"{said}   ({answer.author}, {answer.second})"

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from taskgist.common.frozen import FrozenMap
-from taskgist.errors import KnowledgeError, UnknownNameError
+from taskgist.errors import ContradictionError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, TreeOf
 from taskgist.learning.answers import Answer, Reply, in_force, replies_in_force
@@ -63,7 +63,8 @@ def learn_task(
 
     Raises:
         UnknownNameError: The task is not known.
-        KnowledgeError: It is not known of who performs it, or two answers contradict each other; names both.
+        KnowledgeError: It is not known of who performs it.
+        ContradictionError: Two answers contradict each other; names both.
     """
     evidence = task_evidence(knowledge, task, of, background)
     learned = learn_clauses(evidence, task, tree, told_of(knowledge, task, tree, of))
@@ -128,12 +129,29 @@ def told_of(knowledge: Knowledge, task: str, tree: HypothesisTree = STANDARD_TRE
 
     Raises:
         UnknownNameError: The task is not known.
-        KnowledgeError: It is not known of who performs it, or two answers contradict each other; names both.
+        KnowledgeError: It is not known of who performs it.
+        ContradictionError: Two answers contradict each other; names both.
     """
     own = knowledge.experience(task, of)
     return own_told(
         own, [each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of)], tree
     )
+
+
+def contradicted_tasks(
+    knowledge: Knowledge, tree: HypothesisTree = STANDARD_TREE, of: TreeOf = "target"
+) -> dict[str, ContradictionError]:
+    """The tasks that are known in these trees whose answers contradict each other, and how; sorted.
+
+    What is asked of all tasks leaves them out; what is asked of one of them is refused.
+    """
+    found = {}
+    for task in (task for task in knowledge.tasks if of in knowledge.trees_of(task)):
+        try:
+            told_of(knowledge, task, tree, of)
+        except ContradictionError as error:
+            found[task] = error
+    return found
 
 
 def own_told(own: Experience, answers: Iterable[Answer], tree: HypothesisTree = STANDARD_TREE) -> Told:
@@ -197,17 +215,18 @@ def _check(
                 raise _contradiction(task, *before, answer)
 
 
-def _contradiction(task: str, *answers: Answer) -> KnowledgeError:
+def _contradiction(task: str, *answers: Answer) -> ContradictionError:
     told = " and ".join(
         f"{each.reply.value if each.reply else each.verdict.value if each.verdict else ''} to {each.about} "
-        f"({each.author}, {each.time})"
+        f"({each.author}, {each.second})"
         for each in answers
     )
     kept = min(answers, key=lambda each: (each.time, each.about))  # the last one may be that which is refused here
-    return KnowledgeError(
+    return ContradictionError(
         f"answers contradict each other: {told}",
         where=f"task {task}",
-        hint=f"withdraw one that is kept: taskgist ask {task!r} --withdraw --question {kept.about!r}",
+        hint="withdraw one that is kept: "
+        f"taskgist ask {task!r} --withdraw --question {kept.about!r} --author {kept.author!r}",
     )
 
 
@@ -332,7 +351,8 @@ def odd_demonstrations(
         ((probability, each) for each, probability in found.items() if probability < LIKELY),
         key=lambda pair: (pair[0], pair[1].demonstration, pair[1].digest),
     )
-    others = (task for task in knowledge.tasks if task != own.task and own.tree_of in knowledge.trees_of(task))
+    left_out = {own.task, *contradicted_tasks(knowledge, tree, own.tree_of)}
+    others = (task for task in knowledge.tasks if task not in left_out and own.tree_of in knowledge.trees_of(task))
     posteriors = [learn_task(knowledge, task, tree, own.tree_of) for task in others] if odd else []
     return tuple(
         Odd(each, probability, tuple(one.task for one in posteriors if one.probability(each.nodes) > LIKELY))

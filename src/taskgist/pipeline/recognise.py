@@ -79,12 +79,18 @@ class TaskRecogniser:
 
         Raises:
             KnowledgeError: No task is known, or one alone and nothing to compare it with.
+            ContradictionError: Of all tasks in some of these trees answers contradict each other.
         """
         known = [of for of in TREES_OF if any(whose == of for _, whose in knowledge.experiences)]
         if not known:
             raise KnowledgeError("nothing has been learned yet", hint="learn tasks first: taskgist learn RECORDINGS")
         recordings = frozenset(each.recording for each in knowledge.explanations)
         return cls({of: Recogniser.of(knowledge, tree, of, background) for of in known}, recordings, tree)
+
+    @property
+    def left_out(self) -> tuple[tuple[str, TreeOf], ...]:
+        """Tasks that are not asked for, and in whose trees: answers about them contradict each other."""
+        return tuple((task, of) for of, each in self.by_tree.items() for task in each.left_out)
 
     def recognise(
         self,
