@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from taskgist.learning import Knowledge
+from taskgist.learning import Explanation, Knowledge
 from taskgist.store.database import load, save, update
 from tests.cli.running import Result, run, run_json
 from tests.learning.learning_samples import study
@@ -112,6 +112,47 @@ def test_a_contradiction_is_refused_with_both_named_and_is_not_kept(path: Path) 
         assert told in result.stderr
     assert "--withdraw --question 'see.class=Becomes_Difficult'" in result.stderr  # the one that is kept
     assert {each.author for each in load(path).answers} == {"ann"}
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_an_answer_against_all_demonstrations_is_told_and_makes_none_of_them_odd(tmp_path: Path, count: int) -> None:
+    kept = tmp_path / "kept.db"
+    examples = [*study("hide", count).explanations.values(), *study("show", 3).explanations.values()]
+    save(Knowledge().add(*examples), kept)
+    told = f"your answer stands against {'all 3 demonstrations' if count > 1 else 'the one demonstration'}\n"
+    assert told not in run(f"ask hide -k {kept} --answer yes --question see.class=Becomes_Difficult")
+    assert document(f"ask hide -k {kept}")["against_all"] == []
+    run(f"ask hide -k {kept} --withdraw --question see.class=Becomes_Difficult")
+    assert told in run(f"ask hide -k {kept} --answer no --question see.class=Becomes_Difficult")
+    (against,) = document(f"ask hide -k {kept}")["against_all"]
+    assert (against["question"], against["answer"]) == ("see.class=Becomes_Difficult", "no")
+    text = run(f"explain hide -k {kept}")
+    assert text.count("stands against") == 1
+    assert "stands against all 3 demonstrations:\n  no: seeing the object becomes harder   (" in text or count == 1
+    assert "odd demonstrations" not in text
+    explained = run_json(f"explain hide -k {kept}")
+    assert (explained["odd"], explained["against_all"]) == ([], [against])
+    assert run_json(f"explain show -k {kept}")["against_all"] == []
+
+
+def test_where_nothing_can_be_compared_nothing_is_asked(tmp_path: Path) -> None:
+    """The shipped neutral manipulations are explained for target agents; here somebody does it for nobody else."""
+    kept = tmp_path / "kept.db"
+
+    def alone(task: str) -> list[Explanation]:
+        return [replace(each, target_agents=("P1",)) for each in study(task, 3).explanations.values()]
+
+    save(Knowledge().add(*alone("hide")), kept)
+    assert run(f"ask hide -k {kept}") == "nothing can be compared yet: learn another task, then ask again\n"
+    told = document(f"ask hide -k {kept}")
+    assert (told["question"], told["further"], told["lessons"]) == (None, [], [])
+    assert told["compared"] == {"tasks": {}, "neutral": {}}
+    refused = Result(f"ask hide -k {kept} --answer yes")
+    assert (refused.exit_code, "nothing can be compared yet" in refused.stderr) == (2, True)
+    run(f"ask hide -k {kept} --answer yes --question see.class=Becomes_Difficult")  # what is said by itself is kept
+    update(kept, alone("show"))
+    assert document(f"ask hide -k {kept}")["question"] is not None
+    assert document(f"ask hide -k {kept}")["compared"] == {"tasks": {"show": 3}, "neutral": {}}
 
 
 @pytest.fixture

@@ -145,6 +145,7 @@ def test_actions_of_a_task_are_told_and_where_nobody_looked_that_is_said() -> No
     document = json.loads(CliRunner().invoke(app, ["explain", "give", "--actions", "--json"]).output)
     hold_to_schema("explain", document)
     assert document["actions"]["sequence"] == [each.name for each in done]
+    assert document["compared"] == {"tasks": {"hide": 1}, "neutral": {}}
 
 
 def test_what_is_done_in_most_other_tasks_is_not_said_to_be_done_in_none() -> None:
