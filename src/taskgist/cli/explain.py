@@ -28,6 +28,7 @@ from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, Node, TreeOf, tree_of
+from taskgist.language.phrases import listed
 from taskgist.language.sentences import asked, indifference, meaning, why
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Context
@@ -300,4 +301,10 @@ def _list_tasks(known: Knowledge, *, as_json: bool) -> None:
         told = "   (--of performer, too)" if len(known.trees_of(task)) > 1 else ""
         console.print(f"{task}{told}")
     if not known.tasks:
-        console.print("nothing learned yet")
+        wrong = sorted({task for task, _ in known.wrong})
+        told = (
+            f"only demonstrations that were done wrong are known, of {listed(wrong)}"
+            if wrong
+            else "nothing learned yet"
+        )
+        console.print(told)
