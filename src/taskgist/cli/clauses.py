@@ -17,6 +17,7 @@ from taskgist.learning.background import NEUTRAL
 from taskgist.learning.clauses import ClausePosterior, LiteralSupport, MustNot, Support, WeighedClause
 from taskgist.learning.task_clauses import (
     BAYES,
+    BY_RULE,
     WRONG,
     Odd,
     answers_against_all,
@@ -66,7 +67,7 @@ def print_clauses(
         console.print(Text(meaning, style="bold"))
         console.print()
     whose = ", for the performing agent" if of == "performer" else ""
-    console.print(Text(f"Task({learned.task}{whose}) ←   by whole clauses, {compared(learned)}"))
+    console.print(Text(f"Task({learned.task}{whose}) ←   {BY_RULE[BAYES]}, {compared(learned)}"))
     print_literals(learned.alone)
     if not learned.compared:
         console.print(

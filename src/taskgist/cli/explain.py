@@ -32,7 +32,7 @@ from taskgist.language.phrases import listed
 from taskgist.language.sentences import asked, indifference, meaning, why
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Context
-from taskgist.learning.task_clauses import BAYES, RULES, rule_for
+from taskgist.learning.task_clauses import BAYES, BY_RULE, RULES, rule_for
 from taskgist.learning.understanding import PAPER, Judgement, Understanding, clause_of, questions_of
 from taskgist.settings import BANDS, DEFAULT, Learning
 
@@ -55,7 +55,7 @@ def print_understanding(understanding: Understanding, *, whole_tree: bool = True
     if told := indifference(understanding):
         console.print(told)
     console.print()
-    how = f"by the paper's rule, from {count} demonstration{'s' if count != 1 else ''}"
+    how = f"{BY_RULE[PAPER]}, from {count} demonstration{'s' if count != 1 else ''}"
     console.print(f"{clause.head} ←   {how}")
     for title, literals in (("effects", clause.effects), ("preconditions", clause.preconditions)):
         for number, literal in enumerate(literals):

@@ -29,6 +29,8 @@ from taskgist.learning.understanding import PAPER, Clause, clause_of, several_of
 BAYES = "bayes"
 RULES = (PAPER, BAYES)
 """Rules by which a task is understood: the largest consistent subtree, or whole clauses compared with all else."""
+BY_RULE: Mapping[str, str] = FrozenMap({PAPER: "by the paper's rule", BAYES: "by whole clauses"})
+"""How texts say by which rule something was learned."""
 WRONG = " ! wrong"
 """The kind of a task's own demonstrations that were done wrong; no other kind is called so."""
 LIKELY = 0.5
