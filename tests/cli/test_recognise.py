@@ -85,7 +85,7 @@ def test_a_contrast_of_two_tasks_is_told_in_words_and_figures() -> None:
     assert "seeing the object becomes harder" in text
     assert "where it holds: 8.8 times as likely hide" in text
     document = run_json('explain hide --contrast "put away"')
-    assert (document["first"], document["second"]) == ("hide", "put away")
+    assert (document["first"], document["second"], document["of"]) == ("hide", "put away", "target")
     first = document["literals"][0]
     assert (first["in_first"], first["in_second"]) == ({"k": 3, "n": 3}, {"k": 0, "n": 4})
     assert first["weight_if_holds"] > 0 > first["weight_if_fails"]

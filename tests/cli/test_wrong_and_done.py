@@ -185,6 +185,7 @@ def test_actions_of_a_recording_are_told_and_hold_to_the_schema() -> None:
     path = str(PATHS["handover_1"])
     document = json.loads(CliRunner().invoke(app, ["facts", path, "--actions", "--agent", "P1", "--json"]).output)
     hold_to_schema("facts", document)
+    assert document["recording"] == path
     (over,) = [each for each in document["actions"] if each["kind"] == "hand over"]
     assert (over["agent"], over["thing"], over["to"]) == ("P1", "baton", "P2")
     assert "leave one of both out" in run("facts", path, "--actions", "--at", "1", code=2)
