@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from taskgist.cli.episodes import moment_s
+from taskgist.cli.common import moment_s
 from taskgist.errors import InputError
 from taskgist.learning import Knowledge
 from taskgist.recording import write

@@ -77,6 +77,17 @@ def test_of_several_a_table_is_printed_and_what_cannot_be_read_stands_there() ->
     assert documents[0]["episodes"][0]["labelled"] is None
 
 
+def test_what_is_not_there_stands_in_the_table_as_what_cannot_be_read_does() -> None:
+    result = Result("recognise given.mcap lost.mcap")
+    assert (result.exit_code, result.stderr) == (2, "")
+    assert "1 looked at, 1 refused" in result.stdout
+    assert "refused: lost.mcap: " in result.stdout
+    given, lost = run_json("recognise given.mcap lost.mcap", exit_code=2)
+    assert given["episodes"][0]["best"] == "give"
+    assert lost["recording"] == "lost.mcap"
+    assert "error" in lost
+
+
 def test_a_contrast_of_two_tasks_is_told_in_words_and_figures() -> None:
     text = run('explain hide --contrast "put away"')
     assert text.startswith(

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from rich.text import Text
 
-from taskgist.cli.common import FAILED, OK, about, console, print_json, print_left_out
+from taskgist.cli.common import FAILED, OK, about, console, moment_s, print_json, print_left_out
 from taskgist.errors import InputError
 from taskgist.language.phrases import listed
 from taskgist.language.recognition import foreseen_sentence, named, percent
@@ -17,7 +16,6 @@ from taskgist.learning.understanding import literal_to_json
 from taskgist.pipeline.recognise import RecognisedEpisode, TaskRecogniser
 from taskgist.pipeline.under_way import UnderWay, foresee_recording
 from taskgist.recording.mcap import read
-from taskgist.recording.recording import Recording
 
 TOLD = 0.05
 """Tasks that are less probable than this are not printed of what is under way."""
@@ -66,27 +64,6 @@ def foresee_at(paths: Sequence[Path], at: str, recogniser: TaskRecogniser, where
             _print(each)
         print_left_out(recogniser.left_out, where)
     return OK if any(each.foreseen and each.foreseen.best for each in found) else FAILED
-
-
-def moment_s(recording: Recording, at: str) -> float:
-    """A time that is given in seconds, or in percent of the labelled time, or of a recording without a label.
-
-    Raises:
-        InputError: It is neither.
-    """
-    label = recording.label
-    first_s, last_s = (
-        (label.start_s, label.end_s) if label else (float(recording.times_s[0]), float(recording.times_s[-1]))
-    )
-    text = at.strip()
-    try:
-        number = float(text.removesuffix("%"))
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number) or (text.endswith("%") and not 0.0 <= number <= 100.0):
-        hint = "give seconds, such as 4.5, or percent from 0% to 100%"
-        raise InputError("is no time", field="--at", value=at, hint=hint)
-    return first_s + number / 100.0 * (last_s - first_s) if text.endswith("%") else number
 
 
 def _print(found: UnderWay) -> None:

@@ -12,14 +12,15 @@ from taskgist.cli.common import (
     FAILED,
     KNOWLEDGE,
     OK,
-    AtOption,
     JsonOption,
     KnowledgeOption,
+    MomentOption,
     RuleOption,
     WhereArgument,
     about,
     command,
     console,
+    moment_s,
     open_stage,
     print_json,
     print_left_out,
@@ -45,7 +46,7 @@ Told = tuple[str | None, "Offers"]
 def offer(
     where: WhereArgument,
     knowledge: KnowledgeOption = KNOWLEDGE,
-    at: AtOption = None,
+    at: MomentOption = None,
     agent: Annotated[str | None, typer.Option("--for", help="Whom it would help; default: whoever is seen.")] = None,
     thing: Annotated[str | None, typer.Option("--object", help="What it is after; default: what is seen.")] = None,
     ability: Annotated[
@@ -67,6 +68,8 @@ def offer(
     Example: taskgist offer room.toml --for P2 --object cup --ability see
 
     Example: taskgist offer day.mcap --at 3.2
+
+    Example: taskgist offer handover.mcap --at 50%
     """
     wanted: Ability | None = None if ability is None else _ability(ability)
     if rule is not None and rule not in RULES:
@@ -107,7 +110,7 @@ def _clauses(knowledge: str, rule: str | None) -> tuple[tuple[Clause, ...], list
 
 
 def _given(
-    where: Path, at: float | None, agent: str, thing: str, ability: Ability, clauses: tuple[Clause, ...]
+    where: Path, at: str | None, agent: str, thing: str, ability: Ability, clauses: tuple[Clause, ...]
 ) -> list[Told]:
     """Offers to an agent that is known to be after a thing."""
     from taskgist.planning.offers import offers_for
@@ -132,7 +135,7 @@ def _given(
 
 def _seen(
     where: Path,
-    at: float | None,
+    at: str | None,
     agent: str | None,
     thing: str | None,
     ability: Ability | None,
@@ -148,7 +151,7 @@ def _seen(
         raise InputError("nobody moves in a scene", where=where, field=option, hint=hint)
     if at is None:
         raise InputError(
-            "not given", where=where, field="--at", hint="the time of the recording to look at, in seconds"
+            "not given", where=where, field="--at", hint="the time of the recording to look at, in seconds, or as 50%"
         )
     with about(where, {"time_s": "--at"}):
         recording = read(where)
@@ -156,7 +159,7 @@ def _seen(
             recording.scene.agent(agent)
         if thing is not None:
             recording.scene.object_body(thing)
-        found = offers_in(recording, at, clauses, tree=with_predicates(STANDARD_TREE))
+        found = offers_in(recording, moment_s(recording, at), clauses, tree=with_predicates(STANDARD_TREE))
     return [
         (each.intention.behaviour, each.offers)
         for each in found

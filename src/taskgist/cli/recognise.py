@@ -119,7 +119,7 @@ def recognise(
         between = contrast_between(known, shown(knowledge), *two_tasks(contrasted), tree, whose)
     with about(shown(knowledge)):
         recogniser = TaskRecogniser.of(known, tree)
-    paths = files(recordings, suffix=".mcap")
+    paths = files(recordings, suffix=".mcap", each_by_itself=True)
     if len(paths) > 1 and not as_json:
         _check_of_one({"--why": why, "--contrast": contrasted}, len(paths))
 
