@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -75,6 +76,17 @@ def test_of_several_a_table_is_printed_and_what_cannot_be_read_stands_there() ->
     assert [("error" in each) for each in documents] == [False, True, False]
     assert documents[0]["episodes"][0]["proposed"]
     assert documents[0]["episodes"][0]["labelled"] is None
+
+
+def test_what_cannot_be_compared_for_who_performs_keeps_nobody_from_the_other_tasks(folder: Path) -> None:
+    alone = [replace(each, target_agents=("P1",)) for each in study("hide").explanations.values()]
+    known = Knowledge().add(*(each for task in STUDY for each in study(task).explanations.values()), *alone)
+    save(known, folder / "both.db")
+    assert run_json("recognise given.mcap -k both.db") == run_json("recognise given.mcap")
+    told = "there is nothing to compare it with; learn another task as well"
+    assert told in refusal("recognise given.mcap -k both.db --of performer", folder)
+    save(Knowledge().add(*alone), folder / "alone.db")
+    assert told in refusal("recognise given.mcap -k alone.db", folder)
 
 
 def test_what_is_not_there_stands_in_the_table_as_what_cannot_be_read_does() -> None:
