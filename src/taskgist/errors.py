@@ -83,6 +83,10 @@ class KnowledgeError(InputError):
     """Knowledge that cannot be read, or does not fit the present settings or tree."""
 
 
+class ContradictionError(KnowledgeError):
+    """Answers about a task that cannot all be true."""
+
+
 class UnknownNameError(InputError):
     """A name that does not exist; the message offers the one that was meant, and lists the nearest known ones.
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from taskgist.cli.episodes import moment_s
+from taskgist.cli.common import moment_s
 from taskgist.errors import InputError
 from taskgist.learning import Knowledge
 from taskgist.recording import write
@@ -52,7 +52,18 @@ def test_with_episodes_a_label_is_left_aside() -> None:
 
 def test_where_nothing_happens_nothing_is_recognised() -> None:
     assert run("recognise still.mcap", exit_code=1) == "nothing is handled here\n"
-    assert run_json("recognise still.mcap", exit_code=1)["episodes"] == []
+    document = run_json("recognise still.mcap", exit_code=1)
+    assert (document["episodes"], document["untracked_hands"]) == ([], [])
+
+
+def test_where_hands_are_not_tracked_that_is_told() -> None:
+    write(recording("handover_5").with_label(None), Path("unseen.mcap"))
+    told = "nothing is handled here by hands that are tracked; P1's right hand and P2's right hand are not"
+    assert run("recognise unseen.mcap", exit_code=1) == f"{told}\n"
+    assert told in run("recognise unseen.mcap still.mcap", exit_code=1)
+    document = run_json("recognise unseen.mcap", exit_code=1)
+    assert document["episodes"] == []
+    assert document["untracked_hands"] == [{"agent": agent, "side": "right"} for agent in ("P1", "P2")]
 
 
 def test_what_is_under_way_is_told_with_what_is_missing() -> None:

@@ -62,6 +62,14 @@ def test_a_taker_who_reaches_out_of_reach_may_be_given_it_by_who_has_it() -> Non
     assert (told["agent"], told["object"], told["behaviour"], told["level"]) == ("P2", "baton", "reaching", 2)
     assert told["tasks"][0]["task"] == "give"
     assert [(each["agent"], each["has_it"]) for each in told["helpers"]] == [("P1", True)]
+    label = excerpt("handover_2", 0.2, 3.4).label
+    assert label is not None
+    share = 100 * (2.25 - label.start_s) / (label.end_s - label.start_s)
+    assert run_json(f"offer handover.mcap --at {share}%")["offers"] == [told]
+    of_two = "--for P2 --object baton"
+    assert run_json(f"offer handover.mcap --at {share}% {of_two}") == run_json(
+        f"offer handover.mcap --at 2.25 {of_two}"
+    )
     assert run_json("offer handover.mcap --at 2.25 --for P1", exit_code=1)["offers"] == []
     told = run("offer handover.mcap --at 2.25 --for P1", exit_code=1)
     assert told == "P1 is not seen to reach for or walk to a thing\n", "P2 is"
@@ -79,6 +87,8 @@ def test_a_taker_who_reaches_out_of_reach_may_be_given_it_by_who_has_it() -> Non
         ("living_room.toml --for P2 --object cup --at 2", ("a scene has no time", "--at")),
         ("living_room.toml --for P2 --object cup -k empty.db", ("empty.db", "no task is known that is done for")),
         ("handover.mcap", ("--at", "in seconds")),
+        ("handover.mcap --at soon", ("handover.mcap: --at: is no time (got 'soon')", "percent from 0% to 100%")),
+        ("handover.mcap --at soon --for P2 --object baton", ("--at: is no time (got 'soon')",)),
         ("handover.mcap --at 99", ("--at", "outside of the recording")),
         ("handover.mcap --at 2 --for P9", ("no agent 'P9'",)),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -77,6 +78,28 @@ def test_of_several_a_table_is_printed_and_what_cannot_be_read_stands_there() ->
     assert documents[0]["episodes"][0]["labelled"] is None
 
 
+def test_what_cannot_be_compared_for_who_performs_keeps_nobody_from_the_other_tasks(folder: Path) -> None:
+    alone = [replace(each, target_agents=("P1",)) for each in study("hide").explanations.values()]
+    known = Knowledge().add(*(each for task in STUDY for each in study(task).explanations.values()), *alone)
+    save(known, folder / "both.db")
+    assert run_json("recognise given.mcap -k both.db") == run_json("recognise given.mcap")
+    told = "there is nothing to compare it with; learn another task as well"
+    assert told in refusal("recognise given.mcap -k both.db --of performer", folder)
+    save(Knowledge().add(*alone), folder / "alone.db")
+    assert told in refusal("recognise given.mcap -k alone.db", folder)
+
+
+def test_what_is_not_there_stands_in_the_table_as_what_cannot_be_read_does() -> None:
+    result = Result("recognise given.mcap lost.mcap")
+    assert (result.exit_code, result.stderr) == (2, "")
+    assert "1 looked at, 1 refused" in result.stdout
+    assert "refused: lost.mcap: " in result.stdout
+    given, lost = run_json("recognise given.mcap lost.mcap", exit_code=2)
+    assert given["episodes"][0]["best"] == "give"
+    assert lost["recording"] == "lost.mcap"
+    assert "error" in lost
+
+
 def test_a_contrast_of_two_tasks_is_told_in_words_and_figures() -> None:
     text = run('explain hide --contrast "put away"')
     assert text.startswith(
@@ -85,7 +108,7 @@ def test_a_contrast_of_two_tasks_is_told_in_words_and_figures() -> None:
     assert "seeing the object becomes harder" in text
     assert "where it holds: 8.8 times as likely hide" in text
     document = run_json('explain hide --contrast "put away"')
-    assert (document["first"], document["second"]) == ("hide", "put away")
+    assert (document["first"], document["second"], document["of"]) == ("hide", "put away", "target")
     first = document["literals"][0]
     assert (first["in_first"], first["in_second"]) == ({"k": 3, "n": 3}, {"k": 0, "n": 4})
     assert first["weight_if_holds"] > 0 > first["weight_if_fails"]

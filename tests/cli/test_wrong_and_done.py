@@ -15,7 +15,7 @@ from taskgist.learning import Explanation, SymbolicAction
 from taskgist.store import load, update
 from tests.learning.learning_samples import STUDY, explained, study
 from tests.schemas import hold_to_schema
-from tests.shipped import PATHS
+from tests.shipped import PATHS, explanation
 
 
 def run(*words: str, code: int = 0) -> str:
@@ -88,8 +88,9 @@ def test_what_may_still_be_chance_is_not_told_and_not_denied() -> None:
 @pytest.mark.usefixtures("hidden")
 def test_a_demonstration_is_right_or_wrong() -> None:
     output = run("learn", "--wrong", "hide_1.json", code=2)
-    assert "hide_1: source: was learned from already, as a 'hide' done right, and not wrong" in output
-    assert "add --replace to forget that" in output
+    assert "error: hide_1.json: was learned from already, as a 'hide' done right, and not wrong" in output
+    assert "add --replace to forget what knowledge.db holds of it" in output
+    assert not list(Path().glob("*explained*")), "it was known beforehand"
     known = load("knowledge.db")
     assert (len(known.explanations), len(known.wrong)) == (8, 0), "nothing is lost, nothing is added"
     assert "1 demonstration done wrong" in run("learn", "--wrong", "hide_1.json", "--replace")
@@ -97,9 +98,31 @@ def test_a_demonstration_is_right_or_wrong() -> None:
     assert "done wrong, and not right" in run("learn", "hide_1.json", code=2)
 
 
+def test_a_recording_that_cannot_be_added_is_refused_before_it_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
+    path = str(PATHS["hide_a"])
+    update("knowledge.db", [explanation("hide_a")])
+    monkeypatch.setattr("taskgist.pipeline.explain.explain_all", None)
+    before = sorted(Path().iterdir())
+    output = run("learn", "--wrong", path, code=2)
+    assert f"error: {path}: was learned from already, as a 'hide' done right, and not wrong" in output
+    assert "; add --replace to forget what knowledge.db holds of it" in output
+    assert "knowledge.db holds of it" in run(
+        "learn", "--wrong", path, told("seen", "hide", "Head_Effort", "In_Hand"), code=2
+    )
+    Path("seen.json").unlink()
+    assert sorted(Path().iterdir()) == before
+    update("wrong.db", [explanation("hide_a").marked_wrong()])
+    assert "error: wrong.db: was learned from already, as a 'hide' done right" in run("learn", "wrong.db", code=2)
+    both = run("learn", "wrong.db", path, "-k", "new.db", code=2)
+    assert "the same recording as" in both
+    assert "done right and done wrong; learn from one of them" in both
+    assert not Path("new.db").exists()
+
+
 def test_wrong_ones_alone_are_kept_and_say_what_is_missing() -> None:
     output = run("learn", "--wrong", told("seen", "hide", "No_Effort_Required", "On_Support"))
     assert "none that was done right is known yet" in output
+    assert "only demonstrations that were done wrong are known, of hide" in run("explain")
     refused = run("explain", "hide", code=2)
     assert "known by demonstrations that were done wrong alone; show how it is done right" in refused
     assert run("explain", "hide", "--rule", "bayes", code=2) == refused
@@ -145,6 +168,7 @@ def test_actions_of_a_task_are_told_and_where_nobody_looked_that_is_said() -> No
     document = json.loads(CliRunner().invoke(app, ["explain", "give", "--actions", "--json"]).output)
     hold_to_schema("explain", document)
     assert document["actions"]["sequence"] == [each.name for each in done]
+    assert document["compared"] == {"tasks": {"hide": 1}, "neutral": {}}
 
 
 def test_what_is_done_in_most_other_tasks_is_not_said_to_be_done_in_none() -> None:
@@ -161,6 +185,7 @@ def test_actions_of_a_recording_are_told_and_hold_to_the_schema() -> None:
     path = str(PATHS["handover_1"])
     document = json.loads(CliRunner().invoke(app, ["facts", path, "--actions", "--agent", "P1", "--json"]).output)
     hold_to_schema("facts", document)
+    assert document["recording"] == path
     (over,) = [each for each in document["actions"] if each["kind"] == "hand over"]
     assert (over["agent"], over["thing"], over["to"]) == ("P1", "baton", "P2")
     assert "leave one of both out" in run("facts", path, "--actions", "--at", "1", code=2)

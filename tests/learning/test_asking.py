@@ -23,6 +23,7 @@ from taskgist.learning import (
     open_questions,
     understand,
 )
+from taskgist.learning.answers import in_force, replies_in_force
 from taskgist.learning.entailment import entailment_of
 from taskgist.learning.literals import vocabularies
 from tests.learning.learning_samples import study
@@ -40,6 +41,7 @@ def said(reply: Reply | None, node: str, *values: str, author: str = "ann", hour
 
 
 HARDER = ("see.class", "Becomes_Difficult")
+VERDICTS = ((Verdict.RELEVANT, "ann", 3), (Verdict.IRRELEVANT, "bob", 4))
 
 
 def entails(one: SetLiteral, other: SetLiteral) -> bool:
@@ -158,6 +160,26 @@ def test_contradictions_name_both_and_lose_nothing(one: Answer, other: Answer) -
     assert "--withdraw" in str(refused.value)
     assert known.answers == {one, other}
     assert known.understand("hide").judgements, "the paper's rule takes the later one"
+
+
+def test_who_withdraws_their_own_answer_leaves_those_of_others() -> None:
+    given = [said(Reply.YES, *HARDER), said(Reply.NO, *HARDER, author="bob", hour=2)]
+    given += [
+        Answer("hide", "see.nature", each, who, f"2026-01-01T0{hour}:00:00+00:00") for each, who, hour in VERDICTS
+    ]
+    for who, other in (("ann", "bob"), ("bob", "ann")):
+        own = [
+            replace(said(None, *HARDER, author=who, hour=5), own=True),
+            Answer("hide", "see.nature", None, who, "2026-01-01T05:00:00+00:00", own=True),
+        ]
+        assert [answer_from_json(each.to_json()) for each in own] == own
+        assert {each.author for each in replies_in_force([*given, *own])} == {other}
+        assert {each.author for each in in_force([*given, *own]).values()} == {other}
+        everybody = [replace(each, own=False) for each in own]
+        assert not replies_in_force([*given, *everybody])
+        assert not in_force([*given, *everybody])
+    with pytest.raises(KnowledgeError, match="withdraws nothing"):
+        replace(given[0], own=True)
 
 
 def test_who_changes_their_mind_replaces_their_answer() -> None:

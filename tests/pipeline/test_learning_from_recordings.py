@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from taskgist.errors import LabelError, RecordingError, UnknownNameError
 from taskgist.facts import UNKNOWN, Predicate, predicate_subtree
+from taskgist.facts.tree import TreeOf
 from taskgist.learning import Experience, Knowledge, clause_of, understand
 from taskgist.pipeline import episode_of, explain_all, explain_recording, label_of, learn, shipped_recordings
+from taskgist.pipeline.explain import announced
 from taskgist.settings import DEFAULT
 from taskgist.store import load, save, update
 from tests.learning.test_paper_clauses import predicates
-from tests.pipeline.small import small
+from tests.pipeline.small import LABEL, room, small
+from tests.scenes import box
 from tests.shipped import NAMES, PATHS, STUDY, TASKS, excerpt, explanation, knowledge, names_of, recording
 
 GIVE = {
@@ -67,6 +71,24 @@ def test_a_clause_holds_in_its_demonstrations_and_in_no_others(task: str) -> Non
             assert holds is UNKNOWN, "right hands were not tracked"
         else:
             assert holds is (name in names_of(task)), name
+
+
+@pytest.mark.parametrize("name", ["handover_1", "hide_a"])
+def test_which_explanation_it_will_be_is_known_beforehand(name: str) -> None:
+    made, before = explanation(name), announced(recording(name), predicates=())
+    assert before.digest == made.digest
+    assert before.recording == made.recording
+    assert before.marked_wrong().is_rival_of(made)
+
+
+@pytest.mark.parametrize("of", ["target", "performer"])
+@pytest.mark.parametrize("objects", [("cup",), ("cup", "box")])
+def test_it_is_known_for_whom_and_with_what_they_may_be(of: TreeOf, objects: tuple[str, ...]) -> None:
+    world = room(box("box", 0.0, 0.4, 0.8, (0.05, 0.05, 0.05)))
+    shown = small(world, label=replace(LABEL, target_objects=objects))
+    made, before = (each(shown, of=of, predicates=()) for each in (explain_recording, announced))
+    assert (before.digest, before.tree_of) == (made.digest, of)
+    assert (before.target_agents, before.target_objects) == (made.target_agents, made.target_objects)
 
 
 @pytest.mark.parametrize("task", TASKS)

@@ -184,10 +184,10 @@ def test_sets_of_values_are_performed_and_usual_circumstances_respected() -> Non
         f"in all demonstrations the object ends moving, which is not asked for here: {dropped.why}",
     )
     told = (
-        "as in all demonstrations the object ends on a support; "
+        "for P2, as in all demonstrations the object ends on a support; "
         "otherwise than in all demonstrations, where the object ends moving"
     )
-    assert as_shown(found.circumstances, STANDARD_TREE) == told
+    assert as_shown(found.circumstances, ("P2",), STANDARD_TREE) == told
     assert found.plan.clause == meaning
 
 
@@ -198,7 +198,7 @@ def test_other_planners_are_told_what_it_is_about(monkeypatch: pytest.MonkeyPatc
     told = OneByOne(scene("jido"), scene("jido").initial, request).pddl().problem
     assert told.isascii()
     assert told.startswith(
-        "; Task(hide) <- by the rule bayes\n;   (Object_Final_Status != In_Hand)\n"
+        "; Task(hide) <- by whole clauses\n;   (Object_Final_Status != In_Hand)\n"
         ";   (Relative_Hand_Status != Manip_Gained)\n;   (Effort_to_See >= Head_Torso_Effort)\n"
         ";   usually (Object_Final_Status = On_Support)\n(define "
     )

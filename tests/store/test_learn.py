@@ -94,15 +94,17 @@ def test_what_was_explained_before_a_recording_failed_is_kept(monkeypatch: pytes
 
 
 @pytest.mark.usefixtures("folder")
-def test_another_label_is_refused_kept_and_can_replace() -> None:
+def test_another_label_is_refused_beforehand_and_can_replace() -> None:
     assert run("learn", "one.json")[0] == 0
     facts("corrected", demonstration="one", end={"posture": "Standing"})
     code, output = run("learn", "corrected.json", "two.json")
     assert code == 2
     assert "was learned from already, with another label" in output
+    assert "corrected.json: " in output
+    assert "forget what knowledge.db holds" in output
+    assert not Path("knowledge.explained.db").exists()
     assert names("knowledge.db") == {"one"}, "all or nothing"
-    assert run(*going_on(output))[0] == 2
-    assert run(*going_on(output), "--replace")[0] == 0
+    assert run("learn", "corrected.json", "two.json", "--replace")[0] == 0
     assert names("knowledge.db") == {"one", "two"}
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
-from taskgist.cli.clauses import clauses_document, print_literals
+from taskgist.cli.clauses import clause_document, compared_document, print_literals
 from taskgist.cli.common import about, console, print_json, progress_bar, task_named
 from taskgist.facts.tree import TreeOf
 from taskgist.language.clauses import by_chance, compared
@@ -85,6 +85,11 @@ def explain_actions(known: Knowledge, where: str, task: str, of: TreeOf, *, as_j
 
 def _learned_document(learned: LearnedActions, of: TreeOf) -> dict[str, Any]:
     k, n = learned.support
-    told = clauses_document(learned.posterior, "", (), of)
-    actions = {"sequence": list(learned.sequence), "k": k, "n": n, "chance": learned.chance}
-    return {"task": learned.posterior.task, "of": of, "actions": actions, "clause": told["clause"]}
+    posterior = learned.posterior
+    return {
+        "task": posterior.task,
+        "of": of,
+        "actions": {"sequence": list(learned.sequence), "k": k, "n": n, "chance": learned.chance},
+        "compared": compared_document(posterior),
+        "clause": clause_document(posterior),
+    }

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.text import Text
 
+from taskgist.cli.clauses import answer_document, compared_document
 from taskgist.cli.common import (
     KNOWLEDGE,
     JsonOption,
@@ -24,13 +25,13 @@ from taskgist.errors import InputError, KnowledgeError, UnknownNameError
 from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, TreeOf, tree_of
-from taskgist.language.asking import MEANINGS, answer_text, lesson_text, question_text, sides_text
+from taskgist.language.asking import MEANINGS, against_all, answer_text, lesson_text, question_text, sides_text
 from taskgist.learning.answers import Answer, Reply, in_force, replies_in_force
 from taskgist.learning.asking import SetQuestion, question_id
 from taskgist.learning.explanation import Context
 from taskgist.learning.lessons import OtherEnd, OtherStart, lessons_of
 from taskgist.learning.literals import SetLiteral, vocabulary_by_node
-from taskgist.learning.task_clauses import learn_task, open_questions, sides
+from taskgist.learning.task_clauses import answers_against_all, learn_task, open_questions, sides
 from taskgist.settings import DEFAULT
 
 if TYPE_CHECKING:  # with MuJoCo
@@ -53,7 +54,12 @@ def ask(
         str | None, typer.Option(help="The question that is answered or withdrawn, by its id; default: the first one.")
     ] = None,
     withdraw: Annotated[bool, typer.Option("--withdraw", help="Take back what was said to --question.")] = False,
-    author: Annotated[str | None, typer.Option(help="Who answers; the user's name by default.")] = None,
+    author: Annotated[
+        str | None,
+        typer.Option(
+            help="Who answers, the user's name by default; with --withdraw: whose answer, everybody's by default."
+        ),
+    ] = None,
     listed: Annotated[bool, typer.Option("--list", help="List the answers that hold.")] = False,
     of: Annotated[str, typer.Option(help="Whose tree: target or performer.")] = "target",
     as_json: JsonOption = False,
@@ -64,9 +70,11 @@ def ask(
     in a demonstration. With it: where it was so, where it was not, what each answer would make of the task's meaning,
     and which further demonstration would teach most.
 
+    It asks nothing as long as there is nothing to compare the task with: learn another one.
+
     Answers: yes (it must be so), no (it must not), either (it does not matter), unknown (it is not asked again). An
-    answer holds until it is withdrawn; one that contradicts another is refused. Both rules of explain respect it, the
-    paper's where it settles one value.
+    answer holds until it is withdrawn, by anybody, or with --author as that author's alone; one that contradicts
+    another is refused. Both rules of explain respect it, the paper's where it settles one value.
 
     For a dialogue: --json gives the question with its id, and the JSON Schema of its answer, which --answer takes.
 
@@ -77,6 +85,10 @@ def ask(
     Example: taskgist ask hide --withdraw --question see.class=Becomes_Difficult
     """
     tree, whose = with_predicates(STANDARD_TREE), tree_of(of)
+    if listed and (answer is not None or withdraw):
+        given = "--answer" if answer is not None else "--withdraw"
+        hint = f"leave one of --list and {given} out: {given} tells what holds by then, with --json"
+        raise KnowledgeError("only lists", field="--list", hint=hint)
     if withdraw and (answer is not None or question is None):
         problem = "withdraws and answers at once" if answer is not None else "which answer?"
         hint = "taskgist ask TASK --withdraw --question ID; --list shows the answers that hold"
@@ -96,7 +108,7 @@ def ask(
         whose = known.experience(name, whose).tree_of
         noted = None
         if answer is not None or withdraw:
-            noted = _said(known, name, tree, whose, reply, told or question, author or _user())
+            noted = _said(known, name, tree, whose, reply, told or question, author)
             answered = known.answer(noted)
             if not withdraw:
                 learn_task(answered, name, tree, whose)  # refuses what contradicts itself, before it is kept
@@ -106,7 +118,8 @@ def ask(
             _print_answers(known, name, tree, whose)
             return
         document = _document(known, name, tree, whose, noted)
-    print_json(document) if as_json else _print(document)
+        count = len(known.experience(name, whose).explanations)
+    print_json(document) if as_json else _print(document, count)
 
 
 def _said(
@@ -116,35 +129,39 @@ def _said(
     of: TreeOf,
     reply: Reply | None,
     question: str | None,
-    author: str,
+    author: str | None,
 ) -> Answer:
     """The answer that was given on the command line; without a reply, what withdraws it."""
-    time = datetime.now(UTC).isoformat()
     if reply is None:
-        return _withdrawal(known, task, of, question or "", author, time, tree)
+        return _withdrawal(known, task, of, question or "", author, tree)
     if question is None:
-        questions = open_questions(known, task, tree, of).questions()
+        asking = open_questions(known, task, tree, of)
+        questions = asking.questions()
         if not questions:
+            problem = (
+                "nothing can be compared yet, so that nothing is asked" if asking.alone else "nothing is left to ask"
+            )
             hint = "name what it is about: --question ID"
-            raise KnowledgeError("nothing is left to ask", where=f"task {task}", field="--answer", hint=hint)
+            raise KnowledgeError(problem, where=f"task {task}", field="--answer", hint=hint)
         literal = questions[0].literal
     else:
         literal = _literal(question, tree)
-    return Answer(task, literal.node, None, author, time, None, of, literal.values, literal.but, reply)
+    return Answer(task, literal.node, None, author or _user(), _now(), None, of, literal.values, literal.but, reply)
 
 
 def _withdrawal(
-    known: Knowledge, task: str, of: TreeOf, wanted: str, author: str, time: str, tree: HypothesisTree
+    known: Knowledge, task: str, of: TreeOf, wanted: str, author: str | None, tree: HypothesisTree
 ) -> Answer:
-    given = [each for each in known.answers if (each.task, each.tree_of) == (task, of)]
-    holding = {each.about: each for each in (*in_force(given).values(), *replies_in_force(given))}
+    """What takes back the answers to a question: everybody's, or those of an author."""
+    holding = {each.about: each for each in _holding(known, task, of) if author in (None, each.author)}
     if wanted not in holding and "=" in wanted:
         literal = _literal(wanted, tree)  # in other words, or another order of its values
         wanted = question_id(literal)
     if wanted not in holding:
-        raise UnknownNameError("answer to", wanted, holding)
+        raise UnknownNameError("answer to" if author is None else f"answer of {author} to", wanted, holding)
     held = holding[wanted]
-    return Answer(task, held.node, None, author, time, None, of, held.among, held.but)
+    own = author is not None
+    return Answer(task, held.node, None, author or _user(), _now(), None, of, held.among, held.but, own=own)
 
 
 def _read(given: str) -> tuple[Reply, str | None]:
@@ -185,6 +202,10 @@ def _literal(wanted: str, tree: HypothesisTree) -> SetLiteral:
     return known[node].literal(values, but=but)
 
 
+def _now() -> str:
+    return datetime.now(UTC).isoformat()
+
+
 def _user() -> str:
     try:
         return getpass.getuser()
@@ -200,14 +221,16 @@ def _document(known: Knowledge, task: str, tree: HypothesisTree, of: TreeOf, not
     return {
         "task": task,
         "of": of,
-        "noted": None if noted is None else _answer(noted),
+        "noted": None if noted is None else answer_document(noted),
+        "compared": compared_document(asking.posterior),
         "clause": str(asking.posterior.best),
         "question": _question(known, questions[0], tree, of) if questions else None,
         "further": [
             {"id": each.id, "text": question_text(each, tree, of), "gain": each.gain} for each in questions[1:]
         ],
         "lessons": [_lesson(each, tree, of) for each in taught],
-        "answers": [_answer(each) for each in _holding(known, task, of)],
+        "answers": [answer_document(each) for each in _holding(known, task, of)],
+        "against_all": [answer_document(each) for each in answers_against_all(known, task, tree, of)],
     }
 
 
@@ -253,8 +276,8 @@ def answer_schema(identifier: str) -> dict[str, Any]:
 
 def _clause_after(known: Knowledge, asked: SetQuestion, tree: HypothesisTree, of: TreeOf, reply: Reply) -> str | None:
     """What the task would mean after an answer; None where earlier answers leave no room for it."""
-    literal, now = asked.literal, datetime.now(UTC).isoformat()
-    supposed = Answer(asked.task, literal.node, None, "?", now, None, of, literal.values, literal.but, reply)
+    literal = asked.literal
+    supposed = Answer(asked.task, literal.node, None, "?", _now(), None, of, literal.values, literal.but, reply)
     try:
         return str(learn_task(known.answer(supposed), asked.task, tree, of).best)
     except KnowledgeError:
@@ -274,33 +297,19 @@ def _holding(known: Knowledge, task: str, of: TreeOf) -> list[Answer]:
     return [*in_force(given).values(), *replies_in_force(given)]
 
 
-def _answer(answer: Answer) -> dict[str, Any]:
-    said = answer.reply or answer.verdict
-    return {
-        "question": answer.about,
-        "answer": said.value if said else None,
-        "value": answer.value,
-        "author": answer.author,
-        "time": answer.time,
-    }
-
-
-def _print(document: dict[str, Any]) -> None:
+def _print(document: dict[str, Any], count: int) -> None:
+    """Print the document of a task with so many demonstrations."""
     if (noted := document["noted"]) is not None:
         console.print(f"noted: {noted['answer'] or 'withdrawn'}   {noted['question']}")
+        if noted in document["against_all"]:
+            console.print(Text("note ", style="yellow") + Text(f"your answer {against_all(count)}"))
         console.print()
-    question = document["question"]
-    if question is None:
+    if document["question"] is not None:
+        _print_question(document["question"])
+    elif any(document["compared"].values()):
         console.print(Text("nothing left to ask", style="bold") + Text(f": {document['clause']}"))
     else:
-        console.print(Text(question["text"], style="bold"))
-        console.print(question["seen"])
-        for each in question["answers"]:
-            console.print(Text(f"  {each['answer']:8}{each['meaning']}"))
-            if each["clause"] is not None:
-                console.print(Text(f"          → {each['clause']}", style="dim"))
-        console.print(Text(f"  {Reply.UNKNOWN.value:8}{MEANINGS[Reply.UNKNOWN]}"))
-        console.print(Text(f"  id: {question['id']}", style="dim"))
+        console.print(Text("nothing can be compared yet", style="bold") + Text(": learn another task, then ask again"))
     if document["further"]:
         console.print("then:")
         for each in document["further"][:FURTHER]:
@@ -311,13 +320,21 @@ def _print(document: dict[str, Any]) -> None:
             console.print(Text(f"  {each['text']}"))
 
 
+def _print_question(question: dict[str, Any]) -> None:
+    console.print(Text(question["text"], style="bold"))
+    console.print(question["seen"])
+    for each in question["answers"]:
+        console.print(Text(f"  {each['answer']:8}{each['meaning']}"))
+        if each["clause"] is not None:
+            console.print(Text(f"          → {each['clause']}", style="dim"))
+    console.print(Text(f"  {Reply.UNKNOWN.value:8}{MEANINGS[Reply.UNKNOWN]}"))
+    console.print(Text(f"  id: {question['id']}", style="dim"))
+
+
 def _print_answers(known: Knowledge, task: str, tree: HypothesisTree, of: TreeOf) -> None:
     holding = _holding(known, task, of)
-    known_nodes = vocabulary_by_node(tree)
     for answer in holding:
-        vocabulary = known_nodes.get(answer.node)
-        literal = vocabulary.literal(answer.among, but=answer.but) if vocabulary and answer.among else None
-        console.print(Text(answer_text(answer, literal, tree)))
+        console.print(Text(answer_text(answer, tree)))
         console.print(Text(f"  id: {answer.about}", style="dim"))
     if not holding:
         console.print("no answers")

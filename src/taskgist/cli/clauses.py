@@ -9,11 +9,22 @@ from rich.text import Text
 
 from taskgist.cli.common import about, console, print_json, task_named
 from taskgist.facts.tree import HypothesisTree, TreeOf
+from taskgist.language.asking import against_all, answer_text
 from taskgist.language.clauses import against, compared, oddness, supported
 from taskgist.language.sentences import clause_meaning
+from taskgist.learning.answers import Answer
 from taskgist.learning.background import NEUTRAL
 from taskgist.learning.clauses import ClausePosterior, LiteralSupport, MustNot, Support, WeighedClause
-from taskgist.learning.task_clauses import BAYES, Odd, clause_of_posterior, learn_task, odd_demonstrations
+from taskgist.learning.task_clauses import (
+    BAYES,
+    BY_RULE,
+    WRONG,
+    Odd,
+    answers_against_all,
+    clause_of_posterior,
+    learn_task,
+    odd_demonstrations,
+)
 from taskgist.learning.understanding import literal_to_json
 
 if TYPE_CHECKING:  # with MuJoCo
@@ -31,25 +42,32 @@ def explain_clauses(
         learned = learn_task(known, task_named(known, task), tree, of)
     odd = odd_demonstrations(known, learned, tree, of)
     own = known.experience(learned.task, of)
+    contrary = answers_against_all(known, own.task, tree, own.tree_of)
     meaning = clause_meaning(clause_of_posterior(own, learned, tree), tree)
     if as_json:
-        print_json(clauses_document(learned, meaning, odd, own.tree_of))
+        print_json(clauses_document(learned, meaning, odd, contrary, own.tree_of))
         return
-    print_clauses(learned, meaning, odd, own.tree_of, where)
+    doubts = ("odd demonstrations", [oddness(each) for each in odd])
+    if contrary:
+        title = f"what was answered {against_all(len(own.explanations))}"
+        doubts = (title, [answer_text(each, tree) for each in contrary])
+    print_clauses(learned, meaning, doubts, own.tree_of, where)
     if not learned.must_not and (wrong := known.wrong.get((own.task, own.tree_of))):
         count = len(wrong.explanations)
         told, them = f"{count} demonstration{'s' * (count != 1)} done wrong", "it" if count == 1 else "them"
         console.print(f"{told}: what sets {them} apart from right ones may still be chance, so nothing is told of it")
 
 
-def print_clauses(learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...], of: TreeOf, where: str) -> None:
-    """Print what the best clause says, what speaks for each literal, alternatives, odd ones, circumstances, ways on."""
+def print_clauses(
+    learned: ClausePosterior, meaning: str, doubts: tuple[str, list[str]], of: TreeOf, where: str
+) -> None:
+    """Print what the best clause says, what speaks for each literal, alternatives, doubts, circumstances, ways on."""
     best = learned.best
     if best.literals:
         console.print(Text(meaning, style="bold"))
         console.print()
     whose = ", for the performing agent" if of == "performer" else ""
-    console.print(Text(f"Task({learned.task}{whose}) ←   by whole clauses, {compared(learned)}"))
+    console.print(Text(f"Task({learned.task}{whose}) ←   {BY_RULE[BAYES]}, {compared(learned)}"))
     print_literals(learned.alone)
     if not learned.compared:
         console.print(
@@ -60,7 +78,7 @@ def print_clauses(learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...], 
     for title, lines in (
         ("must not", [f"{each.literal}   {against(each)}" for each in learned.must_not]),
         ("nearly as good", [f"{each}   {supported(each.support)}" for each in alternatives(learned)]),
-        ("odd demonstrations", [oddness(each) for each in odd]),
+        doubts,
     ):
         if lines:
             console.print(f"{title}:")
@@ -91,26 +109,21 @@ def alternatives(learned: ClausePosterior) -> tuple[WeighedClause, ...]:
     return tuple(each for each in others if each.weight >= NEARLY * first.weight)[:ALTERNATIVES]
 
 
-def clauses_document(learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...], of: TreeOf) -> dict[str, Any]:
+def clauses_document(
+    learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...], contrary: tuple[Answer, ...], of: TreeOf
+) -> dict[str, Any]:
     """The same as plain data."""
     return {
         "task": learned.task,
         "of": of,
         "rule": BAYES,
         "meaning": meaning,
-        "clause": {**_clause(learned.best), "literals": [_literal(each) for each in learned.alone]},
+        "clause": clause_document(learned),
         "alternatives": [_clause(each) for each in alternatives(learned)],
         "usual": [_literal(each) for each in learned.usual],
         "always": [_literal(each) for each in learned.always],
         "must_not": [_must_not(each) for each in learned.must_not],
-        "compared": {
-            "tasks": {name: n for name, n in sorted(learned.compared.items()) if not name.startswith(NEUTRAL)},
-            "neutral": {
-                name.removeprefix(NEUTRAL): n
-                for name, n in sorted(learned.compared.items())
-                if name.startswith(NEUTRAL)
-            },
-        },
+        "compared": compared_document(learned),
         "odd": [
             {
                 "name": each.explanation.demonstration,
@@ -120,6 +133,33 @@ def clauses_document(learned: ClausePosterior, meaning: str, odd: tuple[Odd, ...
             }
             for each in odd
         ],
+        "against_all": [answer_document(each) for each in contrary],
+    }
+
+
+def clause_document(learned: ClausePosterior) -> dict[str, Any]:
+    """The best clause, and what speaks for each of its literals."""
+    return {**_clause(learned.best), "literals": [_literal(each) for each in learned.alone]}
+
+
+def compared_document(learned: ClausePosterior) -> dict[str, Any]:
+    """What a task was compared with: how many demonstrations of which tasks, and neutral manipulations by kind."""
+    compared = {name: n for name, n in sorted(learned.compared.items()) if name != WRONG}
+    return {
+        "tasks": {name: n for name, n in compared.items() if not name.startswith(NEUTRAL)},
+        "neutral": {name.removeprefix(NEUTRAL): n for name, n in compared.items() if name.startswith(NEUTRAL)},
+    }
+
+
+def answer_document(answer: Answer) -> dict[str, Any]:
+    """What somebody said of a task."""
+    said = answer.reply or answer.verdict
+    return {
+        "question": answer.about,
+        "answer": said.value if said else None,
+        "value": answer.value,
+        "author": answer.author,
+        "time": answer.time,
     }
 
 

@@ -8,6 +8,8 @@ with ``print_json`` where ``--json`` asks for a document, and shows long work by
 from __future__ import annotations
 
 import json
+import math
+import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -29,6 +31,7 @@ from taskgist.common.text import COMMANDS, clean_name, escaped, escaped_in_json
 from taskgist.errors import InputError, RecordingError, TaskgistError
 
 if TYPE_CHECKING:  # recordings and scenes bring numpy and MuJoCo, which not every command needs
+    from taskgist.facts.tree import TreeOf
     from taskgist.learning.knowledge import Knowledge
     from taskgist.recording.recording import Recording
     from taskgist.world.stage import Stage
@@ -56,6 +59,9 @@ RuleOption = Annotated[
     ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
+MomentOption = Annotated[
+    str | None, typer.Option(help="Time in a recording: seconds, or percent of the labelled time, such as 50%.")
+]
 NO_OPTIONS: Mapping[str, str] = MappingProxyType({})
 
 OK, FAILED, MISUSED = 0, 1, 2
@@ -87,6 +93,19 @@ def print_json(document: Any) -> None:
 def task_named(known: Knowledge, name: str) -> str:
     """A task as it is known, however its name is spelled; as it is spelled if none is known by it."""
     return name if name in known.tasks else clean_name(name)
+
+
+def print_left_out(tasks: Iterable[tuple[str, TreeOf]], where: str) -> None:
+    """Print which tasks were left aside because answers about them contradict each other, and how to look at those.
+
+    Args:
+        tasks: Their names, and whose trees the answers are about.
+        where: The knowledge.
+    """
+    for task, of in tasks:
+        options = ["--of", of] if of == "performer" else []
+        listing = shlex.join(["taskgist", "ask", task, "--list", *options, "-k", where])
+        console.print(Text(f"left out: {task} (answers contradict each other: {listing})", style="dim"))
 
 
 @contextmanager
@@ -211,12 +230,33 @@ def check_target(
         raise InputError(f"{what} are {suffix[1:].upper()}", where=path, field=option, hint=f"name it {suffix}")
 
 
-def open_stage(where: Path, at: float | None, *, confirmed: bool = True) -> Stage:
+def moment_s(recording: Recording, at: str) -> float:
+    """A time that is given in seconds, or in percent of the labelled time, or of a recording without a label.
+
+    Raises:
+        InputError: It is neither.
+    """
+    label = recording.label
+    first_s, last_s = (
+        (label.start_s, label.end_s) if label else (float(recording.times_s[0]), float(recording.times_s[-1]))
+    )
+    text = at.strip()
+    try:
+        number = float(text.removesuffix("%"))
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number) or (text.endswith("%") and not 0.0 <= number <= 100.0):
+        hint = "give seconds, such as 4.5, or percent from 0% to 100%"
+        raise InputError("is no time", field="--at", value=at, hint=hint)
+    return first_s + number / 100.0 * (last_s - first_s) if text.endswith("%") else number
+
+
+def open_stage(where: Path, at: float | str | None, *, confirmed: bool = True) -> Stage:
     """A scene as it is placed, or as it was at a time of a recording.
 
     Args:
         where: The scene, or the recording.
-        at: When, seconds; the recording's begin if left out.
+        at: When, seconds, or as ``moment_s`` takes it; the recording's begin if left out.
         confirmed: Whether it is decided over time who holds what then and where eyes look, as for the recording's
             facts; otherwise one moment decides, and eyes look where heads do.
 
@@ -235,6 +275,8 @@ def open_stage(where: Path, at: float | None, *, confirmed: bool = True) -> Stag
                 raise RecordingError("a scene has no time", where=where, field="--at", value=at, hint="leave --at out")
             return Stage(Scene.load(where))
         recording = read(where)
+        if isinstance(at, str):
+            at = moment_s(recording, at)
         state = recording.at(float(recording.times_s[0]) if at is None else at)
         observer = Observer(recording.scene, recording)
         return Stage(recording.scene, observer.as_confirmed(state) if confirmed else state.with_eyes({}))

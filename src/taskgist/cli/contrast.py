@@ -70,6 +70,7 @@ def contrast_document(between: Contrast, tree: HypothesisTree) -> dict[str, Any]
     return {
         "first": between.first,
         "second": between.second,
+        "of": between.of,
         "literals": [
             {**_literal(each, tree), "weight_if_holds": each.weight(True), "weight_if_fails": each.weight(False)}
             for each in between.literals

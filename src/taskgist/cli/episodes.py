@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from rich.text import Text
 
-from taskgist.cli.common import FAILED, OK, about, console, print_json
+from taskgist.cli.common import FAILED, OK, about, console, moment_s, print_json, print_left_out
 from taskgist.errors import InputError
 from taskgist.language.phrases import listed
 from taskgist.language.recognition import foreseen_sentence, named, percent
@@ -17,7 +16,6 @@ from taskgist.learning.understanding import literal_to_json
 from taskgist.pipeline.recognise import RecognisedEpisode, TaskRecogniser
 from taskgist.pipeline.under_way import UnderWay, foresee_recording
 from taskgist.recording.mcap import read
-from taskgist.recording.recording import Recording
 
 TOLD = 0.05
 """Tasks that are less probable than this are not printed of what is under way."""
@@ -38,13 +36,14 @@ def _roles(found: RecognisedEpisode) -> str:
     return f"{label.performing_agent}{targets} with {listed(label.target_objects)}"
 
 
-def foresee_at(paths: Sequence[Path], at: str, recogniser: TaskRecogniser, *, as_json: bool) -> int:
+def foresee_at(paths: Sequence[Path], at: str, recogniser: TaskRecogniser, where: str, *, as_json: bool) -> int:
     """Tell what is under way in a recording at a time; the exit code.
 
     Args:
         paths: The recording; one.
         at: When: seconds, or percent of the labelled time.
         recogniser: What is known.
+        where: The knowledge that it is known from.
         as_json: Whether to print JSON.
 
     Raises:
@@ -58,32 +57,13 @@ def foresee_at(paths: Sequence[Path], at: str, recogniser: TaskRecogniser, *, as
         time_s = moment_s(recording, at)
         found = foresee_recording(recogniser, recording, time_s)
     if as_json:
-        print_json({"recording": str(path), "at_s": time_s, "under_way": [_document(each) for each in found]})
+        told, left_out = [_document(each) for each in found], [task for task, _ in recogniser.left_out]
+        print_json({"recording": str(path), "at_s": time_s, "under_way": told, "left_out": left_out})
     else:
         for each in found:
             _print(each)
+        print_left_out(recogniser.left_out, where)
     return OK if any(each.foreseen and each.foreseen.best for each in found) else FAILED
-
-
-def moment_s(recording: Recording, at: str) -> float:
-    """A time that is given in seconds, or in percent of the labelled time, or of a recording without a label.
-
-    Raises:
-        InputError: It is neither.
-    """
-    label = recording.label
-    first_s, last_s = (
-        (label.start_s, label.end_s) if label else (float(recording.times_s[0]), float(recording.times_s[-1]))
-    )
-    text = at.strip()
-    try:
-        number = float(text.removesuffix("%"))
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number) or (text.endswith("%") and not 0.0 <= number <= 100.0):
-        hint = "give seconds, such as 4.5, or percent from 0% to 100%"
-        raise InputError("is no time", field="--at", value=at, hint=hint)
-    return first_s + number / 100.0 * (last_s - first_s) if text.endswith("%") else number
 
 
 def _print(found: UnderWay) -> None:

@@ -28,10 +28,11 @@ from taskgist.errors import KnowledgeError, UnknownNameError
 from taskgist.facts.predicates import with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, Node, TreeOf, tree_of
+from taskgist.language.phrases import listed
 from taskgist.language.sentences import asked, indifference, meaning, why
 from taskgist.learning.estimate import Verdict
 from taskgist.learning.explanation import Context
-from taskgist.learning.task_clauses import BAYES, RULES, rule_for
+from taskgist.learning.task_clauses import BAYES, BY_RULE, RULES, rule_for
 from taskgist.learning.understanding import PAPER, Judgement, Understanding, clause_of, questions_of
 from taskgist.settings import BANDS, DEFAULT, Learning
 
@@ -54,7 +55,7 @@ def print_understanding(understanding: Understanding, *, whole_tree: bool = True
     if told := indifference(understanding):
         console.print(told)
     console.print()
-    how = f"by the paper's rule, from {count} demonstration{'s' if count != 1 else ''}"
+    how = f"{BY_RULE[PAPER]}, from {count} demonstration{'s' if count != 1 else ''}"
     console.print(f"{clause.head} ←   {how}")
     for title, literals in (("effects", clause.effects), ("preconditions", clause.preconditions)):
         for number, literal in enumerate(literals):
@@ -300,4 +301,10 @@ def _list_tasks(known: Knowledge, *, as_json: bool) -> None:
         told = "   (--of performer, too)" if len(known.trees_of(task)) > 1 else ""
         console.print(f"{task}{told}")
     if not known.tasks:
-        console.print("nothing learned yet")
+        wrong = sorted({task for task, _ in known.wrong})
+        told = (
+            f"only demonstrations that were done wrong are known, of {listed(wrong)}"
+            if wrong
+            else "nothing learned yet"
+        )
+        console.print(told)

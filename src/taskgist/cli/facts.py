@@ -84,7 +84,7 @@ def facts(
                 raise LabelError("tells of other things than --actions", field=option, hint="leave one of both out")
         document = tell_actions(read(recording), agent, object, quiet=as_json)
         if as_json:
-            print_json(document)
+            print_json({"recording": str(recording), **document})
         return
     if not relations and at is None:
         asked: dict[str, Json] = {"agent": agent, "of": of, "object": object, "every_s": every}

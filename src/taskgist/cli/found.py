@@ -11,7 +11,7 @@ from pathlib import Path
 from taskgist.errors import InputError, RecordingError
 
 
-def files(given: Sequence[Path], *, suffix: str = "") -> list[Path]:
+def files(given: Sequence[Path], *, suffix: str = "", each_by_itself: bool = False) -> list[Path]:
     """The files that are meant, each once: as named, and those that match patterns such as ``takes/*.c3d``, by name.
 
     Shells write such patterns out; where they do not (in quotes, or on Windows) it is done here.
@@ -19,6 +19,7 @@ def files(given: Sequence[Path], *, suffix: str = "") -> list[Path]:
     Args:
         given: Names and patterns.
         suffix: With one, such as ".mcap", a folder stands for all files below it whose names end so.
+        each_by_itself: Whether one that is not there keeps nobody from the others: whoever reads it says so.
 
     Raises:
         InputError: Nothing matches a pattern, or one of several is not there.
@@ -26,7 +27,7 @@ def files(given: Sequence[Path], *, suffix: str = "") -> list[Path]:
     """
     found = list(dict.fromkeys(path for name in given for path in _meant(name, suffix)))
     lost = next((path for path in found if not os.path.lexists(path)), None)
-    if lost is not None and len(found) > 1:  # of one file, whoever reads it says so
+    if lost is not None and len(found) > 1 and not each_by_itself:  # of one file, whoever reads it says so
         reason = f"cannot be read: {os.strerror(errno.ENOENT)}"
         raise InputError(reason, where=lost, hint="check the path; nothing was done with the others")
     return found

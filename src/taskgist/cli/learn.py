@@ -67,8 +67,8 @@ def learn(
 
     They are added to what the knowledge file holds; one that it knows already changes nothing.
 
-    A recording that was learned from with another label is refused, unless --replace says to forget that.
-    What was explained until something is refused is kept in a knowledge file of its own, to go on from.
+    A recording that was learned from with another label, or as done wrong, is refused, unless --replace says to forget
+    that. What was explained until something fails is kept in a knowledge file of its own, to go on from.
 
     With --of performer: how the agent that performs prefers to do it, from its own reach, sight, hands and posture.
     That is kept in the same file, apart from what the task means for its target agents: one does not count for the
@@ -104,17 +104,28 @@ def learn(
     if wrong and databases:
         problem = "a knowledge file says itself which of its demonstrations were done wrong"
         raise KnowledgeError(problem, where=databases[0], field="--wrong", hint="learn from it without --wrong")
-    others = reduce(Knowledge.merge, (load(path, expected=context) for path in databases), Knowledge())
-    explanations = [_from_facts(path, tree, whose) for path in demonstrations if path.suffix == ".json"]
+    stored = {path: load(path, expected=context) for path in databases}
+    facts = {path: _from_facts(path, tree, whose) for path in demonstrations if path.suffix == ".json"}
     if wrong:
-        explanations = [each.marked_wrong() for each in explanations]
+        facts = {path: each.marked_wrong() for path, each in facts.items()}
     recordings = _labelled([path for path in demonstrations if path.suffix != ".json" and path not in databases])
+    named = [*_announced(recordings, whose, wrong=wrong), *facts.items()]
+    named += [(path, each) for path, known in stored.items() for each in known.explanations]
+    check(
+        knowledge,
+        added=[each for _, each in named],
+        relabelled="replace" if replace else "refuse",
+        names={each.digest: str(path) for path, each in named},
+    )
+    others, explanations = reduce(Knowledge.merge, stored.values(), Knowledge()), [*facts.values()]
     with _kept(others, explanations, knowledge):
         if recordings:
             from taskgist.pipeline.explain import explain_all
 
             with progress_bar(quiet=as_json) as progress:
-                explained = explain_all(recordings, of=whose, predicates=predicates, actions=actions, progress=progress)
+                explained = explain_all(
+                    recordings.values(), of=whose, predicates=predicates, actions=actions, progress=progress
+                )
                 explanations.extend(each.marked_wrong() if wrong else each for each in explained)
         added = others.add(*explanations)
         check(knowledge, tasks={each.task for each in added.explanations})  # all of them are shown afterwards
@@ -183,16 +194,26 @@ def _is_knowledge(path: Path) -> bool:
     return False
 
 
-def _labelled(paths: list[Path]) -> list[Recording]:
+def _labelled(paths: list[Path]) -> dict[Path, Recording]:
     if not paths:
-        return []
+        return {}
     from taskgist.pipeline.explain import label_of
 
     recordings = read_all(paths)
     for path, recording in recordings.items():
         with about(path):
             label_of(recording)
-    return list(recordings.values())
+    return recordings
+
+
+def _announced(recordings: dict[Path, Recording], of: TreeOf, *, wrong: bool) -> list[tuple[Path, Explanation]]:
+    """Recordings, each with what its explanation will be told by."""
+    if not recordings:
+        return []
+    from taskgist.pipeline.explain import announced
+
+    found = {path: announced(recording, of=of) for path, recording in recordings.items()}
+    return [(path, each.marked_wrong() if wrong else each) for path, each in found.items()]
 
 
 def _from_facts(path: Path, tree: HypothesisTree, of: TreeOf) -> Explanation:

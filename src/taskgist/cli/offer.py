@@ -12,22 +12,25 @@ from taskgist.cli.common import (
     FAILED,
     KNOWLEDGE,
     OK,
-    AtOption,
     JsonOption,
     KnowledgeOption,
+    MomentOption,
     RuleOption,
     WhereArgument,
     about,
     command,
     console,
+    moment_s,
     open_stage,
     print_json,
+    print_left_out,
 )
 from taskgist.errors import InputError, UnknownNameError
 from taskgist.facts.predicates import known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.learning.explanation import Context
-from taskgist.learning.task_clauses import RULES
+from taskgist.learning.task_clauses import RULES, contradicted_tasks
+from taskgist.learning.understanding import PAPER
 from taskgist.perspective.effort import ABILITIES, Ability
 from taskgist.settings import DEFAULT
 
@@ -43,7 +46,7 @@ Told = tuple[str | None, "Offers"]
 def offer(
     where: WhereArgument,
     knowledge: KnowledgeOption = KNOWLEDGE,
-    at: AtOption = None,
+    at: MomentOption = None,
     agent: Annotated[str | None, typer.Option("--for", help="Whom it would help; default: whoever is seen.")] = None,
     thing: Annotated[str | None, typer.Option("--object", help="What it is after; default: what is seen.")] = None,
     ability: Annotated[
@@ -58,26 +61,31 @@ def offer(
     them. Nothing is offered where the agent's own next act does it: where it takes no more than stretching out an arm
     or turning the head. Name --for and --object; in a recording, without them, who reaches for or walks to something
     at that time is found, from what came before. No plan is made: taskgist perform tells whether there is a way.
-    The exit code is 1 if nothing is offered.
+    A task whose answers contradict each other is left out. The exit code is 1 if nothing is offered.
 
     Example: taskgist offer room.toml --for P2 --object cup -k knowledge.db
 
     Example: taskgist offer room.toml --for P2 --object cup --ability see
 
     Example: taskgist offer day.mcap --at 3.2
+
+    Example: taskgist offer handover.mcap --at 50%
     """
     wanted: Ability | None = None if ability is None else _ability(ability)
     if rule is not None and rule not in RULES:
         raise UnknownNameError("rule", rule, RULES, where="--rule")
-    clauses = _clauses(knowledge, rule)
+    clauses, left_out = _clauses(knowledge, rule)
     if agent is not None and thing is not None:
         found = _given(where, at, agent, thing, wanted or "reach", clauses)
     else:
         found = _seen(where, at, agent, thing, wanted, clauses)
     if as_json:
-        print_json({"where": str(where), "offers": [_document(*each) for each in found]})
+        print_json({"where": str(where), "offers": [_document(*each) for each in found], "left_out": left_out})
     else:
+        from taskgist.store.address import shown
+
         _print(found, agent, thing)
+        print_left_out(((task, "target") for task in left_out), shown(knowledge))
     return OK if any(offers.declined is None for _, offers in found) else FAILED
 
 
@@ -88,7 +96,8 @@ def _ability(text: str) -> Ability:
     raise UnknownNameError("ability", text, ABILITIES, where="--ability")
 
 
-def _clauses(knowledge: str, rule: str | None) -> tuple[Clause, ...]:
+def _clauses(knowledge: str, rule: str | None) -> tuple[tuple[Clause, ...], list[str]]:
+    """What the known tasks mean, and which of them are left out, because answers about them contradict each other."""
     from taskgist.pipeline.offers import known_clauses
     from taskgist.store.address import shown
     from taskgist.store.database import load
@@ -96,11 +105,12 @@ def _clauses(knowledge: str, rule: str | None) -> tuple[Clause, ...]:
     tree = with_predicates(STANDARD_TREE)
     known = load(knowledge, expected=Context.of(DEFAULT, tree), evidence=False)
     with about(shown(knowledge)):
-        return known_clauses(known, rule, tree)
+        clauses = known_clauses(known, rule, tree)
+    return clauses, [] if rule == PAPER else list(contradicted_tasks(known, tree))
 
 
 def _given(
-    where: Path, at: float | None, agent: str, thing: str, ability: Ability, clauses: tuple[Clause, ...]
+    where: Path, at: str | None, agent: str, thing: str, ability: Ability, clauses: tuple[Clause, ...]
 ) -> list[Told]:
     """Offers to an agent that is known to be after a thing."""
     from taskgist.planning.offers import offers_for
@@ -125,7 +135,7 @@ def _given(
 
 def _seen(
     where: Path,
-    at: float | None,
+    at: str | None,
     agent: str | None,
     thing: str | None,
     ability: Ability | None,
@@ -141,7 +151,7 @@ def _seen(
         raise InputError("nobody moves in a scene", where=where, field=option, hint=hint)
     if at is None:
         raise InputError(
-            "not given", where=where, field="--at", hint="the time of the recording to look at, in seconds"
+            "not given", where=where, field="--at", hint="the time of the recording to look at, in seconds, or as 50%"
         )
     with about(where, {"time_s": "--at"}):
         recording = read(where)
@@ -149,7 +159,7 @@ def _seen(
             recording.scene.agent(agent)
         if thing is not None:
             recording.scene.object_body(thing)
-        found = offers_in(recording, at, clauses, tree=with_predicates(STANDARD_TREE))
+        found = offers_in(recording, moment_s(recording, at), clauses, tree=with_predicates(STANDARD_TREE))
     return [
         (each.intention.behaviour, each.offers)
         for each in found

@@ -44,7 +44,7 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.values import Unknown
 from taskgist.language.phrases import listed
 from taskgist.learning.explanation import Context
-from taskgist.learning.task_clauses import RULES, learned_clause
+from taskgist.learning.task_clauses import BY_RULE, RULES, learned_clause
 from taskgist.learning.understanding import Clause
 from taskgist.settings import DEFAULT
 
@@ -221,7 +221,7 @@ def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> No
     from taskgist.language.performing import as_shown, assumed, chosen, cost, refused, steps, would_help
 
     tree, request = with_predicates(STANDARD_TREE), outcome.request
-    console.print(Text(f"{request.clause}{f'   by the rule {request.clause.rule}' if request.clause.rule else ''}"))
+    console.print(Text(f"{request.clause}   {BY_RULE.get(request.clause.rule, '')}".rstrip()))
     for note in _notes(outcome):
         console.print(Text("note ", style="yellow") + Text(note))
     for number, found in enumerate(outcome.performances):
@@ -232,7 +232,7 @@ def print_outcome(outcome: Outcome, written: Sequence[Mapping[str, Path]]) -> No
         console.print(f"  audited in {len(found.execution.recording.times_s)} frames and between them: clean")
         so = f"what {request.clause.task} means for {listed(request.targets)} is so"
         console.print(f"  judged by its facts: {so}; {_strict(found)}")
-        if told := as_shown(found.circumstances, tree):
+        if told := as_shown(found.circumstances, request.targets, tree):
             console.print(f"  {told}")
         for path in written[number].values():
             console.print(f"  saved {path}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -21,6 +21,7 @@ from taskgist.cli.common import (
     command,
     console,
     print_json,
+    print_left_out,
     progress_bar,
 )
 from taskgist.cli.contrast import contrast_between, contrast_document_in, print_contrast_in, truth, two_tasks
@@ -35,17 +36,25 @@ from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, tree_of
 from taskgist.language.clauses import truth_of
 from taskgist.language.phrases import listed
-from taskgist.language.recognition import circumstance_reason, literal_reason, named, percent
+from taskgist.language.recognition import circumstance_reason, literal_reason, named, nothing_handled, percent
 from taskgist.learning.contrast import Contrast
 from taskgist.learning.explanation import Context
 from taskgist.learning.understanding import literal_to_json
-from taskgist.pipeline.episodes import recognise_handlings
+from taskgist.pipeline.episodes import recognise_handlings, untracked_hands
 from taskgist.pipeline.recognise import RecognisedEpisode, TaskRecogniser
 from taskgist.recognition.tasks import Recognised, TaskProbability
 from taskgist.recording.mcap import read
 from taskgist.settings import DEFAULT
 
-Found = tuple[RecognisedEpisode, ...]
+
+@dataclass(frozen=True)
+class Found:
+    """What was recognised in a recording, and which hands, by agent and side, are tracked in no frame of it."""
+
+    episodes: tuple[RecognisedEpisode, ...]
+    untracked: tuple[tuple[str, str], ...]
+
+
 TOLD = 0.01
 """Tasks that are less probable than this, and than "none of these", are not printed."""
 
@@ -76,7 +85,7 @@ def recognise(
     part. Without a label, or with --episodes, each time that a thing is handled is found, and what it was is told for
     each agent for whom it may have been done: a day becomes a list of tasks. The exit code is 1 if in any recording
     nothing known is recognised. Of several recordings a table is printed; those that cannot be read
-    stand there with the reason, and the exit code is 2.
+    stand there with the reason, and the exit code is 2. A task whose answers contradict each other is left out.
 
     With --contrast: which literals decide between two tasks in this recording, and how often each holds in the
     demonstrations of either.
@@ -110,40 +119,47 @@ def recognise(
         between = contrast_between(known, shown(knowledge), *two_tasks(contrasted), tree, whose)
     with about(shown(knowledge)):
         recogniser = TaskRecogniser.of(known, tree)
-    paths = files(recordings, suffix=".mcap")
+    paths = files(recordings, suffix=".mcap", each_by_itself=True)
     if len(paths) > 1 and not as_json:
         _check_of_one({"--why": why, "--contrast": contrasted}, len(paths))
 
     def recognised(number: int, progress: Progress = silent) -> Found:
         with about(paths[number], {"of": "--of"}):
             recording = read(paths[number])
+            untracked = untracked_hands(recording)
             if recording.label is None or episodes:
                 handlings = recognise_handlings(
                     recogniser, recording, of=whose, predicates=predicates, progress=progress
                 )
-                return tuple(each for handling in handlings for each in handling.told or handling.readings[:1])
-            return recogniser.recognise(recording, of=whose, predicates=predicates, progress=progress)
+                told = (each for handling in handlings for each in handling.told or handling.readings[:1])
+                return Found(tuple(told), untracked)
+            return Found(recogniser.recognise(recording, of=whose, predicates=predicates, progress=progress), untracked)
 
     if at is not None:
-        return foresee_at(paths, at, recogniser, as_json=as_json)
+        return foresee_at(paths, at, recogniser, shown(knowledge), as_json=as_json)
+    left_out = [task for task, _ in recogniser.left_out]
     if len(paths) == 1:
         with progress_bar(quiet=as_json) as progress:
             found = recognised(0, progress)
         if as_json:
-            print_json(_document(paths[0], found, between, tree))
+            print_json(_document(paths[0], found, left_out, between, tree))
         else:
             _print_all(found, between, tree, why=why)
+            print_left_out(recogniser.left_out, shown(knowledge))
         return OK if _any_known(found) else FAILED
     outcomes: list[Outcome[Found]] = [*one_by_one(paths, recognised, "recognising", quiet=as_json)]
     if as_json:
         print_json(
             [
-                each.document() if isinstance(each, Refused) else _document(each.path, each.result, between, tree)
+                each.document()
+                if isinstance(each, Refused)
+                else _document(each.path, each.result, left_out, between, tree)
                 for each in outcomes
             ]
         )
     else:
         print_table(outcomes, ("for", "with", "start", "end", "recognised", "labelled"), _cells, "looked at")
+        print_left_out(recogniser.left_out, shown(knowledge))
     return exit_code(outcomes, good=_any_known)
 
 
@@ -161,14 +177,14 @@ def _check_of_one(given: Mapping[str, object], count: int) -> None:
 
 
 def _any_known(found: Found) -> bool:
-    return any(each.recognised.best is not None for each in found)
+    return any(each.recognised.best is not None for each in found.episodes)
 
 
 def _cells(found: Found) -> list[str | Text]:
     """The cells of a recording: those of its first episode, and how many more there are."""
-    if not found:
-        return ["", "", "", "", "nothing is handled here", "no label"]
-    first, *more = found
+    if not found.episodes:
+        return ["", "", "", "", nothing_handled(found.untracked), "no label"]
+    first, *more = found.episodes
     label = first.label
     told = named(first.recognised) + (f"; {len(more)} further episode{'s' * (len(more) > 1)}" if more else "")
     times = (f"{time_s:.2f} s" for time_s in (label.start_s, label.end_s))
@@ -178,12 +194,12 @@ def _cells(found: Found) -> list[str | Text]:
 
 def _print_all(found: Found, between: Contrast | None, tree: HypothesisTree, *, why: bool) -> None:
     """Print all episodes of a recording: a line each, unless there is one, or more is asked for."""
-    if not found:
-        console.print("nothing is handled here")
-    elif len(found) > 1 and not why and between is None:
-        print_list(found)
+    if not found.episodes:
+        console.print(nothing_handled(found.untracked))
+    elif len(found.episodes) > 1 and not why and between is None:
+        print_list(found.episodes)
     else:
-        for each in found:
+        for each in found.episodes:
             _print(each, between, tree, why=why)
 
 
@@ -221,8 +237,15 @@ def _print_why(each: TaskProbability) -> None:
 # --- The same as plain data.
 
 
-def _document(path: Path, found: Found, between: Contrast | None, tree: HypothesisTree) -> dict[str, Any]:
-    return {"recording": str(path), "episodes": [_episode(each, between, tree) for each in found]}
+def _document(
+    path: Path, found: Found, left_out: list[str], between: Contrast | None, tree: HypothesisTree
+) -> dict[str, Any]:
+    return {
+        "recording": str(path),
+        "episodes": [_episode(each, between, tree) for each in found.episodes],
+        "untracked_hands": [{"agent": agent, "side": side} for agent, side in found.untracked],
+        "left_out": left_out,
+    }
 
 
 def _episode(found: RecognisedEpisode, between: Contrast | None, tree: HypothesisTree) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from taskgist.language.phrases import AGENTS, listed, phrase, phrase_of
 from taskgist.learning.answers import Answer, Reply
 from taskgist.learning.asking import SetQuestion
 from taskgist.learning.lessons import OtherEnd, OtherStart
-from taskgist.learning.literals import SetLiteral
+from taskgist.learning.literals import SetLiteral, vocabulary_by_node
 from taskgist.learning.task_clauses import Sides
 
 MOST_NAMES = 6
@@ -80,12 +80,19 @@ def lesson_text(lesson: OtherStart | OtherEnd, tree: HypothesisTree, of: TreeOf 
     return f"{said}, and {still} that {claim(lesson.holds, tree, of)}; or say that there is none."
 
 
-def answer_text(answer: Answer, literal: SetLiteral | None, tree: HypothesisTree) -> str:
+def against_all(count: int) -> str:
+    """What is said of an answer by which no demonstration is right: "stands against all 3 demonstrations"."""
+    return f"stands against all {count} demonstrations" if count > 1 else "stands against the one demonstration"
+
+
+def answer_text(answer: Answer, tree: HypothesisTree) -> str:
     """An answer that is in force: "yes: the object ends on a support (ann, 2026-01-01T12:00:00+00:00)"."""
-    if literal is None or answer.reply is None:
+    vocabulary = vocabulary_by_node(tree).get(answer.node)
+    if vocabulary is None or answer.reply is None:
         verdict = answer.verdict.value if answer.verdict else "withdrawn"
         said = f"{verdict}: {answer.node}{f' = {answer.value}' if answer.value else ''}"
     else:
+        literal = vocabulary.literal(answer.among, but=answer.but)
         asked = claim(literal, tree, answer.tree_of)
         said = f"{answer.reply.value}: {f'never that {asked}' if literal.but else asked}"
-    return f"{said}   ({answer.author}, {answer.time})"
+    return f"{said}   ({answer.author}, {answer.second})"

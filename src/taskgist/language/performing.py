@@ -134,8 +134,14 @@ def not_had(dropped: Sequence[Dropped], tree: HypothesisTree) -> tuple[str, ...]
     )
 
 
-def as_shown(circumstances: Mapping[AnyLiteral, Truth], tree: HypothesisTree) -> str:
-    """Which circumstances are so, and which are not, where a task was performed; empty if there are none."""
+def as_shown(circumstances: Mapping[AnyLiteral, Truth], targets: Sequence[str], tree: HypothesisTree) -> str:
+    """Which circumstances are so, and which are not, where a task was performed; empty if there are none.
+
+    Args:
+        circumstances: They, and whether each is so.
+        targets: For whom it was performed, whose circumstances they are.
+        tree: The tree of their nodes.
+    """
     parts = (
         ("as in all demonstrations", True),
         ("otherwise than in all demonstrations, where", False),
@@ -143,7 +149,8 @@ def as_shown(circumstances: Mapping[AnyLiteral, Truth], tree: HypothesisTree) ->
     )
     so = [(how, [literal for literal, holds in circumstances.items() if holds is truth]) for how, truth in parts]
     told = ((how, [_said(literal, tree) for literal in literals]) for how, literals in so)
-    return "; ".join(f"{how} {listed(said)}" for how, said in told if said)
+    parts_told = [f"{how} {listed(said)}" for how, said in told if said]
+    return f"for {listed(targets)}, {'; '.join(parts_told)}" if parts_told else ""
 
 
 def refused(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from taskgist.language.clauses import times, truth_of
 from taskgist.language.phrases import listed
 from taskgist.recognition.completion import Foreseen
@@ -28,6 +30,17 @@ def named(recognised: Recognised) -> str:
         return f"none of the known tasks ({percent(recognised.none)})"
     chosen = recognised.likely or (recognised.best,)
     return ", ".join(f"{each.task} ({percent(each.probability)})" for each in chosen)
+
+
+def nothing_handled(untracked: Sequence[tuple[str, str]]) -> str:
+    """That nothing is handled, as far as hands are tracked.
+
+    Args:
+        untracked: Agents and sides of those that are not.
+    """
+    told = "nothing is handled here"
+    hands = listed([f"{agent}'s {side} hand" for agent, side in untracked])
+    return f"{told} by hands that are tracked; {hands} {'is' if len(untracked) == 1 else 'are'} not" if hands else told
 
 
 def literal_reason(each: LiteralWeight) -> str:

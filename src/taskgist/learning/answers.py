@@ -59,10 +59,11 @@ class Answer:
         among: The set of values that was asked about; none: the answer is about the node.
         but: Whether the set is all values but those.
         reply: What was said of the set; None withdraws what was said of it before.
+        own: Whether it withdraws what its author said alone; otherwise what anybody said.
 
     Raises:
         KnowledgeError: The verdict is none that a person can give, a value comes without relevance, a reply without a
-            set or a verdict beside one, or the time cannot be read.
+            set or a verdict beside one, what is said counts as withdrawn by its author, or the time cannot be read.
         UnknownNameError: It is nobody's tree.
     """
 
@@ -76,6 +77,7 @@ class Answer:
     among: tuple[str, ...] = ()
     but: bool = False
     reply: Reply | None = None
+    own: bool = False
 
     def __post_init__(self) -> None:
         where = f"answer on {self.task}"
@@ -91,6 +93,9 @@ class Answer:
         if not self.among and (self.reply is not None or self.but):
             hint = "name the values that it is about (among)"
             raise KnowledgeError("reply without a set of values", where=where, field=self.node, hint=hint)
+        if self.own and not self.withdraws:
+            hint = "withdraw with neither verdict nor reply"
+            raise KnowledgeError("withdraws nothing", where=where, field="own", value=self.own, hint=hint)
         object.__setattr__(self, "among", tuple(sorted(set(self.among))))
         _instant(self.time, where)
         tree_of(self.tree_of)
@@ -99,6 +104,11 @@ class Answer:
     def withdraws(self) -> bool:
         """Whether it takes back what was said before."""
         return self.verdict is None and self.reply is None
+
+    @property
+    def second(self) -> str:
+        """When it was said, to the second, as people are told it."""
+        return _instant(self.time, self.node).isoformat(timespec="seconds")
 
     @property
     def about(self) -> str:
@@ -126,6 +136,8 @@ class Answer:
         plain: dict[str, Json] = {
             each.name: getattr(self, each.name) for each in fields(self) if each.name not in ("among", "but", "reply")
         }
+        if not self.own:
+            del plain["own"]  # which earlier releases do not know
         if self.tree_of == "target":
             del plain["tree_of"]  # as those of earlier releases, which know no other, are kept
         if self.among:  # which earlier releases do not know
@@ -145,6 +157,9 @@ def answer_from_json(document: object, *, where: str | Path | None = None) -> An
         data = dict(document)  # type: ignore[call-overload] # what does not fit is caught below
         verdict = data.pop("verdict")
         about = {name: data.pop(name) for name in ("among", "but", "reply")} if "among" in data else {}
+        own = data.pop("own", False)
+        if not isinstance(own, bool):
+            raise TypeError("own: neither true nor false")
         strange = [name for name, text in data.items() if not isinstance(text, str) and (name, text) != ("value", None)]
         if strange:
             raise TypeError(f"{', '.join(strange)}: no text")
@@ -155,7 +170,7 @@ def answer_from_json(document: object, *, where: str | Path | None = None) -> An
             if not isinstance(but, bool):
                 raise TypeError("but: neither true nor false")
             data |= {"among": tuple(among), "but": but, "reply": None if reply is None else Reply(reply)}
-        return Answer(verdict=None if verdict is None else Verdict(verdict), **data)
+        return Answer(verdict=None if verdict is None else Verdict(verdict), own=own, **data)
     except (KeyError, TypeError, ValueError, UnknownNameError) as error:
         raise KnowledgeError(f"not an answer: {error!r}", where=where, hint=hint) from error
 
@@ -166,21 +181,29 @@ def set_id(node: str, values: Iterable[str], *, but: bool = False) -> str:
 
 
 def in_force(answers: Iterable[Answer]) -> dict[str, Answer]:
-    """The answer that holds for each node: the latest one about the node as a whole, unless it withdraws."""
-    latest = {answer.node: answer for answer in sorted(answers, key=_order) if not answer.among}
-    return {node: answer for node, answer in latest.items() if not answer.withdraws}
+    """The answer that holds for each node: the latest one about the node as a whole that was not withdrawn since."""
+    found: dict[str, list[Answer]] = {}
+    for answer in sorted((each for each in answers if not each.among), key=_order):
+        of_node = found.setdefault(answer.node, [])
+        if answer.withdraws:
+            of_node[:] = [each for each in of_node if answer.own and each.author != answer.author]
+        else:
+            of_node.append(answer)
+    return {node: of_node[-1] for node, of_node in found.items() if of_node}
 
 
 def replies_in_force(answers: Iterable[Answer]) -> tuple[Answer, ...]:
     """What holds of sets of values: the latest answer of each author on each set, unless it was withdrawn since.
 
-    Anybody's withdrawal takes back all that was said of a set until then. Whoever says *don't know* after others have
-    decided changes nothing. Sorted by set and time.
+    Anybody's withdrawal takes back all that was said of a set until then, or only what its author said. Whoever says
+    *don't know* after others have decided changes nothing. Sorted by set and time.
     """
     found: dict[str, dict[str, Answer]] = {}
     for answer in sorted((each for each in answers if each.among), key=_order):
         of_set = found.setdefault(answer.about, {})
-        if answer.withdraws:
+        if answer.withdraws and answer.own:
+            of_set.pop(answer.author, None)
+        elif answer.withdraws:
             of_set.clear()
         else:
             of_set[answer.author] = answer

@@ -150,8 +150,15 @@ class Asking:
         ]
         self.alike = self.counting.alike(true for _, _, (true, _) in self._clauses)
 
+    @property
+    def alone(self) -> bool:
+        """Whether there is nothing to compare the task with, so that nothing tells what is worth asking."""
+        return len(self.evidence.kinds) == 1
+
     def questions(self) -> tuple[SetQuestion, ...]:
-        """The questions that are worth asking, the most useful one first; none: nothing is left to ask."""
+        """The questions that are worth asking, the most useful one first; none: nothing is left, or it is ``alone``."""
+        if self.alone:
+            return ()
         useful = [each for each in map(self.question, self.literals()) if each.gain >= LEAST_GAIN]
         return tuple(sorted(useful, key=lambda each: (-round(self._worth(each), EQUAL), each.literal.order)))
 

@@ -87,6 +87,8 @@ class Contrast:
     second: str
     literals: tuple[Contrasted, ...]
     """That which decides best first, at most one of each subtree; none: their demonstrations do not differ."""
+    of: TreeOf = "target"
+    """Whose trees were compared: those of the target agents, or of who performs."""
 
     def weigh(self, nodes: Nodes) -> tuple[Weighed, ...]:
         """What each literal says of an episode, what says most first."""
@@ -131,7 +133,7 @@ def contrast_of(
         if bits not in told:
             best.append(each)
             told |= {bits, bits[::-1]}
-    return Contrast(own.task, other.task, tuple(best))
+    return Contrast(own.task, other.task, tuple(best), own.tree_of)
 
 
 def _share(hits: int, known: int) -> float:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from taskgist.common.frozen import FrozenMap
-from taskgist.errors import KnowledgeError, UnknownNameError
+from taskgist.errors import ContradictionError, UnknownNameError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, TreeOf
 from taskgist.learning.answers import Answer, Reply, in_force, replies_in_force
@@ -29,6 +29,8 @@ from taskgist.learning.understanding import PAPER, Clause, clause_of, several_of
 BAYES = "bayes"
 RULES = (PAPER, BAYES)
 """Rules by which a task is understood: the largest consistent subtree, or whole clauses compared with all else."""
+BY_RULE: Mapping[str, str] = FrozenMap({PAPER: "by the paper's rule", BAYES: "by whole clauses"})
+"""How texts say by which rule something was learned."""
 WRONG = " ! wrong"
 """The kind of a task's own demonstrations that were done wrong; no other kind is called so."""
 LIKELY = 0.5
@@ -63,7 +65,8 @@ def learn_task(
 
     Raises:
         UnknownNameError: The task is not known.
-        KnowledgeError: It is not known of who performs it, or two answers contradict each other; names both.
+        KnowledgeError: It is not known of who performs it.
+        ContradictionError: Two answers contradict each other; names both.
     """
     evidence = task_evidence(knowledge, task, of, background)
     learned = learn_clauses(evidence, task, tree, told_of(knowledge, task, tree, of))
@@ -128,7 +131,8 @@ def told_of(knowledge: Knowledge, task: str, tree: HypothesisTree = STANDARD_TRE
 
     Raises:
         UnknownNameError: The task is not known.
-        KnowledgeError: It is not known of who performs it, or two answers contradict each other; names both.
+        KnowledgeError: It is not known of who performs it.
+        ContradictionError: Two answers contradict each other; names both.
     """
     own = knowledge.experience(task, of)
     return own_told(
@@ -136,38 +140,85 @@ def told_of(knowledge: Knowledge, task: str, tree: HypothesisTree = STANDARD_TRE
     )
 
 
+def contradicted_tasks(
+    knowledge: Knowledge, tree: HypothesisTree = STANDARD_TREE, of: TreeOf = "target"
+) -> dict[str, ContradictionError]:
+    """The tasks that are known in these trees whose answers contradict each other, and how; sorted.
+
+    What is asked of all tasks leaves them out; what is asked of one of them is refused.
+    """
+    found = {}
+    for task in (task for task in knowledge.tasks if of in knowledge.trees_of(task)):
+        try:
+            told_of(knowledge, task, tree, of)
+        except ContradictionError as error:
+            found[task] = error
+    return found
+
+
 def own_told(own: Experience, answers: Iterable[Answer], tree: HypothesisTree = STANDARD_TREE) -> Told:
     """As ``told_of``, by the experience of a task and the answers about it."""
     answers = list(answers)
     known = vocabulary_by_node(tree)
-    relevant: dict[str, str] = {}
-    stated: list[tuple[Answer, SetLiteral, Reply]] = []
-    irrelevant = {}
-    for node, answer in sorted(in_force(answers).items()):
-        counts = own.counts.get(node, FrozenMap())
-        value = answer.value or min(counts, key=lambda each: (-counts[each], each), default=None)
-        if answer.verdict is Verdict.IRRELEVANT:
-            irrelevant[node] = answer
-        elif value is not None:
-            relevant[node] = value
-            if node in known:
-                stated.append((answer, known[node].literal((value,)), Reply.YES))
-    for answer in replies_in_force(answers):
-        if answer.node in known and answer.reply not in (None, Reply.UNKNOWN):
-            literal = known[answer.node].literal(answer.among, but=answer.but)
-            stated.append((answer, literal, answer.reply))
-    must: dict[SetLiteral, Answer] = {}
-    free: dict[SetLiteral, Answer] = {}
-    for answer, literal, reply in stated:
-        if reply is Reply.EITHER:
-            free[literal] = answer
-        else:
-            must[literal if reply is Reply.YES else known[literal.node].complement(literal)] = answer
+    of_nodes = in_force(answers)
+    irrelevant = {node: each for node, each in of_nodes.items() if each.verdict is Verdict.IRRELEVANT}
+    relevant = {node: value for node in sorted(of_nodes) if (value := _wanted(own, of_nodes[node])) is not None}
+    must, free = _stated(own, answers, tree)
     _check(own.task, must, free, irrelevant, tree)
     single = {known[node].literal((value,)) for node, value in relevant.items() if node in known}
     return Told(
         FrozenMap(relevant), frozenset(irrelevant), tuple(each for each in must if each not in single), tuple(free)
     )
+
+
+def _wanted(own: Experience, answer: Answer) -> str | None:
+    """The value that a node must have by an answer about it: by default the one that was seen most often."""
+    counts = own.counts.get(answer.node, FrozenMap())
+    if answer.verdict is not Verdict.RELEVANT:
+        return None
+    return answer.value or min(counts, key=lambda each: (-counts[each], each), default=None)
+
+
+def _stated(
+    own: Experience, answers: Iterable[Answer], tree: HypothesisTree
+) -> tuple[dict[SetLiteral, Answer], dict[SetLiteral, Answer]]:
+    """What must hold by answers that are in force, and what need not, each with the answer that says so."""
+    answers = list(answers)
+    known = vocabulary_by_node(tree)
+    must: dict[SetLiteral, Answer] = {}
+    free: dict[SetLiteral, Answer] = {}
+    for node, answer in sorted(in_force(answers).items()):
+        value = _wanted(own, answer)
+        if node in known and value is not None:
+            must[known[node].literal((value,))] = answer
+    for answer in replies_in_force(answers):
+        if answer.node not in known:
+            continue
+        literal = known[answer.node].literal(answer.among, but=answer.but)
+        if answer.reply is Reply.EITHER:
+            free[literal] = answer
+        elif answer.reply in (Reply.YES, Reply.NO):
+            must[literal if answer.reply is Reply.YES else known[literal.node].complement(literal)] = answer
+    return must, free
+
+
+def answers_against_all(
+    knowledge: Knowledge, task: str, tree: HypothesisTree = STANDARD_TREE, of: TreeOf = "target"
+) -> tuple[Answer, ...]:
+    """The answers that stand against all demonstrations of a task: what must be so by them was so in none.
+
+    They are taken at their word; but who gave one may have meant something else, and the demonstrations are not odd.
+
+    Raises:
+        UnknownNameError: The task is not known.
+        KnowledgeError: It is not known of who performs it.
+    """
+    own = knowledge.experience(task, of)
+    given = (each for each in knowledge.answers if (each.task, each.tree_of) == (own.task, own.tree_of))
+    must, _ = _stated(own, given, tree)
+    shown = own.explanations.values()
+    found = (answer for literal, answer in must.items() if all(literal.holds(each.nodes) is False for each in shown))
+    return tuple(dict.fromkeys(found))
 
 
 def _check(
@@ -197,17 +248,18 @@ def _check(
                 raise _contradiction(task, *before, answer)
 
 
-def _contradiction(task: str, *answers: Answer) -> KnowledgeError:
+def _contradiction(task: str, *answers: Answer) -> ContradictionError:
     told = " and ".join(
         f"{each.reply.value if each.reply else each.verdict.value if each.verdict else ''} to {each.about} "
-        f"({each.author}, {each.time})"
+        f"({each.author}, {each.second})"
         for each in answers
     )
     kept = min(answers, key=lambda each: (each.time, each.about))  # the last one may be that which is refused here
-    return KnowledgeError(
+    return ContradictionError(
         f"answers contradict each other: {told}",
         where=f"task {task}",
-        hint=f"withdraw one that is kept: taskgist ask {task!r} --withdraw --question {kept.about!r}",
+        hint="withdraw one that is kept: "
+        f"taskgist ask {task!r} --withdraw --question {kept.about!r} --author {kept.author!r}",
     )
 
 
@@ -318,6 +370,8 @@ def odd_demonstrations(
 ) -> tuple[Odd, ...]:
     """The demonstrations of a task that look odd beside the others, the oddest first, and what they look like instead.
 
+    None does where an answer stands against all of them (``answers_against_all``): they are alike.
+
     Args:
         knowledge: What is known.
         learned: What ``learn_task`` found in it.
@@ -325,14 +379,15 @@ def odd_demonstrations(
         of: For whom, as ``learn_task``.
     """
     own = knowledge.experience(learned.task, of)
-    if len(own.explanations) < FEWEST:
+    if len(own.explanations) < FEWEST or answers_against_all(knowledge, own.task, tree, of):
         return ()
     found = {each: learned.probability(each.nodes) for each in own.explanations.values()}
     odd = sorted(
         ((probability, each) for each, probability in found.items() if probability < LIKELY),
         key=lambda pair: (pair[0], pair[1].demonstration, pair[1].digest),
     )
-    others = (task for task in knowledge.tasks if task != own.task and own.tree_of in knowledge.trees_of(task))
+    left_out = {own.task, *contradicted_tasks(knowledge, tree, own.tree_of)}
+    others = (task for task in knowledge.tasks if task not in left_out and own.tree_of in knowledge.trees_of(task))
     posteriors = [learn_task(knowledge, task, tree, own.tree_of) for task in others] if odd else []
     return tuple(
         Odd(each, probability, tuple(one.task for one in posteriors if one.probability(each.nodes) > LIKELY))

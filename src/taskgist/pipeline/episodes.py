@@ -94,6 +94,13 @@ def recognise_handlings(
     return tuple(found)
 
 
+def untracked_hands(recording: Recording) -> tuple[tuple[str, str], ...]:
+    """Agents and sides of hands that are tracked in no frame: what these move nobody is seen to handle."""
+    hands = ((name, arm.profile.side) for name in recording.scene.agents for arm in recording.scene.agent(name).arms)
+    lost = {name for name, flags in recording.tracked.items() if not flags.any()}
+    return tuple((name, side) for name, side in hands if not lost.isdisjoint((name, f"{name}/{side}_arm")))
+
+
 def _with_margins(recording: Recording, handling: Handling, every: Sequence[Handling]) -> tuple[float, float]:
     """From when to when facts are looked at: a little before and after, up to what else is done with the thing."""
     first_s, last_s = float(recording.times_s[0]), float(recording.times_s[-1])

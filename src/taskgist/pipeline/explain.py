@@ -15,7 +15,7 @@ from taskgist.errors import LabelError, RecordingError
 from taskgist.facts.predicates import Predicate, known_predicates, with_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import Episode, HypothesisTree, TreeOf, tree_of
-from taskgist.learning.explanation import Explanation, SymbolicAction, explain, merged
+from taskgist.learning.explanation import Context, Explanation, SymbolicAction, explain, merged
 from taskgist.learning.knowledge import Knowledge
 from taskgist.observe.attributes import Snapshot, snapshot
 from taskgist.observe.observer import Observer
@@ -84,7 +84,7 @@ def episodes_of(
             target_object=name,
             start=start,
             end=end,
-            source=f"{recording.digest} {label.start_s:.4f}-{label.end_s:.4f} s",
+            source=_source(recording, label),
         )
         for (agent, name), start, end in zip(label.pairs, *ends, strict=True)
     )
@@ -114,6 +114,40 @@ def _label_about(recording: Recording, label: Label | None, of: TreeOf) -> Label
     """The label, the recording's own unless one is given, by which the tree of these agents is made."""
     label = label or label_of(recording)
     return label.alone if tree_of(of) == "performer" else label
+
+
+def _source(recording: Recording, label: Label) -> str:
+    """What was observed, and when."""
+    return f"{recording.digest} {label.start_s:.4f}-{label.end_s:.4f} s"
+
+
+def announced(
+    recording: Recording,
+    *,
+    of: TreeOf = "target",
+    tree: HypothesisTree = STANDARD_TREE,
+    settings: Settings = DEFAULT,
+    predicates: Iterable[Predicate] | None = None,
+) -> Explanation:
+    """The explanation that ``explain_recording`` will give, without facts: digest, rivals and whose tree are the same.
+
+    It tells before any long work whether a recording may be learned from. Arguments as there.
+
+    Raises:
+        LabelError: There is no label.
+    """
+    label = _label_about(recording, None, of)
+    predicates = known_predicates() if predicates is None else tuple(predicates)
+    return Explanation(
+        task=label.task,
+        demonstration=recording.name,
+        performing_agent=label.performing_agent,
+        target_agents=label.watched,
+        target_objects=label.target_objects,
+        source=_source(recording, label),
+        context=Context.of(settings, with_predicates(tree, predicates)),
+        nodes={},
+    )
 
 
 def explain_recording(

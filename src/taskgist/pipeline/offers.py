@@ -10,8 +10,8 @@ from taskgist.facts.predicates import Predicate, known_predicates
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree
 from taskgist.learning.knowledge import Knowledge
-from taskgist.learning.task_clauses import learned_clause
-from taskgist.learning.understanding import Clause
+from taskgist.learning.task_clauses import contradicted_tasks, learned_clause
+from taskgist.learning.understanding import PAPER, Clause
 from taskgist.pipeline.under_way import until
 from taskgist.planning.offers import Offers, offers_for
 from taskgist.recognition.intentions import Intention, intentions_at_the_end
@@ -38,6 +38,9 @@ def known_clauses(
 ) -> tuple[Clause, ...]:
     """What each known task means for its target agents; without tasks of which nothing was learned.
 
+    Those whose answers contradict each other are left out (``contradicted_tasks``), unless the paper's rule is asked
+    for.
+
     Args:
         knowledge: What is known.
         rule: By which rule; None: the one that speaks of each task.
@@ -45,12 +48,16 @@ def known_clauses(
 
     Raises:
         KnowledgeError: No task is known that is done for another.
+        ContradictionError: Answers about each of them contradict each other.
         UnknownNameError: There is no such rule.
     """
     tasks = [task for task in knowledge.tasks if "target" in knowledge.trees_of(task)]
     if not tasks:
         raise KnowledgeError("no task is known that is done for another", hint="learn some: taskgist learn --help")
-    clauses = (learned_clause(knowledge, task, rule, tree) for task in tasks)
+    left_out = {} if rule == PAPER else contradicted_tasks(knowledge, tree)
+    if len(left_out) == len(tasks):
+        raise left_out[tasks[0]]
+    clauses = (learned_clause(knowledge, task, rule, tree) for task in tasks if task not in left_out)
     return tuple(clause for clause in clauses if clause.literals)
 
 

@@ -7,8 +7,10 @@ facts at both ends are explained as a demonstration's are, and the known tasks a
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, field
 
+from taskgist.common.frozen import FrozenMap
 from taskgist.common.workers import Progress, silent
 from taskgist.errors import KnowledgeError
 from taskgist.facts.predicates import Predicate, known_predicates
@@ -60,11 +62,13 @@ class TaskRecogniser:
         by_tree: By whose trees: target agents', or performing agents' own.
         recordings: Those that were learned from.
         tree: Of which nodes facts are.
+        refused: Of trees in which tasks are known and none can be asked for: why.
     """
 
     by_tree: Mapping[TreeOf, Recogniser]
     recordings: frozenset[tuple[str, ...]]
     tree: HypothesisTree
+    refused: Mapping[TreeOf, KnowledgeError] = field(default_factory=FrozenMap)
 
     @classmethod
     def of(
@@ -79,12 +83,27 @@ class TaskRecogniser:
 
         Raises:
             KnowledgeError: No task is known, or one alone and nothing to compare it with.
+            ContradictionError: Answers about each task contradict each other.
         """
         known = [of for of in TREES_OF if any(whose == of for _, whose in knowledge.experiences)]
         if not known:
             raise KnowledgeError("nothing has been learned yet", hint="learn tasks first: taskgist learn RECORDINGS")
         recordings = frozenset(each.recording for each in knowledge.explanations)
-        return cls({of: Recogniser.of(knowledge, tree, of, background) for of in known}, recordings, tree)
+        by_tree: dict[TreeOf, Recogniser] = {}
+        refused: dict[TreeOf, KnowledgeError] = {}
+        for of in known:
+            try:
+                by_tree[of] = Recogniser.of(knowledge, tree, of, background)
+            except KnowledgeError as error:
+                refused[of] = error
+        if not by_tree:
+            raise refused[known[0]]
+        return cls(by_tree, recordings, tree, refused)
+
+    @property
+    def left_out(self) -> tuple[tuple[str, TreeOf], ...]:
+        """Tasks that are not asked for, and in whose trees: answers about them contradict each other."""
+        return tuple((task, of) for of, each in self.by_tree.items() for task in each.left_out)
 
     def recognise(
         self,
@@ -113,6 +132,8 @@ class TaskRecogniser:
         found = []
         for label in episodes_of_interest(recording, observer):
             whose: TreeOf = tree_of(of) if label.target_agents else "performer"
+            if whose in self.refused:
+                raise copy(self.refused[whose])
             if whose not in self.by_tree:
                 raise KnowledgeError(
                     "no task is known for target agents" if whose == "target" else "no task is known for who performs",

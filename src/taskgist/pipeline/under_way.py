@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable
+from copy import copy
 from dataclasses import dataclass
 
 from taskgist.errors import LabelError, RecordingError
@@ -80,11 +81,14 @@ def foresee_recording(
         One answer for each target agent and object of the label, or for each other agent.
 
     Raises:
+        KnowledgeError: None of these tasks can be asked for; see ``TaskRecogniser.of``.
         LabelError: Nothing has begun yet; or there is nobody for whom it might be done, or no task is known that is.
         RecordingError: The moment is outside of the recording.
     """
     so_far = until(recording, time_s)
     time_s = float(so_far.times_s[-1])
+    if "target" in recogniser.refused:
+        raise copy(recogniser.refused["target"])
     if "target" not in recogniser.by_tree:
         raise LabelError("no task is known that is done for another", hint="learn some first: taskgist learn --help")
     known = known_predicates() if predicates is None else tuple(predicates)

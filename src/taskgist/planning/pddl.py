@@ -27,6 +27,7 @@ from functools import cached_property
 from itertools import islice
 from typing import Any
 
+from taskgist.learning.task_clauses import BY_RULE
 from taskgist.learning.understanding import Clause
 from taskgist.perspective.effort import EFFORT_NAMES, NO_KNOWN_LEVEL
 from taskgist.planning.actions import Actions
@@ -386,7 +387,7 @@ ASCII = {"←": "<-", "≠": "!=", "≤": "<=", "≥": ">=", "≈": "about"}
 
 def _about(clause: Clause) -> Iterator[str]:
     """What the problem is about, as comments: the rule by which it was learned, and each literal."""
-    yield f"; {clause.head} <-{f' by the rule {clause.rule}' if clause.rule else ''}"
+    yield f"; {clause.head} <- {BY_RULE.get(clause.rule, '')}".rstrip()
     for literals, what in ((clause.literals, ""), (clause.usual, "usually "), (clause.always, "always shown ")):
         for literal in literals:
             text = "".join(ASCII.get(sign, sign) for sign in str(literal))

@@ -50,7 +50,7 @@ from taskgist.learning.clauses import (
 from taskgist.learning.evidence import Evidence, Kind
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.literals import SetLiteral, vocabularies
-from taskgist.learning.task_clauses import LIKELY, evidence_by_task, told_of
+from taskgist.learning.task_clauses import LIKELY, contradicted_tasks, evidence_by_task, told_of
 from taskgist.recognition.entailed import Entailed, entailed_tasks, raised
 
 PRIOR_ODDS = 0.7
@@ -155,10 +155,12 @@ class Recogniser:
     Args:
         known: What is known of each, sorted by name.
         entailed: Which of them entail which others, and in which share of their demonstrations.
+        left_out: Names of tasks that are not asked for, because answers about them contradict each other.
     """
 
     known: tuple[KnownTask, ...]
     entailed: Entailed = field(default_factory=FrozenMap)
+    left_out: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -168,7 +170,7 @@ class Recogniser:
         of: TreeOf = "target",
         background: Background | None = None,
     ) -> Recogniser:
-        """Learn each known task.
+        """Learn each known task; others are compared with those that are left out, too.
 
         Args:
             knowledge: What is known.
@@ -178,6 +180,7 @@ class Recogniser:
 
         Raises:
             KnowledgeError: No task is known in these trees, or one alone and there is nothing to compare it with.
+            ContradictionError: All of them have answers that contradict each other.
         """
         by_task = evidence_by_task(knowledge, of, background)
         if not by_task:
@@ -191,7 +194,12 @@ class Recogniser:
                     hint="learn another task as well: the neutral manipulations that are shipped are known for "
                     "target agents, with the standard tree and settings",
                 )
-        return cls.by_evidence(by_task, tree, {task: told_of(knowledge, task, tree, of) for task in by_task})
+        left_out = contradicted_tasks(knowledge, tree, of)
+        by_task = {task: evidence for task, evidence in by_task.items() if task not in left_out}
+        if not by_task:
+            raise next(iter(left_out.values()))
+        told = {task: told_of(knowledge, task, tree, of) for task in by_task}
+        return replace(cls.by_evidence(by_task, tree, told), left_out=tuple(left_out))
 
     @classmethod
     def by_evidence(

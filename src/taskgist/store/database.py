@@ -8,7 +8,7 @@ one transaction, as a union.
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from sqlalchemy import create_engine
@@ -108,7 +108,7 @@ def update(
         KnowledgeError: As ``load`` and ``Knowledge.add``. Nothing has been written then.
     """
     added = Knowledge().add(*explanations, allow_mixed=allow_mixed).answer(*answers)
-    tables.check_rivals(added, relabelled)
+    tables.check_rivals(added.explanations, relabelled)
     gone = list(forget)
 
     def add(connection: Connection) -> None:
@@ -125,6 +125,9 @@ def check(
     *,
     expected: Context | None = None,
     tasks: Iterable[str] | None = None,
+    added: Iterable[Explanation] = (),
+    relabelled: tables.Relabelled = "add",
+    names: Mapping[str, str] = tables.NO_NAMES,
     limits: Limits = DEFAULT.limits,
 ) -> None:
     """Refuse an address at which ``update`` would fail, before any long work. Nothing is changed.
@@ -133,12 +136,17 @@ def check(
         address: Path of a knowledge file, which need not exist, or URL of a database.
         expected: Settings and tree that its explanations must have been made with; None takes any.
         tasks: Of which ``load`` must be able to read afterwards what was learned; it need not if left out.
+        added: Explanations that are to be added, as far as they are known: of their facts none need be.
+        relabelled: As ``update``.
+        names: What they are called in errors, by digest, such as their files; else by their demonstrations.
         limits: How long to wait for other writers.
 
     Raises:
-        KnowledgeError: As ``load``, or it cannot be written.
+        KnowledgeError: As ``load``; it cannot be written; or a recording has another label, and that is refused.
     """
     path, where = file_of(address), shown(address)
+    wanted = tuple(added)
+    tables.check_rivals(wanted, relabelled, names)
     if path is not None and not is_there(path):
         check_replaceable(path, replace=True, error=KnowledgeError)
         return
@@ -147,6 +155,8 @@ def check(
         _prepare(connection, address)
         tables.touch(connection)
         found = frozenset(each.context for each in tables.contexts(connection, where))
+        if relabelled == "refuse":
+            tables.check_learned(connection, wanted, where, names)
         connection.rollback()
         return found
 

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import combinations, islice
 from operator import itemgetter
+from types import MappingProxyType
 from typing import Any, Literal, TypeVar
 
 from sqlalchemy import (
@@ -88,6 +89,7 @@ Fetched = Mapping[Any, Any]
 """Columns of a row by name."""
 FAST = 1
 """Level of packing."""
+NO_NAMES: Mapping[str, str] = MappingProxyType({})
 
 
 class Packed(bytes):
@@ -226,23 +228,38 @@ def _read(row: Fetched, parse: Callable[..., T], as_row: Callable[[T], dict[str,
 # --- Adding.
 
 
-def check_rivals(added: Knowledge, relabelled: Relabelled) -> None:
+def check_rivals(added: Iterable[Explanation], relabelled: Relabelled, names: Mapping[str, str] = NO_NAMES) -> None:
     """Refuse one recording under two labels at once, unless both are to be counted.
+
+    Args:
+        added: Explanations that are to be added; no values are looked at.
+        relabelled: What becomes of a recording with another label.
+        names: What explanations are called in errors, by digest; by their demonstrations where left out.
 
     Raises:
         KnowledgeError: There is one.
     """
-    by_recording = _by_recording(added.explanations) if relabelled != "add" else {}
+    by_recording = _by_recording(added) if relabelled != "add" else {}
     for each, other in (pair for rivals in by_recording.values() for pair in combinations(rivals, 2)):
         if each.is_rival_of(other):
             raise KnowledgeError(
-                f"the same recording as {other.demonstration!r}, "
+                f"the same recording as {names.get(other.digest, other.demonstration)!r}, "
                 + ("done right and done wrong" if each.wrong != other.wrong else "with another label"),
-                where=each.demonstration,
-                field="source",
-                value=each.source,
+                where=names.get(each.digest, each.demonstration),
                 hint="learn from one of them",
             )
+
+
+def check_learned(
+    connection: Connection, added: Iterable[Explanation], where: str, names: Mapping[str, str] = NO_NAMES
+) -> None:
+    """Refuse recordings that were learned from already with another label; arguments as ``check_rivals``.
+
+    Raises:
+        KnowledgeError: There is one.
+    """
+    for older, fresh in _rivals(connection, added, where):
+        raise _learned_already(older, fresh, where, names)
 
 
 def add(
@@ -254,11 +271,10 @@ def add(
         KnowledgeError: As ``Knowledge.merge``, or a recording was learned from already with another label and that is
             to be refused. Nothing has been written then.
     """
-    if relabelled != "add":
-        older = list(_rivals(connection, added, where))
-        if older and relabelled == "refuse":
-            raise _learned_already(*older[0])
-        forget(connection, {stored.digest for stored, _ in older})
+    if relabelled == "refuse":
+        check_learned(connection, added.explanations, where)
+    if relabelled == "replace":
+        forget(connection, {stored.digest for stored, _ in list(_rivals(connection, added.explanations, where))})
     known = _concerned(connection, added, where)
     wanted = known.merge(added, allow_mixed=allow_mixed)
     before = {each.digest: each for each in known.explanations}
@@ -311,12 +327,14 @@ def _concerned(connection: Connection, added: Knowledge, where: str) -> Knowledg
     return Knowledge().add(*same, *others, allow_mixed=True)
 
 
-def _rivals(connection: Connection, added: Knowledge, where: str) -> Iterator[tuple[Explanation, Explanation]]:
+def _rivals(
+    connection: Connection, added: Iterable[Explanation], where: str
+) -> Iterator[tuple[Explanation, Explanation]]:
     """Stored explanations of the recordings that are added, with other labels or times, and one that is added.
 
     See ``Knowledge.rivals``.
     """
-    by_recording = _by_recording(added.explanations)
+    by_recording = _by_recording(added)
     for stored in _found(connection, EXPLANATIONS.c.recording_key, (_key(*each) for each in by_recording), where):
         fresh = next((each for each in by_recording[stored.recording] if each.is_rival_of(stored)), None)
         if fresh is not None:
@@ -330,15 +348,14 @@ def _by_recording(explanations: Iterable[Explanation]) -> Mapping[tuple[str, ...
     return found
 
 
-def _learned_already(older: Explanation, fresh: Explanation) -> KnowledgeError:
+def _learned_already(older: Explanation, fresh: Explanation, where: str, names: Mapping[str, str]) -> KnowledgeError:
     problem, how = "was learned from already, with another label", ("right", "wrong")
     if older.wrong != fresh.wrong:
         problem = f"was learned from already, as a {older.task!r} done {how[older.wrong]}, and not {how[fresh.wrong]}"
     if fresh.demonstration != older.demonstration:
-        problem += f" as {fresh.demonstration!r}"
-    return KnowledgeError(
-        problem, where=older.demonstration, field="source", value=older.source, hint="add --replace to forget that"
-    )
+        problem += f" (there it is called {older.demonstration!r})"
+    hint = f"add --replace to forget what {where} holds of it"
+    return KnowledgeError(problem, where=names.get(fresh.digest, fresh.demonstration), hint=hint)
 
 
 def _found(connection: Connection, column: Column[Any], values: Iterable[str], where: str) -> Iterator[Explanation]:

@@ -37,7 +37,7 @@ from taskgist.common.workers import Progress, in_order, silent
 from taskgist.errors import InputError, SceneError, TaskgistError
 from taskgist.facts.values import Unknown
 from taskgist.learning import Knowledge
-from taskgist.learning.task_clauses import learned_clause
+from taskgist.learning.task_clauses import BY_RULE, learned_clause
 from taskgist.learning.understanding import PAPER, Clause, conjunction
 from taskgist.pipeline.explain import explain_all
 from taskgist.pipeline.performing import Outcome, perform
@@ -510,7 +510,7 @@ def sheets(found: TrialsFound) -> Iterator[Sheet]:
         for group, each in tallies.items()
     )
     yield Sheet(
-        f"Tasks performed in {len(rooms)} arrangements of rooms, learned by the rule {found.rule}",
+        f"Tasks performed in {len(rooms)} arrangements of rooms, learned {BY_RULE[found.rule]}",
         ("task", "robot", "solvable", "found of solvable", "second audit clean", "controllable", "strict clause"),
         rows,
         "In brackets: 95 % intervals (Wilson). Audit, controllable and strict: of all plans that were returned.",
