@@ -72,8 +72,14 @@ def very_many() -> Iterator[Figure]:
         done = subprocess.run([sys.executable, "-c", PROGRAM, str(path)], check=True, stderr=subprocess.PIPE, text=True)
     reading_s, learning_s, recognising_s, most_mb = map(float, done.stderr.split()[-4:])
     whole = f"{MANY:,} demonstrations of {OF_TASKS} tasks"
-    goal = {"goal": f"at most {GOAL_MB:,} MB of memory", "met": most_mb <= GOAL_MB}
-    yield Figure("recognising", f"reading {whole}", reading_s, counts={"MB at most": round(most_mb)}, **goal)
+    yield Figure(
+        "recognising",
+        f"reading {whole}",
+        reading_s,
+        goal=f"at most {GOAL_MB:,} MB of memory",
+        met=most_mb <= GOAL_MB,
+        counts={"MB at most": round(most_mb)},
+    )
     yield Figure("recognising", f"learning all tasks from {whole}", learning_s)
     few = Recogniser.of(Knowledge().add(*(demonstration(number) for number in range(10 * OF_TASKS))))
     beside = {f"by {10 * OF_TASKS}": seconds(lambda: few.recognise(demonstration(0).nodes))}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -113,7 +114,7 @@ def rounded(place: Place) -> tuple[str, ...]:
     return place.support, *(f"{value:.6f}" for value in place.position_m)
 
 
-SCENES = {
+SCENES: dict[str, Callable[[], Scene]] = {
     "made by hand": ROOM.scene,
     "of meshes": of_meshes,
     "ordinary": furnished(7, 5).scene,

@@ -170,8 +170,8 @@ def test_an_addition_reads_only_what_it_needs(address: str, many: int) -> None:
     looked_at: list[str] = []
     found = tables.explanation_of
 
-    def counted(row: tables.AnyRow, where: str) -> Explanation:
-        looked_at.append(row.digest)
+    def counted(row: tables.Fetched, where: str) -> Explanation:
+        looked_at.append(row["digest"])
         return found(row, where)
 
     with pytest.MonkeyPatch.context() as patch:
