@@ -58,7 +58,7 @@ PRIOR_ODDS = 0.7
 demonstrations of each of six tasks is within 0.02 of its least, and 3 % of what is a task are called none."""
 PSEUDO = 2.0
 """m of the m-estimate of how often a task's demonstrations have a value: as a + b of the paper's default."""
-NEARLY = 0.95
+NEARLY = 0.9
 """A task that entails the most probable one, and is at least so probable beside it, is named first (ours: with less the
 more general one is missed, with more the more special one; seed 101)."""
 LEAST_LN_ODDS = -30.0
