@@ -18,7 +18,7 @@ from taskgist.recording import Recording, columns, container, foxglove, mcap, re
 from taskgist.recording import recording as recorded
 from tests.importing.recordings import LABEL, recording, room
 
-SHORT, LONG = 160, 480
+SHORT, LONG = 320, 960
 
 
 @pytest.fixture(scope="module", autouse=True)
