@@ -331,10 +331,12 @@ class Counting:
             Kind(kind.start + (own.count if kind.start < own.start else 0), kind.count) for kind in others
         )
         self._all = (1 << evidence.size) - 1
-        self._neutral = tuple(
-            name.startswith(NEUTRAL) for name, kind in evidence.kinds.items() if name != task and kind.count
-        )
         self._masks = tuple((kind.start, (1 << kind.count) - 1, kind.count) for kind in self._kinds)
+        neutral = [name.startswith(NEUTRAL) for name, kind in evidence.kinds.items() if name != task and kind.count]
+        self._of_neutral, self._of_tasks = (
+            tuple(mask for mask, is_neutral in zip(self._masks, neutral, strict=True) if is_neutral == wanted)
+            for wanted in (True, False)
+        )
 
     @property
     def compares(self) -> bool:
@@ -392,22 +394,24 @@ class Counting:
         if not self._kinds:
             return 0.5
         known_everywhere = (true | false) == self._all
-        total = in_tasks = in_neutral = 0.0
-        for (start, whole, known), neutral in zip(self._masks, self._neutral, strict=True):
+        total = in_tasks = 0.0
+        for start, whole, known in self._of_neutral:
             hits = (true >> start & whole).bit_count()
             if not known_everywhere:
                 known = hits + (false >> start & whole).bit_count()
-            share = (hits + SMOOTHING) / (known + 2 * SMOOTHING)
-            total += share
-            if neutral:
-                in_neutral += share
-            elif hits:
-                in_tasks += hits / known
-        mean, neutral_kinds = total / len(self._masks), sum(self._neutral)
-        if not neutral_kinds:
+            total += (hits + SMOOTHING) / (known + 2 * SMOOTHING)
+        in_neutral = total
+        for start, whole, known in self._of_tasks:
+            hits = (true >> start & whole).bit_count()
+            if not known_everywhere:
+                known = hits + (false >> start & whole).bit_count()
+            total += (hits + SMOOTHING) / (known + 2 * SMOOTHING)
+            in_tasks += hits / known if hits else 0.0
+        mean = total / len(self._masks)
+        if not self._of_neutral:
             return mean
-        among = in_tasks + NEUTRAL_AMONG_TASKS * in_neutral / neutral_kinds
-        return max(mean, among / (len(self._masks) - neutral_kinds + NEUTRAL_AMONG_TASKS))
+        among = in_tasks + NEUTRAL_AMONG_TASKS * in_neutral / len(self._of_neutral)
+        return max(mean, among / (len(self._of_tasks) + NEUTRAL_AMONG_TASKS))
 
 
 class _Search(Counting):
