@@ -484,11 +484,11 @@ class _Search(Counting):
         return tuple(each for each in constant if each.literal.instant == 2 and each.support.chance >= USUAL)
 
     def always(self, best: _Found) -> tuple[LiteralSupport, ...]:
-        """What else was always so: the deepest values of each branch, but for what is said or usual."""
-        constant, usual = self._constant(best), self.usual(best)
-        above = {name for each in (*constant, *usual) for name in self._ancestors(each.literal.node)}
+        """What else was always so: the deepest values of each branch, but for what is said or usually is so anyway."""
+        constant = self._constant(best)
+        above = {name for each in constant for name in self._ancestors(each.literal.node)}
         above |= {name for index in best.members for name in self._ancestors(self._candidates[index].literal.node)}
-        return tuple(each for each in constant if each not in usual and each.literal.node not in above)
+        return tuple(each for each in constant if each.support.chance < USUAL and each.literal.node not in above)
 
     def _ancestors(self, node: str) -> Iterator[str]:
         while (above := self._parents.get(node)) is not None:
