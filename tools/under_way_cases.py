@@ -29,13 +29,12 @@ from taskgist.pipeline.under_way import moment_of
 from taskgist.recognition.completion import FACTS, SCALES, SHIPPED, WORDS, Case, cases_document
 from taskgist.recording.recording import Recording
 from taskgist_lab.evaluation.pool import JUDGING_ONLY, NEUTRAL, is_held_out
+from taskgist_lab.evaluation.under_way import SHARES
 from taskgist_lab.generator.simulation import TASKS, name_of, simulate
 
 SEED = 101
 COUNTS = {True: 8, False: 29}
 """Demonstrations of each neutral manipulation, and of each task; those that are held out for judging are left out."""
-SHARES = (0.25, 0.5, 0.75, 0.9)
-"""Moments, as shares of the labelled time."""
 
 
 def main() -> None:

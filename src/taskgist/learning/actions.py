@@ -21,7 +21,7 @@ from itertools import permutations
 
 from taskgist.errors import KnowledgeError
 from taskgist.facts.tree import Node, TreeOf
-from taskgist.learning.clauses import COVERAGE, SMOOTHING, ClausePosterior, learn_clauses
+from taskgist.learning.clauses import COVERAGE, ClausePosterior, learn_clauses, smoothed
 from taskgist.learning.evidence import Evidence
 from taskgist.learning.explanation import Explanation
 from taskgist.learning.knowledge import Knowledge
@@ -128,4 +128,4 @@ def _in_order(sequence: tuple[str, ...], times: dict[str, tuple[float, int]]) ->
 
 def _share(sequence: tuple[str, ...], seen: list[dict[str, tuple[float, int]]]) -> float:
     hits = sum(_in_order(sequence, each) for each in seen)
-    return (hits + SMOOTHING) / (len(seen) + 2 * SMOOTHING)
+    return smoothed(hits, len(seen))

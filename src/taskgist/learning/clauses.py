@@ -257,6 +257,11 @@ def ln_beta(x: int, y: int) -> float:
     return _ln_factorial(x - 1) + _ln_factorial(y - 1) - _ln_factorial(x + y - 1)
 
 
+def smoothed(hits: int, known: int) -> float:
+    """The share that so many hits are of so many, (h + ½) / (n + 1): never 0, never 1, and one half of none."""
+    return (hits + SMOOTHING) / (known + 2 * SMOOTHING)
+
+
 def clause_score(support: Support, bits: float, slips: tuple[int, int] = SLIPS) -> float:
     """Natural logarithm of the odds that a clause is what a task is about and not chance.
 
@@ -331,11 +336,11 @@ class Counting:
             Kind(kind.start + (own.count if kind.start < own.start else 0), kind.count) for kind in others
         )
         self._all = (1 << evidence.size) - 1
-        self._masks = tuple((kind.start, (1 << kind.count) - 1, kind.count) for kind in self._kinds)
         neutral = [name.startswith(NEUTRAL) for name, kind in evidence.kinds.items() if name != task and kind.count]
-        self._of_neutral, self._of_tasks = (
-            tuple(mask for mask, is_neutral in zip(self._masks, neutral, strict=True) if is_neutral == wanted)
-            for wanted in (True, False)
+        self._neutral_kinds = sum(neutral)
+        self._masks = tuple(
+            (kind.start, (1 << kind.count) - 1, kind.count, is_neutral)
+            for kind, is_neutral in zip(self._kinds, neutral, strict=True)
         )
 
     @property
@@ -350,11 +355,8 @@ class Counting:
 
     def truth(self, literals: Iterable[SetLiteral]) -> tuple[int, int]:
         """The demonstrations in which a conjunction holds, and those in which it fails."""
-        true, false = self._all, 0
-        for literal in literals:
-            holds, fails = (_moved(bits, self._place) for bits in self._evidence.truth(literal))
-            true, false = true & holds, false | fails
-        return true, false
+        true, false = self._evidence.together(literals)
+        return _moved(true, self._place), _moved(false, self._place)
 
     def support(self, true: int, false: int) -> Support:
         """How often something holds here, and by chance.
@@ -382,7 +384,7 @@ class Counting:
     def share(self, bits: int) -> float:
         """Share that some demonstrations are of all, the task's own and each kind of background weighing the same."""
         parts = [(bits & self._own).bit_count() / self._n] if self._n else []
-        parts += [(bits >> start & whole).bit_count() / count for start, whole, count in self._masks]
+        parts += [(bits >> start & whole).bit_count() / count for start, whole, count, _ in self._masks]
         return math.fsum(parts) / max(1, len(parts))
 
     def _chance(self, true: int, false: int) -> float:
@@ -394,24 +396,22 @@ class Counting:
         if not self._kinds:
             return 0.5
         known_everywhere = (true | false) == self._all
-        total = in_tasks = 0.0
-        for start, whole, known in self._of_neutral:
+        total = in_tasks = in_neutral = 0.0
+        for start, whole, known, is_neutral in self._masks:
             hits = (true >> start & whole).bit_count()
             if not known_everywhere:
                 known = hits + (false >> start & whole).bit_count()
-            total += (hits + SMOOTHING) / (known + 2 * SMOOTHING)
-        in_neutral = total
-        for start, whole, known in self._of_tasks:
-            hits = (true >> start & whole).bit_count()
-            if not known_everywhere:
-                known = hits + (false >> start & whole).bit_count()
-            total += (hits + SMOOTHING) / (known + 2 * SMOOTHING)
-            in_tasks += hits / known if hits else 0.0
-        mean = total / len(self._masks)
-        if not self._of_neutral:
+            share = (hits + SMOOTHING) / (known + 2 * SMOOTHING)  # as ``smoothed``, where a call would be felt
+            total += share
+            if is_neutral:
+                in_neutral += share
+            elif hits:
+                in_tasks += hits / known
+        mean, neutral = total / len(self._masks), self._neutral_kinds
+        if not neutral:
             return mean
-        among = in_tasks + NEUTRAL_AMONG_TASKS * in_neutral / len(self._of_neutral)
-        return max(mean, among / (len(self._of_tasks) + NEUTRAL_AMONG_TASKS))
+        among = in_tasks + NEUTRAL_AMONG_TASKS * in_neutral / neutral
+        return max(mean, among / (len(self._masks) - neutral + NEUTRAL_AMONG_TASKS))
 
 
 class _Search(Counting):

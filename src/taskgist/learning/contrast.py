@@ -22,7 +22,7 @@ from taskgist.errors import KnowledgeError
 from taskgist.facts.standard import STANDARD_TREE
 from taskgist.facts.tree import HypothesisTree, Nodes, TreeOf
 from taskgist.facts.values import UNKNOWN, Unknown
-from taskgist.learning.clauses import EQUAL, SMOOTHING
+from taskgist.learning.clauses import EQUAL, smoothed
 from taskgist.learning.evidence import Evidence, evidence_of
 from taskgist.learning.knowledge import Knowledge
 from taskgist.learning.literals import SetLiteral, vocabularies
@@ -61,7 +61,7 @@ class Contrasted:
 
     @property
     def _shares(self) -> tuple[float, float]:
-        return _share(*self.first), _share(*self.second)
+        return smoothed(*self.first), smoothed(*self.second)
 
 
 @dataclass(frozen=True)
@@ -134,10 +134,6 @@ def contrast_of(
             best.append(each)
             told |= {bits, bits[::-1]}
     return Contrast(own.task, other.task, tuple(best), own.tree_of)
-
-
-def _share(hits: int, known: int) -> float:
-    return (hits + SMOOTHING) / (known + 2 * SMOOTHING)
 
 
 def _order(each: Contrasted) -> tuple[float, float, tuple[str, bool, tuple[str, ...]]]:

@@ -103,6 +103,14 @@ class Evidence:
         named = sum(having.get(value, 0) for value in literal.values)  # no demonstration has two values of a node
         return (known & ~named, named) if literal.but else (named, known & ~named)
 
+    def together(self, literals: Iterable[SetLiteral]) -> tuple[int, int]:
+        """The same of a conjunction: it holds where all do, and fails where one does."""
+        true, false = (1 << self.size) - 1, 0
+        for literal in literals:
+            holds, fails = self.truth(literal)
+            true, false = true & holds, false | fails
+        return true, false
+
 
 def effects_of(explanation: Explanation) -> dict[str, str]:
     """The known values of an explanation."""

@@ -18,13 +18,12 @@ from itertools import permutations
 from taskgist.common.frozen import FrozenMap
 from taskgist.facts.tree import Nodes
 from taskgist.facts.values import Observation
-from taskgist.learning.clauses import SMOOTHING, WeighedClause
+from taskgist.learning.clauses import WeighedClause, smoothed
 from taskgist.learning.evidence import Evidence
+from taskgist.learning.task_clauses import LIKELY
 
 ENTAILS = 0.8
 """Share of its demonstrations from which on a task entails another (ours: fitted on seed 101, beside 0.7)."""
-RECOGNISED = 0.5
-"""A task is recognised in a demonstration where it is more probable than this."""
 MOST = 50
 """Demonstrations of a task that are looked at, evenly spread over all."""
 
@@ -47,10 +46,10 @@ def entailed_tasks(
     found = {}
     for task, other in permutations(by_task, 2):
         evidence = by_task[other]
-        if task in evidence.kinds and _share_by_clause(evidence, task, clauses[other]) > RECOGNISED:
+        if task in evidence.kinds and _share_by_clause(evidence, task, clauses[other]) > LIKELY:
             demonstrations = _some_of(evidence, task)
-            hits = sum(probability(other, nodes) > RECOGNISED for nodes in demonstrations)
-            share = (hits + SMOOTHING) / (len(demonstrations) + 2 * SMOOTHING)
+            hits = sum(probability(other, nodes) > LIKELY for nodes in demonstrations)
+            share = smoothed(hits, len(demonstrations))
             if share >= ENTAILS:
                 found[task, other] = share
     return FrozenMap(found)
@@ -66,7 +65,7 @@ def raised(alone: Mapping[str, float], entailed: Entailed) -> dict[str, tuple[fl
     found: dict[str, tuple[float, str | None]] = {task: (each, None) for task, each in alone.items()}
     for (task, other), share in entailed.items():
         total = share * alone[task] + (1.0 - alone[task]) * alone[other]
-        if alone[task] > RECOGNISED and total > found[other][0]:
+        if alone[task] > LIKELY and total > found[other][0]:
             found[other] = total, task
     return found
 
@@ -74,10 +73,8 @@ def raised(alone: Mapping[str, float], entailed: Entailed) -> dict[str, tuple[fl
 def _share_by_clause(evidence: Evidence, task: str, clause: WeighedClause) -> float:
     """The share of a task's demonstrations in which a clause holds: quickly, for all of them at once."""
     kind = evidence.kind(task)
-    bits = (1 << evidence.size) - 1
-    for literal in clause.literals:
-        bits &= evidence.truth(literal)[0]
-    return kind.of(bits).bit_count() / kind.count if kind.count else 0.0
+    holds, _ = evidence.together(clause.literals)
+    return kind.of(holds).bit_count() / kind.count if kind.count else 0.0
 
 
 def _some_of(evidence: Evidence, task: str) -> list[Nodes]:

@@ -228,7 +228,7 @@ def _truth(coded: Coded) -> dict[str, float]:
     clean = [each for each in coded.pool.samples if each.condition == CLEAN]
     for task in coded.pool.tasks:
         columns = {node: coded.index(node) for node, _ in INTENTIONS[task]}
-        done = [each for each in clean if task == each.task or task in each.fulfilled]
+        done = [each for each in clean if each.fulfils(task)]
         for literal in intention(task):
             values = [each.values[columns[literal.node]] for each in done]
             known = [value for value in values if value is not None]

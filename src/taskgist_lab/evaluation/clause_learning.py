@@ -183,7 +183,7 @@ def _features(coded: Coded, codes: Codes) -> Mask:
 
 def _fulfilled(samples: Sequence[Sample], tasks: Sequence[str]) -> Mask:
     """Whether each sample fulfils each task, (tasks, samples)."""
-    return np.array([[task == each.task or task in each.fulfilled for each in samples] for task in tasks])
+    return np.array([[each.fulfils(task) for each in samples] for task in tasks])
 
 
 def _posteriors(

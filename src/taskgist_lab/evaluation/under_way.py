@@ -140,7 +140,7 @@ def _scored(said: Sequence[Said], share: float, how: str) -> Foreseeing:
 
 
 def _fulfils(said: Said, task: str | None) -> bool:
-    return task is not None and task in {said.sample.task, *said.sample.fulfilled}
+    return task is not None and said.sample.fulfils(task)
 
 
 def _reliability(said: Sequence[Said]) -> list[tuple[float, float, int]]:
@@ -156,5 +156,5 @@ def _table(said: Sequence[Said]) -> tuple[np.ndarray, np.ndarray]:
     """Probabilities and truth, (demonstrations, tasks)."""
     tasks = sorted({task for each in said for task in each.probability})
     given = np.array([[each.probability[task] for task in tasks] for each in said])
-    true = np.array([[task in {each.sample.task, *each.sample.fulfilled} for task in tasks] for each in said])
+    true = np.array([[each.sample.fulfils(task) for task in tasks] for each in said])
     return given.reshape(len(said), len(tasks)), true.reshape(len(said), len(tasks))

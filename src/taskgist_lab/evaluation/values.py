@@ -63,6 +63,10 @@ class Sample:
         plain = tuple(None if isinstance(value, Unknown) else value for value in values)
         return Sample(explanation.task, number, condition, means, plain, fulfilled)
 
+    def fulfils(self, task: str) -> bool:
+        """Whether it was played as a task, or is that one as well."""
+        return task == self.task or task in self.fulfilled
+
     def explanation(self, nodes: Sequence[str], context: Context) -> Explanation:
         """The explanation again, without evidence, of the pool's nodes and under its context."""
         return Explanation(
