@@ -108,7 +108,7 @@ def f1(scores: Sequence[ClauseScores]) -> Iterator[str]:
 def both(scores: Sequence[ClauseScores], learner: str, others: int | None, setting: str, after: int) -> str:
     """F1 in percent as fulfilled, and as played in brackets."""
     rows = [each.row(learner, others, setting, after) for each in scores]
-    fulfilled, played = (fmean(getattr(row, by).mean or 0.0 for row in rows) for by in ("as_fulfilled", "as_played"))
+    fulfilled, played = (fmean(getattr(each, by).mean or 0.0 for each in rows) for by in ("as_fulfilled", "as_played"))
     return f"{100 * fulfilled:.0f} ({100 * played:.0f})"
 
 

@@ -105,6 +105,15 @@ class TaskRecogniser:
         """Tasks that are not asked for, and in whose trees: answers about them contradict each other."""
         return tuple((task, of) for of, each in self.by_tree.items() for task in each.left_out)
 
+    def check(self, of: TreeOf) -> None:
+        """Refuse trees in which tasks are known and none can be asked for.
+
+        Raises:
+            KnowledgeError: They are such; says why.
+        """
+        if of in self.refused:
+            raise copy(self.refused[of])  # each time with a trace of its own
+
     def recognise(
         self,
         recording: Recording,
@@ -132,8 +141,7 @@ class TaskRecogniser:
         found = []
         for label in episodes_of_interest(recording, observer):
             whose: TreeOf = tree_of(of) if label.target_agents else "performer"
-            if whose in self.refused:
-                raise copy(self.refused[whose])
+            self.check(whose)
             if whose not in self.by_tree:
                 raise KnowledgeError(
                     "no task is known for target agents" if whose == "target" else "no task is known for who performs",

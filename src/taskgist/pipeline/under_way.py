@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable
-from copy import copy
 from dataclasses import dataclass
 
 from taskgist.errors import LabelError, RecordingError
@@ -87,8 +86,7 @@ def foresee_recording(
     """
     so_far = until(recording, time_s)
     time_s = float(so_far.times_s[-1])
-    if "target" in recogniser.refused:
-        raise copy(recogniser.refused["target"])
+    recogniser.check("target")
     if "target" not in recogniser.by_tree:
         raise LabelError("no task is known that is done for another", hint="learn some first: taskgist learn --help")
     known = known_predicates() if predicates is None else tuple(predicates)
